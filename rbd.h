@@ -1,0 +1,3907 @@
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.1.0.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
+
+   Inverse dynamics (RNEA), mass matrix (CRBA) and forward dynamics (ABA, or Cholesky) of any
+   tree of bodies, without allocation, dependency, global or NaN. In ONE file of the program:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd.h"
+
+   and plain #include "rbd.h" everywhere else. Quick start, a pendulum:
+
+       static const rbd_body bodies[1] = {{.name = "rod", .joint = "hinge", .parent = -1,
+           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5}}};
+       unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
+       const rbd_model *m; rbd_work *w;
+       rbd_model_build(bodies, 1, model_memory, sizeof model_memory, &m, NULL);
+       rbd_work_init(m, work_memory, sizeof work_memory, &w);
+       double q[1] = {0.5}, v[1] = {0}, tau[1] = {0}, a[1];
+       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -g sin(q) / 0.5
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [guarantees] [limits]
+     [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup]
+     --- stop here if you only use it ---
+     [scalar] [spatial algebra] [joints] [model build] [state] [kinematics code] [rnea] [crba]
+     [aba] [cholesky] [manifold code] [licence]
+
+   [conventions]
+     units             SI: m, kg, s, rad, N, N m
+     spatial vectors   Featherstone's: angular first; motion (omega; v), force (moment; force)
+     frames            a body's quantities are in its own link frame (the user's, as in a URDF),
+                       at that frame's origin
+     order of q, v     the order of the bodies in the description
+     matrices          row-major
+     gravity           a vector in the world frame, (0, 0, -9.81) unless rbd_set_gravity is called
+     f_ext             nb x 6: the wrench (moment; force) acting ON each body, in its axes, at its
+                       origin; NULL = none
+     joint             q                             v
+     revolute          angle                         its rate
+     continuous        angle, unbounded              its rate
+     continuous_cs     (cos, sin)                    rate of the angle
+     prismatic         length                        its rate
+     helical           angle; length = pitch angle   its rate
+     cylindrical       (angle, length)               their rates
+     universal         2 angles: axis, then axis2    their rates
+     spherical         (qx, qy, qz, qw)              omega, body axes
+     euler_zyx etc.    3 angles in the order named   their rates
+     planar            (x, y, angle)                 (omega, vx, vy), body axes
+     translation       (x, y, z)                     their rates, joint axes
+     floating          (x, y, z, qx, qy, qz, qw)     (omega; v), body axes
+     Quaternions turn body vectors into the joint frame. They need not be of unit length (only
+     their direction counts); the zero quaternion is read as the identity.
+     a = dv/dt component by component (floating: the spatial acceleration in body axes).
+
+   [configuration] Define before including; the same in every file that includes.
+     RBD_REAL         scalar of states and results: double (default), float, __float128
+     RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
+     RBD_REAL_CUSTOM  RBD_REAL is a C++ class with + - * / unary -, < and a constructor from
+                      RBD_CONST; sin, cos, sqrt are found by argument-dependent lookup
+     RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
+     RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
+     RBD_STATIC       every function is static
+     RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only)
+
+   [guarantees]
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
+     lies in the caller's rbd_work. The model is never written after the build; it may be const
+     data in flash. Finite input gives finite output: a singular system is an error that names
+     the degree of freedom. From libm only sin, cos, sqrt. The same input gives the same bits on
+     every call of one build; between builds, contraction to FMA changes last bits.
+
+   [limits]
+     No contact, no closed loops (but mimic joints), no flexible bodies, no integrator beyond one
+     step on the configuration manifold. Damping and friction are described but no algorithm
+     applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
+*/
+#ifndef RBD_H
+#define RBD_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define RBD_VERSION "0.1.0"
+#define RBD_MODEL_VERSION 1 /* layout of the built model; generated tables check it */
+
+/* ---- configuration ---- */
+
+#ifndef RBD_REAL
+#define RBD_REAL double
+#endif
+#if !defined RBD_CONST && defined RBD_REAL_CUSTOM
+#define RBD_CONST double
+#elif !defined RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#ifdef RBD_STATIC
+#define RBD_API static RBDI_UNUSED
+#else
+#define RBD_API extern
+#endif
+#ifdef __GNUC__
+#define RBDI_UNUSED __attribute__((unused))
+#define RBDI_EXTENSION __extension__
+#else
+#define RBDI_UNUSED
+#define RBDI_EXTENSION
+#endif
+
+RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
+#ifdef RBD_LANES
+typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
+#else
+RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
+#endif
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#define RBDI_EXTERN_C_END }
+#else
+#define RBDI_EXTERN_C_END
+#endif
+
+/* ---- types [types] ---- */
+
+/* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
+typedef enum rbd_joint_type {
+    RBD_FIXED,         /* merged into the parent; the body stays available as a named frame */
+    RBD_REVOLUTE,      /* about axis */
+    RBD_CONTINUOUS,    /* about axis, no limits */
+    RBD_CONTINUOUS_CS, /* about axis, q = (cos, sin) */
+    RBD_PRISMATIC,     /* along axis */
+    RBD_HELICAL,       /* about axis, and pitch metres per radian along it */
+    RBD_CYLINDRICAL,   /* about and along axis, independently */
+    RBD_UNIVERSAL,     /* about axis, then about axis2 (carried along by the first turn) */
+    RBD_SPHERICAL,     /* quaternion */
+    RBD_EULER_ZYX,     /* R = Rz(q0) Ry(q1) Rx(q2) */
+    RBD_EULER_XYZ,
+    RBD_EULER_YXZ,
+    RBD_EULER_ZXY,
+    RBD_PLANAR,      /* in the x-y plane of the joint frame */
+    RBD_TRANSLATION, /* along x, y, z of the joint frame */
+    RBD_FLOATING,    /* free */
+    RBD_JOINT_TYPES  /* how many there are */
+} rbd_joint_type;
+
+/* One body and the joint that carries it: a row of the description. Zero is a sensible default for
+   every field but parent (-1 = world), axis where the joint has one, and mass. */
+typedef struct rbd_body {
+    const char *name;     /* of the link; unique, NULL = nameless */
+    const char *joint;    /* name of the joint; unique, NULL = nameless */
+    int parent;           /* index of an earlier body, or -1 for the world */
+    rbd_joint_type type;  /* of the joint */
+    double axis[3];       /* in the joint frame; need not be of unit length */
+    double axis2[3];      /* universal: the second axis */
+    double pitch;         /* helical: m/rad */
+    double position[3];   /* of the joint frame's origin in the parent's link frame */
+    double rotation[9];   /* 3 x 3, joint-frame vectors into parent-frame vectors; all 0 = identity */
+    double mass;          /* kg */
+    double com[3];        /* centre of mass, link frame */
+    double inertia[6];    /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
+    double armature[6];   /* per degree of freedom: rotor inertia seen at the joint; in M, rnea, fd */
+    double damping[6];    /* per degree of freedom: see rbd_passive */
+    double friction[6];   /* per degree of freedom: see rbd_passive */
+    double lower, upper;  /* limits of a one-dof joint; none if lower >= upper */
+    double velocity;      /* limit, 0 = none; carried for the user */
+    double effort;        /* limit, 0 = none; carried for the user */
+    const char *mimic;    /* name of the joint this one follows, NULL = none; one-dof joints only */
+    double mimic_ratio;   /* q = ratio * (q of that joint) + offset */
+    double mimic_offset;
+} rbd_body;
+
+typedef struct rbd_model rbd_model; /* constants: see rbd_model_build */
+typedef struct rbd_work rbd_work;   /* scratch and results of one thread: see rbd_work_init */
+
+/* ---- status [status] ---- */
+
+/* What every function returns: 0, or a negative error. A build error names body and field. */
+typedef enum rbd_status {
+    RBD_OK = 0,
+    RBD_ERR_NULL = -1,     /* a required pointer is NULL */
+    RBD_ERR_MEMORY = -2,   /* the memory given is too small */
+    RBD_ERR_VERSION = -3,  /* the built model is of another version or scalar */
+    RBD_ERR_INDEX = -4,    /* no such body or degree of freedom */
+    RBD_ERR_ORDER = -5,    /* rbd_kinematics must be called first */
+    RBD_ERR_SINGULAR = -6, /* the mass matrix is singular: rbd_singular_dof says where */
+    RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES */
+    RBD_ERR_NAME = -8,     /* a name stands twice */
+    RBD_ERR_PARENT = -9,   /* parent is not an earlier body or -1 */
+    RBD_ERR_TYPE = -10,    /* unknown joint type */
+    RBD_ERR_AXIS = -11,    /* axis zero or not finite; universal: axes parallel */
+    RBD_ERR_PITCH = -12,   /* not finite */
+    RBD_ERR_POSITION = -13,
+    RBD_ERR_ROTATION = -14, /* not finite or not orthonormal and right-handed */
+    RBD_ERR_MASS = -15,     /* not finite or negative */
+    RBD_ERR_COM = -16,
+    RBD_ERR_INERTIA = -17,
+    RBD_ERR_LEAF = -18,     /* a movable leaf without mass, inertia and armature */
+    RBD_ERR_ARMATURE = -19, /* not finite or negative; likewise the next two */
+    RBD_ERR_DAMPING = -20,
+    RBD_ERR_FRICTION = -21,
+    RBD_ERR_LIMITS = -22, /* not finite, or a negative velocity or effort limit */
+    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, or what it follows is missing or follows too */
+    /* warnings of the build: dynamics can compute with it, but no real body is like this */
+    RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
+    RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
+    RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
+    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
+} rbd_status;
+
+/* One sentence for a status, English, static. */
+RBD_API const char *rbd_status_string(rbd_status status);
+
+/* One finding of the build. */
+typedef struct rbd_finding {
+    rbd_status status;
+    int body;          /* index in the description, -1 = the whole model */
+    const char *name;  /* of that body, NULL if nameless; points into the description */
+    const char *field; /* of rbd_body, e.g. "inertia" */
+} rbd_finding;
+
+#define RBD_MAX_WARNINGS 16
+/* What the build found: the first error, and the warnings (counted all, kept as far as they fit). */
+typedef struct rbd_report {
+    rbd_finding error; /* error.status is RBD_OK if there is none */
+    int warnings;
+    rbd_finding warning[RBD_MAX_WARNINGS];
+} rbd_report;
+
+/* Writes a finding as a sentence, e.g. "body 3 'left_foot', field 'mass': negative or not finite",
+   cut to fit, always terminated. text: size bytes. Returns text. */
+RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
+
+/* ---- build [build] ---- */
+
+#define RBD_MAX_BODIES 1000
+
+/* Builds a model from a description into the caller's memory.
+   bodies   nb rows, parents first; only its strings must outlive the model
+   memory   size bytes of any alignment; RBD_MODEL_SIZE(nb) always suffices
+   model    receives the model, which lies inside memory: do not move it
+   report   receives the error and the warnings; may be NULL
+   Errors: RBD_ERR_NULL, _MEMORY, _COUNT, and all from RBD_ERR_NAME on, with body and field. */
+RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                   const rbd_model **model, rbd_report *report);
+
+/* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
+RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
+
+/* ---- work [work] ---- */
+
+/* Prepares the memory that the algorithms work in; one per thread.
+   memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices
+   work     receives the work structure, which lies inside memory: do not move it
+   Errors: RBD_ERR_NULL, _MEMORY, _VERSION. */
+RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
+
+/* Bytes that rbd_work_init needs for this model. */
+RBD_API size_t rbd_work_size(const rbd_model *m);
+
+/* Sets gravity, 3 components in the world frame, for the calls that follow. */
+RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
+
+/* After RBD_ERR_SINGULAR: the degree of freedom (index into v) whose pivot vanished; else -1. */
+RBD_API int rbd_singular_dof(const rbd_work *w);
+
+/* ---- dynamics [dynamics] ----
+   q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
+   same shape, but must not overlap otherwise. All include armature; none includes damping and
+   friction. Errors: RBD_ERR_NULL, and RBD_ERR_SINGULAR where said. */
+
+/* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
+RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
+
+/* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
+RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *f_ext, rbd_real *c);
+
+/* Gravity torque g = tau at v = a = 0: what holds the robot still. */
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
+
+/* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
+
+/* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
+   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. */
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
+
+/* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
+RBD_API int rbd_packed_size(const rbd_model *m);
+
+/* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
+
+/* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. A model with
+   mimic joints goes by rbd_fd_cholesky. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+
+/* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   rbd_real *a);
+
+/* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
+   M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
+   L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
+   L may be M. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M,
+                                       rbd_real *L);
+
+/* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H);
+
+/* Solves M x = b with the factor L. b, x: nv; may be the same. */
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L,
+                                      const rbd_real *b, rbd_real *x);
+
+/* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
+   the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
+   A mimic joint's share is carried to the joint it follows. */
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
+
+/* ---- kinematics [kinematics] ---- */
+
+/* Computes poses, velocities and accelerations of all bodies; the functions below read them.
+   v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics. */
+RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *a);
+
+/* Pose of a body: R 3 x 3 turns link vectors into world vectors, p is the link origin in the world.
+   R or p may be NULL. Errors of these four: RBD_ERR_NULL, _INDEX, _ORDER. */
+RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+                                 rbd_real p[3]);
+
+/* Spatial velocity (omega; v of the link origin), link axes. */
+RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                     rbd_real velocity[6]);
+
+/* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
+RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                         rbd_real acceleration[6]);
+
+/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity:
+   what an accelerometer at the origin measures, plus gravity. */
+RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                   rbd_real acceleration[6]);
+
+/* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
+   that a joint moves; after rbd_kinematics. Either may be NULL. */
+RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
+                              rbd_real *potential);
+
+/* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
+   Each may be NULL. Zero if there is no mass. */
+RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3],
+                           rbd_real velocity[3], rbd_real acceleration[3]);
+
+/* Mass of all bodies that a joint moves. */
+RBD_API rbd_const rbd_mass(const rbd_model *m);
+
+/* ---- configuration manifold [manifold] ---- */
+
+/* The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0). */
+RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
+
+/* q_next = q moved by the tangent step v dt: exponentials in body axes for spherical (SO(3)), planar
+   (SE(2)) and floating (SE(3)) joints, addition for the others. q_next may be q. */
+RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                 rbd_real dt, rbd_real *q_next);
+
+/* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
+RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                  rbd_real *d);
+
+/* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
+   (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
+RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
+
+/* ---- lookup [lookup] ---- */
+
+RBD_API int rbd_nb(const rbd_model *m); /* number of bodies */
+RBD_API int rbd_nq(const rbd_model *m); /* length of q */
+RBD_API int rbd_nv(const rbd_model *m); /* length of v, a, tau: degrees of freedom */
+
+/* Index of a body by the name of its link, or of the joint that carries it; -1 if there is none. */
+RBD_API int rbd_body_index(const rbd_model *m, const char *name);
+RBD_API int rbd_joint_index(const rbd_model *m, const char *name);
+
+/* Names, NULL if nameless or no such body. */
+RBD_API const char *rbd_body_name(const rbd_model *m, int body);
+RBD_API const char *rbd_joint_name(const rbd_model *m, int body);
+
+/* Where the joint of a body lies in q and in v, and how much of them it has. */
+typedef struct rbd_joint_info {
+    rbd_joint_type type;
+    int iq, nq, iv, nv;     /* a mimic joint has nq = nv = 0 */
+    rbd_const lower, upper; /* none if lower >= upper */
+    rbd_const velocity, effort;
+} rbd_joint_info;
+RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
+
+/* The body whose joint has this degree of freedom, -1 if there is none. */
+RBD_API int rbd_dof_body(const rbd_model *m, int dof);
+
+/* ---- the built model and the work, laid open for compile-time sizes and generated tables only ---- */
+
+#define RBDI_KIND_double 1
+#define RBDI_KIND_float 2
+#define RBDI_KIND___float128 3
+#define RBDI_KIND_OF(type) RBDI_KIND_##type
+#define RBDI_KIND(type) RBDI_KIND_OF(type)
+#if RBDI_KIND(RBD_CONST) != 1 && RBDI_KIND(RBD_CONST) != 2 && RBDI_KIND(RBD_CONST) != 3
+#error "RBD_CONST must be double, float or __float128"
+#endif
+
+/* Arithmetic of the build: double at least, whatever the model's scalar. */
+#if RBDI_KIND(RBD_CONST) == 3
+RBDI_EXTENSION typedef __float128 rbdi_wide;
+#else
+typedef double rbdi_wide;
+#endif
+
+/* A link while it is being built. Later fields overwrite what earlier steps left. */
+typedef struct rbdi_draft {
+    rbdi_wide E[9], r[3];         /* from the parent's frame at q = 0 */
+    rbdi_wide S[6], h[3], m;      /* second, first and zeroth moment of mass */
+    rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
+    rbdi_wide axis[3], rho, kappa;
+    rbdi_wide cg, sg, ca, sa, cb, sb, d;
+    rbdi_wide trace, moment[3], mass, mc; /* of the whole subtree at q = 0; mc: of the regrouped masses */
+    int parent, kind, type, body, iq, iv; /* parent: index among drafts */
+    int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
+} rbdi_draft;
+
+/* Where a body of the description sits while the model is built. */
+typedef struct rbdi_place {
+    rbdi_wide E[9], r[3]; /* x_body = E (x_link - r) */
+    int link;             /* draft, -1 = world */
+    int iq, iv;
+} rbdi_place;
+
+/* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
+enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
+
+enum {
+    RBDI_BETA = 1,     /* the frame is turned about the parent's z before the twist */
+    RBDI_GENERAL = 2,  /* the parent-side shift has y and z components */
+    RBDI_SLIDE = 4,    /* the shift along the link's z is not zero throughout */
+    RBDI_FULL = 8,     /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16 /* some degree of freedom of the joint has armature */
+};
+
+typedef struct rbdi_c3 {
+    rbd_const x, y, z;
+} rbdi_c3;
+
+typedef struct rbdi_csym {
+    rbd_const xx, xy, xz, yy, yz, zz;
+} rbdi_csym;
+
+/* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
+   twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
+typedef struct rbdi_link {
+    int16_t parent; /* an earlier link, -1 = world */
+    int16_t iq, iv; /* first coordinate and degree of freedom */
+    int16_t block;  /* index into blocks, -1 = none */
+    int16_t slot;   /* where what a child that is not the next link needs is kept, -1 = no such child */
+    uint8_t kind, flags;
+    rbd_const gamma, cg, sg;   /* joint angle at q = 0, its cosine and sine */
+    rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
+    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_GENERAL */
+    rbd_const d;               /* along the link's z */
+    rbd_const rho, kappa;      /* turn and slide per unit of q */
+    rbdi_csym S;               /* regrouped second moment of mass about the origin, link axes */
+    rbdi_c3 h;                 /* regrouped first moment */
+    rbd_const m;               /* regrouped mass */
+    rbd_const mc;              /* its sum over the subtree */
+} rbdi_link;
+
+/* A joint whose motion axes are unit spatial axes first .. first + n - 1 of the link frame. */
+typedef struct rbdi_block {
+    int16_t type;     /* rbd_joint_type: spherical, planar, translation or floating */
+    int16_t first, n; /* axes are counted omega_x .. omega_z, v_x .. v_z */
+    int16_t identity; /* E is the identity */
+    rbd_const E[9];   /* turns parent vectors into the joint frame, row-major */
+} rbdi_block;
+
+/* A degree of freedom; those that mimic others follow the nv that do not. */
+typedef struct rbdi_dof {
+    int16_t body;   /* index in the description */
+    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5) */
+    int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
+    int16_t depth;  /* number of dofs before it towards the root */
+    rbd_const armature, damping, friction;
+    rbd_const pivot; /* smallest pivot that counts as nonsingular */
+} rbdi_dof;
+
+/* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
+typedef struct rbdi_mimic {
+    int16_t source_q, source_v;
+    rbd_const ratio, offset;
+} rbdi_mimic;
+
+/* A body of the description as seen by the user: its frame on a link, and its own inertia. */
+typedef struct rbdi_frame {
+    const char *name, *joint;
+    int16_t link; /* that carries it, -1 = world */
+    int16_t type; /* rbd_joint_type */
+    int16_t iq, nq, iv, nv;
+    rbd_const E[9];  /* turns link vectors into body vectors, row-major */
+    rbdi_c3 r;       /* origin in the link frame */
+    rbd_const mass;
+    rbdi_c3 com;     /* body frame */
+    rbdi_csym I;     /* about the centre of mass, body axes */
+    rbd_const lower, upper, velocity, effort;
+} rbdi_frame;
+
+struct rbd_model {
+    int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
+    int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
+    int16_t nl, nblock, nslot, nmimic;
+    int32_t nh;        /* entries of the packed tree matrix, mimic dofs included */
+    rbdi_c3 gravity;   /* world frame */
+    const rbdi_link *link;   /* nl, depth first */
+    const rbdi_block *block; /* nblock */
+    const rbdi_dof *dof;     /* nv + nmimic */
+    const rbdi_mimic *mimic; /* nmimic */
+    const rbdi_frame *frame; /* nb, in the description's order */
+};
+
+typedef struct rbdi_v3 {
+    rbd_real x, y, z;
+} rbdi_v3;
+
+typedef struct rbdi_sym { /* symmetric 3 x 3 */
+    rbd_real xx, xy, xz, yy, yz, zz;
+} rbdi_sym;
+
+typedef struct rbdi_mat { /* 3 x 3 */
+    rbd_real xx, xy, xz, yx, yy, yz, zx, zy, zz;
+} rbdi_mat;
+
+typedef struct rbdi_motion { /* angular, linear */
+    rbdi_v3 w, v;
+} rbdi_motion;
+
+typedef struct rbdi_force { /* moment, force */
+    rbdi_v3 n, f;
+} rbdi_force;
+
+/* Velocity and classical acceleration of a link, in its own axes at its origin. */
+typedef struct rbdi_state {
+    rbdi_v3 w, wd, acc;
+} rbdi_state;
+
+typedef struct rbdi_rbi { /* composite rigid body; its mass is the constant mc */
+    rbdi_sym S;
+    rbdi_v3 h;
+} rbdi_rbi;
+
+typedef struct rbdi_abi { /* articulated-body inertia [I H; H' M] */
+    rbdi_sym I;
+    rbdi_mat H;
+    rbdi_sym M;
+} rbdi_abi;
+
+typedef struct rbdi_trig { /* cosine and sine of the joint angle; the slide d + kappa q */
+    rbd_real c, s, d;
+} rbdi_trig;
+
+typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
+    rbdi_mat E;
+    rbdi_v3 r;
+} rbdi_pose;
+
+typedef struct rbdi_scratch { /* per link, of one call */
+    rbdi_force f;  /* wrench (rnea), bias wrench (aba) */
+    rbdi_motion c; /* aba: velocity-product acceleration */
+    rbdi_force U;  /* aba: U / D */
+    rbd_real u;    /* aba: u / D */
+} rbdi_scratch;
+
+typedef struct rbdi_slot { /* per link with a child that is not the next link */
+    rbdi_state state;
+    rbdi_abi I;
+    rbdi_rbi C;
+} rbdi_slot;
+
+typedef struct rbdi_block_work { /* per block */
+    rbdi_pose X;
+    rbd_real U[6][6], u[6]; /* aba: U / D and u / D of each of its dofs */
+} rbdi_block_work;
+
+typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
+    rbdi_mat R;           /* link vectors into world vectors */
+    rbdi_v3 p;            /* origin in the world */
+    rbdi_v3 v;            /* velocity of the origin, link axes */
+    rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
+} rbdi_kin;
+
+struct rbd_work {
+    rbdi_c3 gravity;
+    int singular;        /* dof, -1 = none */
+    int have_kinematics;
+    rbd_real *rotors;    /* 1: kinetic energy of the armatures */
+    rbdi_trig *trig;     /* nl */
+    rbdi_scratch *link;  /* nl */
+    rbdi_kin *kin;       /* nl */
+    rbdi_slot *slot;     /* nslot */
+    rbdi_block_work *block; /* nblock */
+    rbd_real *zero;      /* nv + nmimic zeros */
+    rbd_real *pivot;     /* nv + nmimic: pivots of the last factorisation */
+    rbd_real *bias;      /* nv */
+    rbd_real *H;         /* nh, or nv (nv + 1) / 2 with mimic joints */
+    rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
+    rbd_real *Hx;        /* with mimic joints: nh */
+};
+
+#define RBDI_ALIGN ((size_t)64)
+#define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
+
+/* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
+   mimics (0 without mimics), nv dofs, h packed entries, hx packed entries with mimics (0 without). */
+#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h, hx)                                                    \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) +                                                         \
+     (size_t)(nl) * (sizeof(rbdi_trig) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) +                      \
+     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) +                           \
+     sizeof(rbd_real) * (1 + 2 * (size_t)(n) + (size_t)(nv) + (size_t)(h) + (size_t)(hx) +               \
+                         ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
+
+/* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
+   joints three. Slots go to links with two children, blocks have three dofs at least. */
+#define RBDI_LINKS(nb, nv) ((nb) + 2 * (nv) / 3)
+
+/* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
+   mimic joints (compile-time bounds; rbd_work_size is exact, and less). */
+#define RBD_WORK_SIZE(nb, nv)                                                                            \
+    RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv), 0)
+#define RBD_WORK_SIZE_MIMIC(nb, nv)                                                                      \
+    RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, (nb) + (nv), (nb) + 2 * (nv) + 1, \
+                    nv, RBDI_TRIANGLE(nv), RBDI_TRIANGLE((nb) + (nv)))
+#define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
+
+/* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
+#define RBD_MODEL_SIZE(nb) RBDI_MODEL_BYTES(nb, 3 * (nb), nb, 6 * (nb), nb)
+#define RBDI_MODEL_BYTES(nb, nl, k, n, mimics)                                                           \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) +         \
+     RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) +         \
+     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
+     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
+
+RBDI_EXTERN_C_END
+
+#endif /* RBD_H */
+
+/* ====================================================================================================
+   Implementation
+   ================================================================================================= */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_IMPLEMENTED
+#define RBDI_IMPLEMENTED
+
+#ifdef __FAST_MATH__
+#error "rbd: -ffast-math reassociates the sine's argument reduction and voids the pivot checks; \
+use -O3 -ffp-contract=fast instead"
+#endif
+
+/* ---- scalar [scalar] ---- */
+
+#if !defined RBD_REAL_CUSTOM
+#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
+#if RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND != 3
+#error "RBD_CONST must be RBD_REAL (or double where RBD_REAL is __float128 or a class)"
+#endif
+#else
+#define RBDI_REAL_KIND 0
+#endif
+#if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
+#ifdef __cplusplus
+extern "C" {
+#endif
+RBDI_EXTENSION __float128 sinq(__float128 x);
+RBDI_EXTENSION __float128 cosq(__float128 x);
+RBDI_EXTENSION __float128 sqrtq(__float128 x);
+#ifdef __cplusplus
+}
+#endif
+#endif
+#include <math.h>
+
+#if RBDI_REAL_KIND == 2
+#define RBDI_LIBM(name) name##f
+#elif RBDI_REAL_KIND == 3
+#define RBDI_LIBM(name) name##q
+#else
+#define RBDI_LIBM(name) name
+#endif
+#ifdef RBD_SIN
+#define RBDI_OWN_SINCOS
+#else
+#define RBD_SIN(x) RBDI_LIBM(sin)(x)
+#define RBD_COS(x) RBDI_LIBM(cos)(x)
+#endif
+#ifndef RBD_SQRT
+#define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
+#endif
+
+/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, and its ISO modes switch
+   contraction to FMA off; clang needs neither. */
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC push_options
+#ifdef __OPTIMIZE__
+#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,fp-contract=fast")
+#endif
+#endif
+
+#ifdef __GNUC__
+#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#else
+#define RBDI_INLINE static inline
+#endif
+#define RBDI_C(x) ((rbd_const)(x))
+/* pi to quad precision, from doubles: a long literal would be cut to double. */
+#define RBDI_PI(type) \
+    ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type)-2.9947698097183397e-33)
+
+#ifdef RBD_LANES
+#if RBDI_REAL_KIND == 2
+typedef int32_t rbdi_int;
+#else
+typedef int64_t rbdi_int;
+#endif
+typedef rbdi_int rbdi_mask __attribute__((vector_size(sizeof(rbd_real)))); /* per lane 0 or -1 */
+
+RBDI_INLINE rbd_real rbdi_set(rbd_const c)
+{
+    rbd_real zero = {0};
+    return zero + c;
+}
+RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return ~k; }
+RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b)
+{
+    return (rbd_real)(((rbdi_mask)a & k) | ((rbdi_mask)b & ~k));
+}
+RBDI_INLINE int rbdi_any(rbdi_mask k)
+{
+    rbdi_int any = 0;
+    for (int i = 0; i < RBD_LANES; ++i) any |= k[i];
+    return any != 0;
+}
+RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x)
+{
+    for (int i = 0; i < RBD_LANES; ++i) x[i] = RBD_SQRT(x[i]);
+    return x;
+}
+#else
+typedef int rbdi_mask;
+RBDI_INLINE rbd_real rbdi_set(rbd_const c) { return (rbd_real)(c); }
+RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return a < b; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return !k; }
+RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return k ? a : b; }
+RBDI_INLINE int rbdi_any(rbdi_mask k) { return k; }
+RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
+#endif
+RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBDI_C(0)); }
+
+/* Sine and cosine by libm, or by what replaces it. */
+static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c)
+{
+#ifdef RBD_LANES
+    for (int i = 0; i < RBD_LANES; ++i) {
+        (*s)[i] = RBD_SIN(x[i]);
+        (*c)[i] = RBD_COS(x[i]);
+    }
+#else
+    *s = RBD_SIN(x);
+    *c = RBD_COS(x);
+#endif
+}
+
+#if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && RBDI_KIND(RBD_CONST) == RBDI_REAL_KIND && \
+    defined __GNUC__ && !defined RBDI_OWN_SINCOS && __FLT_EVAL_METHOD__ == 0
+#define RBDI_POLYNOMIAL_SINCOS
+#if RBDI_REAL_KIND == 1
+typedef uint64_t rbdi_bit;
+#define RBDI_SINCOS_LIMIT 1e6
+#else
+typedef uint32_t rbdi_bit;
+#define RBDI_SINCOS_LIMIT 1e4f
+#endif
+#ifdef RBD_LANES
+typedef rbdi_bit rbdi_bits __attribute__((vector_size(sizeof(rbd_real))));
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbd_real x) { return (rbdi_bits)x; }
+RBDI_INLINE rbd_real rbdi_from_bits(rbdi_bits b) { return (rbd_real)b; }
+#else
+typedef rbdi_bit rbdi_bits;
+typedef union rbdi_pun {
+    rbd_real x;
+    rbdi_bits b;
+} rbdi_pun;
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbd_real x)
+{
+    rbdi_pun u;
+    u.x = x;
+    return u.b;
+}
+RBDI_INLINE rbd_real rbdi_from_bits(rbdi_bits b)
+{
+    rbdi_pun u;
+    u.b = b;
+    return u.x;
+}
+#endif
+
+/* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
+   subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
+   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
+RBDI_INLINE void rbdi_sincos_fast(rbd_real x, rbd_real *s, rbd_real *c)
+{
+#if RBDI_REAL_KIND == 1
+    const rbd_const magic = 6755399441055744.0;
+    rbd_real shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
+    rbd_real r = ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) -
+                 n * 2.02226624879595063154e-21;
+    rbd_real z = r * r;
+    rbd_real ps = ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z +
+                     2.7557313718766776671e-6) * z + -0.0001984126982989857878) * z +
+                   0.0083333333333225528993) * z + -0.16666666666666632772;
+    rbd_real pc = ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z +
+                     -2.755731463445455091e-7) * z + 2.4801587290576460775e-5) * z +
+                   -0.0013888888888876133562) * z + 0.041666666666666613249;
+    const int top = 62;
+#else
+    const rbd_const magic = 12582912.0f;
+    rbd_real shifted = x * 0.636619772f + magic, n = shifted - magic;
+    rbd_real r = ((x - n * 1.5703125f) - n * 4.837512969971e-4f) - n * 7.549789954892e-8f;
+    rbd_real z = r * r;
+    rbd_real ps = (z * -0.000195175284f + 0.00833218040f) * z + -0.166666550f;
+    rbd_real pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
+    const int top = 30;
+#endif
+    rbd_real sine = z * r * ps + r;
+    rbd_real cosine = z * z * pc + (RBDI_C(1) - RBDI_C(0.5) * z);
+    rbdi_bits k = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
+    rbdi_bits swap = (bs ^ bc) & (0u - (k & 1u));
+    *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
+    *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
+}
+#endif
+
+/* Sine and cosine of any angle: error below 2.3e-16 (double), 1.0e-7 (float) up to the limit; libm's
+   beyond it. */
+RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c)
+{
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
+    if (rbdi_any(rbdi_not(rbdi_less(x * x, rbdi_set(limit)))))
+        rbdi_sincos_libm(x, s, c);
+    else
+        rbdi_sincos_fast(x, s, c);
+#else
+    rbdi_sincos_libm(x, s, c);
+#endif
+}
+
+/* 1 / D if D > threshold, else 0 and the pivot is marked bad: no infinity ever leaves a division. */
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad)
+{
+    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
+    *bad = rbdi_or(*bad, rbdi_not(good));
+    return rbdi_select(good, rbdi_set(RBDI_C(1)) / rbdi_select(good, D, rbdi_set(RBDI_C(1))), rbdi_zero());
+}
+
+/* ---- spatial algebra [spatial algebra] ----
+   Frames: "down" goes from parent to child, "up" from child to parent. Everything is built from the
+   turn about z and the shift along z; those about and along x are the same after the cyclic change
+   of axes (x, y, z) -> (y, z, x). */
+
+RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z)
+{
+    rbdi_v3 v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
+RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
+RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
+RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
+RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b)
+{
+    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
+RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
+
+RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v)
+{
+    return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.yx * v.x + A.yy * v.y + A.yz * v.z,
+                    A.zx * v.x + A.zy * v.y + A.zz * v.z);
+}
+RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A)
+{
+    rbdi_mat B;
+    B.xx = A.xx, B.xy = A.yx, B.xz = A.zx;
+    B.yx = A.xy, B.yy = A.yy, B.yz = A.zy;
+    B.zx = A.xz, B.zy = A.yz, B.zz = A.zz;
+    return B;
+}
+RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
+RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B)
+{
+    rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
+            z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
+    rbdi_mat C;
+    C.xx = x.x, C.xy = y.x, C.xz = z.x;
+    C.yx = x.y, C.yy = y.y, C.yz = z.y;
+    C.zx = x.z, C.zy = y.z, C.zz = z.z;
+    return C;
+}
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9])
+{
+    rbdi_mat A;
+    A.xx = rbdi_set(a[0]), A.xy = rbdi_set(a[1]), A.xz = rbdi_set(a[2]);
+    A.yx = rbdi_set(a[3]), A.yy = rbdi_set(a[4]), A.yz = rbdi_set(a[5]);
+    A.zx = rbdi_set(a[6]), A.zy = rbdi_set(a[7]), A.zz = rbdi_set(a[8]);
+    return A;
+}
+RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v)
+{
+    return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
+                    A.xz * v.x + A.yz * v.y + A.zz * v.z);
+}
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c)
+{
+    rbdi_sym S;
+    S.xx = rbdi_set(c.xx), S.xy = rbdi_set(c.xy), S.xz = rbdi_set(c.xz);
+    S.yy = rbdi_set(c.yy), S.yz = rbdi_set(c.yz), S.zz = rbdi_set(c.zz);
+    return S;
+}
+
+/* Turns. Down: components in a frame turned by the angle (c, s) about z. Up: with -s. */
+RBDI_INLINE rbdi_v3 rbdi_turn_z(rbd_real c, rbd_real s, rbdi_v3 v)
+{
+    return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
+}
+RBDI_INLINE rbdi_v3 rbdi_turn_x(rbd_real c, rbd_real s, rbdi_v3 v)
+{
+    return rbdi_uncycle(rbdi_turn_z(c, s, rbdi_cycle(v)));
+}
+
+/* Change of axes of a symmetric matrix, child to parent: Rz' S Rz with four multiplications for the
+   block (x, y) instead of the twelve of the plain product. */
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(rbd_real c, rbd_real s, rbdi_sym A)
+{
+    rbd_real t = s * (A.yy - A.xx) - (c + c) * A.xy;
+    rbdi_sym B;
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    B.zz = A.zz;
+    return B;
+}
+RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A)
+{
+    rbdi_sym B;
+    B.xx = A.yy, B.xy = A.yz, B.xz = A.xy, B.yy = A.zz, B.yz = A.xz, B.zz = A.xx;
+    return B;
+}
+RBDI_INLINE rbdi_sym rbdi_sym_uncycle(rbdi_sym A) { return rbdi_sym_cycle(rbdi_sym_cycle(A)); }
+
+/* The same for a general matrix. */
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(rbd_real c, rbd_real s, rbdi_mat A)
+{
+    rbd_real t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
+    rbdi_mat B;
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.yx;
+    B.yx = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    B.zx = c * A.zx - s * A.zy;
+    B.zy = s * A.zx + c * A.zy;
+    B.zz = A.zz;
+    return B;
+}
+RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
+{
+    rbdi_mat B;
+    B.xx = A.yy, B.xy = A.yz, B.xz = A.yx;
+    B.yx = A.zy, B.yy = A.zz, B.yz = A.zx;
+    B.zx = A.xy, B.zy = A.xz, B.zz = A.xx;
+    return B;
+}
+RBDI_INLINE rbdi_mat rbdi_mat_uncycle(rbdi_mat A) { return rbdi_mat_cycle(rbdi_mat_cycle(A)); }
+
+/* Force, moved to an origin that lies d before the old one along z, or r before it. */
+RBDI_INLINE rbdi_force rbdi_force_shift_z(rbd_real d, rbdi_force F)
+{
+    F.n.x = F.n.x - d * F.f.y;
+    F.n.y = F.n.y + d * F.f.x;
+    return F;
+}
+RBDI_INLINE rbdi_force rbdi_force_cycle(rbdi_force F)
+{
+    F.n = rbdi_cycle(F.n);
+    F.f = rbdi_cycle(F.f);
+    return F;
+}
+RBDI_INLINE rbdi_force rbdi_force_uncycle(rbdi_force F) { return rbdi_force_cycle(rbdi_force_cycle(F)); }
+RBDI_INLINE rbdi_force rbdi_force_turn_z(rbd_real c, rbd_real s, rbdi_force F)
+{
+    F.n = rbdi_turn_z(c, s, F.n);
+    F.f = rbdi_turn_z(c, s, F.f);
+    return F;
+}
+RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B)
+{
+    A.n = rbdi_add(A.n, B.n);
+    A.f = rbdi_add(A.f, B.f);
+    return A;
+}
+RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B)
+{
+    A.n = rbdi_sub(A.n, B.n);
+    A.f = rbdi_sub(A.f, B.f);
+    return A;
+}
+RBDI_INLINE rbdi_force rbdi_force0(void)
+{
+    rbdi_force F;
+    F.n = F.f = rbdi_vec0();
+    return F;
+}
+RBDI_INLINE rbdi_motion rbdi_motion0(void)
+{
+    rbdi_motion V;
+    V.w = V.v = rbdi_vec0();
+    return V;
+}
+RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B)
+{
+    A.w = rbdi_add(A.w, B.w);
+    A.v = rbdi_add(A.v, B.v);
+    return A;
+}
+
+/* Composite body (Sigma, h, m): same moves. S' = S + r h' + h_new r', h_new = h + m r. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C)
+{
+    rbd_real k = C.h.z + d * m;
+    C.S.xz = C.S.xz + d * C.h.x;
+    C.S.yz = C.S.yz + d * C.h.y;
+    C.S.zz = C.S.zz + d * (C.h.z + k);
+    C.h.z = k;
+    return C;
+}
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(rbd_real c, rbd_real s, rbdi_rbi C)
+{
+    C.S = rbdi_sym_up_z(c, s, C.S);
+    C.h = rbdi_turn_z(c, -s, C.h);
+    return C;
+}
+RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C)
+{
+    C.S = rbdi_sym_cycle(C.S);
+    C.h = rbdi_cycle(C.h);
+    return C;
+}
+RBDI_INLINE rbdi_rbi rbdi_rbi_uncycle(rbdi_rbi C) { return rbdi_rbi_cycle(rbdi_rbi_cycle(C)); }
+RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B)
+{
+    A.S.xx = A.S.xx + B.S.xx, A.S.xy = A.S.xy + B.S.xy, A.S.xz = A.S.xz + B.S.xz;
+    A.S.yy = A.S.yy + B.S.yy, A.S.yz = A.S.yz + B.S.yz, A.S.zz = A.S.zz + B.S.zz;
+    A.h = rbdi_add(A.h, B.h);
+    return A;
+}
+
+/* Articulated-body inertia [I H; H' M]: H' = H + [r]x M, I' = I - H [r]x + [r]x H'^T for r = d z.
+   full = 0: row z of I and H is zero and stays so. */
+RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi X)
+{
+    rbdi_abi Y = X;
+    Y.H.xx = X.H.xx - d * X.M.xy;
+    Y.H.xy = X.H.xy - d * X.M.yy;
+    Y.H.xz = X.H.xz - d * X.M.yz;
+    Y.H.yx = X.H.yx + d * X.M.xx;
+    Y.H.yy = X.H.yy + d * X.M.xy;
+    Y.H.yz = X.H.yz + d * X.M.xz;
+    Y.I.xx = X.I.xx - d * (X.H.xy + Y.H.xy);
+    Y.I.xy = X.I.xy + d * (X.H.xx - Y.H.yy);
+    Y.I.yy = X.I.yy + d * (X.H.yx + Y.H.yx);
+    if (full) {
+        Y.I.xz = X.I.xz - d * X.H.zy;
+        Y.I.yz = X.I.yz + d * X.H.zx;
+    }
+    return Y;
+}
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(rbd_real c, rbd_real s, rbdi_abi X)
+{
+    X.I = rbdi_sym_up_z(c, s, X.I);
+    X.H = rbdi_mat_up_z(c, s, X.H);
+    X.M = rbdi_sym_up_z(c, s, X.M);
+    return X;
+}
+RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi X)
+{
+    X.I = rbdi_sym_cycle(X.I);
+    X.H = rbdi_mat_cycle(X.H);
+    X.M = rbdi_sym_cycle(X.M);
+    return X;
+}
+RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi X) { return rbdi_abi_cycle(rbdi_abi_cycle(X)); }
+RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
+{
+    A.I.xx = A.I.xx + B.I.xx, A.I.xy = A.I.xy + B.I.xy, A.I.xz = A.I.xz + B.I.xz;
+    A.I.yy = A.I.yy + B.I.yy, A.I.yz = A.I.yz + B.I.yz, A.I.zz = A.I.zz + B.I.zz;
+    A.H.xx = A.H.xx + B.H.xx, A.H.xy = A.H.xy + B.H.xy, A.H.xz = A.H.xz + B.H.xz;
+    A.H.yx = A.H.yx + B.H.yx, A.H.yy = A.H.yy + B.H.yy, A.H.yz = A.H.yz + B.H.yz;
+    A.H.zx = A.H.zx + B.H.zx, A.H.zy = A.H.zy + B.H.zy, A.H.zz = A.H.zz + B.H.zz;
+    A.M.xx = A.M.xx + B.M.xx, A.M.xy = A.M.xy + B.M.xy, A.M.xz = A.M.xz + B.M.xz;
+    A.M.yy = A.M.yy + B.M.yy, A.M.yz = A.M.yz + B.M.yz, A.M.zz = A.M.zz + B.M.zz;
+    return A;
+}
+
+/* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
+RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 w, rbdi_v3 wd)
+{
+    rbd_real xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+    rbdi_mat O;
+    O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
+    O.xy = w.x * w.y - wd.z, O.yx = w.x * w.y + wd.z;
+    O.xz = w.x * w.z + wd.y, O.zx = w.x * w.z - wd.y;
+    O.yz = w.y * w.z - wd.x, O.zy = w.y * w.z + wd.x;
+    return O;
+}
+
+/* ---- joints [joints] ----
+   What a joint type does, in four places: rbdi_joint_facts (build), rbdi_block_pose (here),
+   rbdi_step_joint and rbdi_difference_joint (manifold). One-axis types need the first only. */
+
+RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l)
+{
+    return &m->block[l->block];
+}
+
+/* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
+   length; zero gives the identity. */
+RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
+{
+    rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    rbdi_mask bad = rbdi_less(n, n);
+    rbd_real s = rbdi_reciprocal(n, RBDI_C(1e-30), &bad), x, y, z;
+    rbdi_mat E;
+    s = s + s;
+    x = s * q[0], y = s * q[1], z = s * q[2];
+    E.xx = rbdi_set(RBDI_C(1)) - (y * q[1] + z * q[2]);
+    E.yy = rbdi_set(RBDI_C(1)) - (x * q[0] + z * q[2]);
+    E.zz = rbdi_set(RBDI_C(1)) - (x * q[0] + y * q[1]);
+    E.xy = x * q[1] + z * q[3], E.yx = x * q[1] - z * q[3];
+    E.xz = x * q[2] - y * q[3], E.zx = x * q[2] + y * q[3];
+    E.yz = y * q[2] + x * q[3], E.zy = y * q[2] - x * q[3];
+    return E;
+}
+
+/* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
+RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q)
+{
+    rbdi_mat E0 = rbdi_mat_c(b->E);
+    rbdi_v3 shift = rbdi_vec0();
+    rbdi_pose X;
+    switch (b->type) {
+    case RBD_SPHERICAL:
+        X.E = rbdi_quaternion_down(q);
+        break;
+    case RBD_PLANAR: {
+        rbd_real c, s;
+        rbdi_sincos(q[2], &s, &c);
+        X.E = rbdi_mat_c(b->E);
+        X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
+        X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
+        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBDI_C(1));
+        shift = rbdi_vec(q[0], q[1], rbdi_zero());
+        break;
+    }
+    case RBD_TRANSLATION:
+        shift = rbdi_vec(q[0], q[1], q[2]);
+        X.E = E0;
+        break;
+    default: /* RBD_FLOATING */
+        shift = rbdi_vec(q[0], q[1], q[2]);
+        X.E = rbdi_quaternion_down(q + 3);
+        break;
+    }
+    if (!b->identity) {
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, E0);
+        shift = rbdi_mul_t(E0, shift);
+    }
+    X.r = rbdi_add(rbdi_vec_c(l->r), shift);
+    return X;
+}
+
+/* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
+RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
+{
+    rbd_real n = q[0] * q[0] + q[1] * q[1];
+    rbdi_mask bad = rbdi_less(n, n);
+    rbd_real k = rbdi_sqrt(rbdi_reciprocal(n, RBDI_C(1e-30), &bad));
+    *c = rbdi_select(bad, rbdi_set(RBDI_C(1)), q[0] * k);
+    *s = rbdi_select(bad, rbdi_zero(), q[1] * k);
+}
+
+/* What depends on q alone: sines and cosines, slides, block transforms. */
+static void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
+{
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        rbdi_trig *t = &w->trig[i];
+        switch (l->kind) {
+        case RBDI_REVOLUTE:
+            rbdi_sincos(q[l->iq] + l->gamma, &t->s, &t->c);
+            t->d = rbdi_set(l->d);
+            break;
+        case RBDI_REVOLUTE_CS: {
+            rbd_real c, s;
+            rbdi_unit_cs(&q[l->iq], &c, &s);
+            t->c = c * l->cg - s * l->sg;
+            t->s = c * l->sg + s * l->cg;
+            t->d = rbdi_set(l->d);
+            break;
+        }
+        case RBDI_SCREW:
+            if (l->rho > 0) {
+                rbdi_sincos(q[l->iq] + l->gamma, &t->s, &t->c);
+            } else {
+                t->c = rbdi_set(l->cg);
+                t->s = rbdi_set(l->sg);
+            }
+            t->d = q[l->iq] * l->kappa + l->d;
+            break;
+        default:
+            w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
+            break;
+        }
+    }
+}
+
+/* Vector, parent axes to link axes, of a one-axis joint. */
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, const rbdi_trig *t, rbdi_v3 v)
+{
+    if (l->flags & RBDI_BETA) v = rbdi_turn_z(rbdi_set(l->cb), rbdi_set(l->sb), v);
+    return rbdi_turn_z(t->c, t->s, rbdi_turn_x(rbdi_set(l->ca), rbdi_set(l->sa), v));
+}
+
+/* M r, for the parent-side shift r. */
+RBDI_INLINE rbdi_v3 rbdi_mul_shift(const rbdi_link *l, rbdi_mat A)
+{
+    rbdi_v3 y = rbdi_vec(A.xx * l->r.x, A.yx * l->r.x, A.zx * l->r.x);
+    if (l->flags & RBDI_GENERAL) {
+        y.x = y.x + (A.xy * l->r.y + A.xz * l->r.z);
+        y.y = y.y + (A.yy * l->r.y + A.yz * l->r.z);
+        y.z = y.z + (A.zy * l->r.y + A.zz * l->r.z);
+    }
+    return y;
+}
+
+/* w x r, for the parent-side shift r. */
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, rbdi_v3 w)
+{
+    rbdi_v3 y = rbdi_vec(rbdi_zero(), w.z * l->r.x, -(w.y * l->r.x));
+    if (l->flags & RBDI_GENERAL) {
+        y.x = w.y * l->r.z - w.z * l->r.y;
+        y.y = y.y - w.x * l->r.z;
+        y.z = y.z + w.x * l->r.y;
+    }
+    return y;
+}
+
+/* Force of a one-axis link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, const rbdi_trig *t, rbdi_force F)
+{
+    if (l->flags & RBDI_SLIDE) F = rbdi_force_shift_z(t->d, F);
+    F = rbdi_force_turn_z(t->c, -t->s, F);
+    F = rbdi_force_uncycle(rbdi_force_turn_z(rbdi_set(l->ca), rbdi_set(-l->sa), rbdi_force_cycle(F)));
+    if (l->flags & RBDI_BETA) F = rbdi_force_turn_z(rbdi_set(l->cb), rbdi_set(-l->sb), F);
+    F.n = rbdi_sub(F.n, rbdi_cross_shift(l, F.f));
+    return F;
+}
+
+/* The same of a block link. */
+RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F)
+{
+    F.f = rbdi_mul_t(X->E, F.f);
+    F.n = rbdi_add(rbdi_mul_t(X->E, F.n), rbdi_cross(X->r, F.f));
+    return F;
+}
+
+RBDI_INLINE rbdi_force rbdi_force_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_force F)
+{
+    const rbdi_link *l = &m->link[i];
+    if (l->kind == RBDI_BLOCK) return rbdi_force_up_block(&w->block[l->block].X, F);
+    return rbdi_force_up(l, &w->trig[i], F);
+}
+
+/* S' F of a one-axis joint. */
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, rbdi_force F)
+{
+    return l->kind == RBDI_SCREW ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+}
+
+/* Components first .. first + n - 1 of a spatial vector, to and from consecutive scalars. */
+RBDI_INLINE void rbdi_force_to_array(rbdi_force F, rbd_real *a)
+{
+    a[0] = F.n.x, a[1] = F.n.y, a[2] = F.n.z, a[3] = F.f.x, a[4] = F.f.y, a[5] = F.f.z;
+}
+RBDI_INLINE rbdi_force rbdi_force_from_array(const rbd_real *a)
+{
+    rbdi_force F;
+    F.n = rbdi_vec(a[0], a[1], a[2]);
+    F.f = rbdi_vec(a[3], a[4], a[5]);
+    return F;
+}
+RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a)
+{
+    a[0] = V.w.x, a[1] = V.w.y, a[2] = V.w.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
+}
+RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a)
+{
+    rbdi_motion V;
+    V.w = rbdi_vec(a[0], a[1], a[2]);
+    V.v = rbdi_vec(a[3], a[4], a[5]);
+    return V;
+}
+RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v)
+{
+    rbd_real a[6];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
+    return rbdi_motion_from_array(a);
+}
+
+/* ---- state [state] ---- */
+
+/* Velocity-product terms that a joint with velocity J adds to (wd, acc): w is the parent's angular
+   velocity in link axes. */
+RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 w, rbdi_motion J)
+{
+    rbdi_motion c;
+    c.w = rbdi_cross(w, J.w);
+    c.v = rbdi_cross(rbdi_add(rbdi_add(w, w), J.w), J.v);
+    return c;
+}
+
+/* Velocity and acceleration of a link from its parent's (p, with its Omega in O; *O becomes the
+   link's). Classical accelerations: the linear velocity never appears. */
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, const rbdi_trig *t, rbdi_state p, rbd_real qd,
+                                         rbd_real qdd, rbdi_mat *O)
+{
+    int screw = l->kind == RBDI_SCREW, root = l->parent < 0;
+    rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
+    rbdi_v3 w = root ? rbdi_vec0() : rbdi_down(l, t, p.w), acc = p.acc;
+    rbdi_state s;
+    if (root) {
+        s.w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+        s.wd = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
+    } else {
+        acc = rbdi_add(acc, rbdi_mul_shift(l, *O));
+        s.wd = rbdi_down(l, t, p.wd);
+        s.wd = rbdi_vec(s.wd.x + turn * w.y, s.wd.y - turn * w.x, s.wd.z + turn_rate);
+        s.w = rbdi_vec(w.x, w.y, w.z + turn);
+    }
+    *O = rbdi_omega(s.w, s.wd);
+    s.acc = rbdi_down(l, t, acc);
+    if (l->flags & RBDI_SLIDE) { /* points of the axis belong to both bodies */
+        s.acc.x = s.acc.x + t->d * O->xz;
+        s.acc.y = s.acc.y + t->d * O->yz;
+        s.acc.z = s.acc.z + t->d * O->zz;
+    }
+    if (screw) {
+        rbd_real k = (qd + qd) * l->kappa;
+        s.acc.x = s.acc.x + k * w.y;
+        s.acc.y = s.acc.y - k * w.x;
+        s.acc.z = s.acc.z + qdd * l->kappa;
+    }
+    return s;
+}
+
+RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
+                                          rbdi_state p, const rbd_real *v, const rbd_real *a, rbdi_mat *O)
+{
+    rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
+    rbdi_v3 w = rbdi_vec0(), acc = p.acc;
+    rbdi_state s;
+    s.wd = rbdi_vec0();
+    if (l->parent >= 0) {
+        w = rbdi_mul(X->E, p.w);
+        s.wd = rbdi_mul(X->E, p.wd);
+        acc = rbdi_add(acc, rbdi_mul(*O, X->r));
+    }
+    c = rbdi_joint_product(w, J);
+    s.w = rbdi_add(w, J.w);
+    s.wd = rbdi_add(s.wd, rbdi_add(c.w, Jd.w));
+    s.acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
+    *O = rbdi_omega(s.w, s.wd);
+    return s;
+}
+
+/* The state that the world gives to the roots: gravity as an upward acceleration. */
+RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
+{
+    rbdi_state s;
+    s.w = s.wd = rbdi_vec0();
+    s.acc = rbdi_sub(rbdi_vec0(), rbdi_vec_c(gravity));
+    return s;
+}
+
+/* One step of the sweep root to leaf: state and Omega of link i from those of link i - 1, or from
+   where the parent's were kept. */
+RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
+                                         const rbd_real *v, const rbd_real *a, rbdi_state s, rbdi_mat *O)
+{
+    const rbdi_link *l = &m->link[i];
+    if (l->parent != i - 1) {
+        s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
+        *O = rbdi_omega(s.w, s.wd);
+    }
+    if (l->kind == RBDI_BLOCK)
+        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv], O);
+    else
+        s = rbdi_forward_axis(l, &w->trig[i], s, v[l->iv], a[l->iv], O);
+    if (l->slot >= 0) w->slot[l->slot].state = s;
+    return s;
+}
+
+/* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
+   caller's own arrays. */
+static const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q)
+{
+    if (m->nmimic == 0) return q;
+    for (int k = 0; k < m->nq; ++k) w->qx[k] = q[k];
+    for (int k = 0; k < m->nmimic; ++k)
+        w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
+    return w->qx;
+}
+static const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx)
+{
+    if (m->nmimic == 0) return v;
+    for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
+    for (int k = 0; k < m->nmimic; ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
+    return vx;
+}
+/* tau = G' tau_x, for v_x = G v. */
+static void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau)
+{
+    if (m->nmimic == 0) return;
+    for (int k = 0; k < m->nv; ++k) tau[k] = tx[k];
+    for (int k = 0; k < m->nmimic; ++k)
+        tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
+}
+
+/* ---- rnea [rnea] ---- */
+
+/* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
+   A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, rbdi_mat O, const rbdi_v3 *acc)
+{
+    const rbdi_csym S = l->S;
+    const rbdi_c3 h = l->h;
+    rbdi_force F;
+    F.f.x = O.xx * h.x + O.xy * h.y;
+    F.f.y = O.yx * h.x + O.yy * h.y;
+    F.f.z = O.zx * h.x + O.zy * h.y;
+    F.n.x = O.zx * S.xy + O.zy * S.yy + (O.zz - O.yy) * S.yz - O.yx * S.xz;
+    F.n.y = O.xy * S.yz + (O.xx - O.zz) * S.xz - O.zx * S.xx - O.zy * S.xy;
+    F.n.z = O.yx * S.xx + (O.yy - O.xx) * S.xy + O.yz * S.xz - O.xy * S.yy - O.xz * S.yz;
+    if (acc) {
+        F.n.x = F.n.x + acc->z * h.y;
+        F.n.y = F.n.y - acc->z * h.x;
+        F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
+    }
+    if (l->flags & RBDI_FULL) {
+        F.f.x = F.f.x + O.xz * h.z;
+        F.f.y = F.f.y + O.yz * h.z;
+        F.f.z = F.f.z + O.zz * h.z;
+        F.n.x = F.n.x - O.yz * S.zz;
+        F.n.y = F.n.y + O.xz * S.zz;
+        if (acc) {
+            F.f.x = F.f.x + acc->x * l->m;
+            F.f.y = F.f.y + acc->y * l->m;
+            F.f.z = F.f.z + acc->z * l->m;
+            F.n.x = F.n.x - acc->y * h.z;
+            F.n.y = F.n.y + acc->x * h.z;
+        }
+    }
+    return F;
+}
+
+/* Subtracts the external wrenches, given in the users' frames, from those of the links. */
+static void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
+{
+    if (!f_ext) return;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_pose X;
+        if (u->link < 0) continue;
+        X.E = rbdi_mat_c(u->E);
+        X.r = rbdi_vec_c(u->r);
+        w->link[u->link].f = rbdi_force_sub(w->link[u->link].f,
+                                            rbdi_force_up_block(&X, rbdi_force_from_array(f_ext + 6 * b)));
+    }
+}
+
+/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
+static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
+                      const rbd_real *f_ext, rbd_real *tau)
+{
+    const rbdi_state world = rbdi_world_state(w->gravity);
+    rbdi_state s = world;
+    rbdi_mat O = rbdi_omega(s.w, s.wd);
+    rbdi_force carried = rbdi_force0();
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, &O);
+        w->link[i].f = rbdi_wrench(&m->link[i], O, &s.acc);
+    }
+    rbdi_external(m, w, f_ext);
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        rbdi_force f = rbdi_force_add(w->link[i].f, carried);
+        int n = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+        rbd_real t[6];
+        if (l->kind == RBDI_BLOCK) {
+            rbd_real all[6];
+            rbdi_force_to_array(f, all);
+            for (int k = 0; k < n; ++k) t[k] = all[rbdi_block_of(m, l)->first + k];
+        } else {
+            t[0] = rbdi_along_axis(l, f);
+        }
+        for (int k = 0; k < n; ++k) {
+            if (l->flags & RBDI_ARMATURE) t[k] = t[k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+            tau[l->iv + k] = t[k];
+        }
+        carried = rbdi_force0();
+        if (l->parent < 0) continue;
+        f = rbdi_force_up_link(m, w, i, f);
+        if (l->parent == i - 1)
+            carried = f;
+        else
+            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, f);
+    }
+}
+
+/* ---- crba [crba] ---- */
+
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C)
+{
+    C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
+    C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
+    return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
+}
+
+/* E' A E. */
+RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A)
+{
+    return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
+}
+RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A)
+{
+    rbdi_mat M;
+    rbdi_sym B;
+    M.xx = A.xx, M.xy = A.xy, M.xz = A.xz;
+    M.yx = A.xy, M.yy = A.yy, M.yz = A.yz;
+    M.zx = A.xz, M.zy = A.yz, M.zz = A.zz;
+    M = rbdi_mat_up(E, M);
+    B.xx = M.xx, B.xy = M.xy, B.xz = M.xz, B.yy = M.yy, B.yz = M.yz, B.zz = M.zz;
+    return B;
+}
+
+/* Composite body of a link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, const rbdi_trig *t, rbdi_rbi C)
+{
+    if (l->flags & RBDI_SLIDE) C = rbdi_rbi_shift_z(t->d, l->mc, C);
+    C = rbdi_rbi_up_z(t->c, t->s, C);
+    C = rbdi_rbi_up_z(rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(l->flags & RBDI_GENERAL)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->mc, C));
+    C = rbdi_rbi_up_z(rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
+    return rbdi_rbi_shift(rbdi_vec_c(l->r), l->mc, C);
+}
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C)
+{
+    C.S = rbdi_sym_up(X->E, C.S);
+    C.h = rbdi_mul_t(X->E, C.h);
+    return rbdi_rbi_shift(X->r, m, C);
+}
+
+/* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
+   [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
+RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
+{
+    const rbd_real o = rbdi_zero(), mass = rbdi_set(m);
+    rbdi_force F;
+    switch (k) {
+    case 0:
+        F.n = rbdi_vec(C.S.yy + C.S.zz, -C.S.xy, -C.S.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
+        break;
+    case 1:
+        F.n = rbdi_vec(-C.S.xy, C.S.xx + C.S.zz, -C.S.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
+        break;
+    case 2:
+        F.n = rbdi_vec(-C.S.xz, -C.S.yz, C.S.xx + C.S.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
+        break;
+    case 3:
+        F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o);
+        break;
+    case 4:
+        F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o);
+        break;
+    default:
+        F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass);
+        break;
+    }
+    return F;
+}
+
+/* Row of a dof of link i: the force F it takes, projected on the joints from link i (its dofs up to
+   n_own) to the root. end points behind the row's last entry. */
+RBDI_INLINE void rbdi_crba_row(const rbd_model *m, const rbd_work *w, int i, int n_own, rbdi_force F,
+                               rbd_real *end)
+{
+    for (int n = n_own;;) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_BLOCK) {
+            const rbdi_block *b = rbdi_block_of(m, l);
+            rbd_real all[6];
+            rbdi_force_to_array(F, all);
+            if (n < 0) n = b->n;
+            while (n > 0) *--end = all[b->first + --n];
+        } else {
+            *--end = rbdi_along_axis(l, F);
+        }
+        n = -1;
+        if (l->parent < 0) return;
+        F = rbdi_force_up_link(m, w, i, F);
+        i = l->parent;
+    }
+}
+
+/* RBDA table 6.2, into the packed tree matrix. */
+static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
+{
+    rbdi_rbi carried;
+    int have = 0;
+    for (int i = 0; i < m->nslot; ++i) {
+        w->slot[i].C.h = rbdi_vec0();
+        w->slot[i].C.S.xx = w->slot[i].C.S.xy = w->slot[i].C.S.xz = rbdi_zero();
+        w->slot[i].C.S.yy = w->slot[i].C.S.yz = w->slot[i].C.S.zz = rbdi_zero();
+    }
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        rbdi_rbi C;
+        C.S = rbdi_sym_c(l->S);
+        C.h = rbdi_vec_c(l->h);
+        if (have) C = rbdi_rbi_add(C, carried);
+        if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
+        if (l->kind == RBDI_BLOCK) {
+            const rbdi_block *b = rbdi_block_of(m, l);
+            for (int k = 0; k < b->n; ++k) {
+                const rbdi_dof *dof = &m->dof[l->iv + k];
+                rbd_real *end = &H[dof->row + dof->depth + 1];
+                rbdi_crba_row(m, w, i, k + 1, rbdi_rbi_column(C, l->mc, b->first + k), end);
+                end[-1] = end[-1] + dof->armature;
+            }
+        } else {
+            const rbdi_dof *dof = &m->dof[l->iv];
+            rbd_real *end = &H[dof->row + dof->depth + 1];
+            rbdi_force F = rbdi_rbi_column(C, l->mc, 2);
+            if (l->kind == RBDI_SCREW) {
+                rbdi_force G = rbdi_rbi_column(C, l->mc, 5);
+                F.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), F.n), rbdi_scale(rbdi_set(l->kappa), G.n));
+                F.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), F.f), rbdi_scale(rbdi_set(l->kappa), G.f));
+            }
+            rbdi_crba_row(m, w, i, 1, F, end);
+            end[-1] = end[-1] + dof->armature;
+        }
+        have = l->parent >= 0 && l->parent == i - 1;
+        if (l->parent < 0) continue;
+        C = l->kind == RBDI_BLOCK ? rbdi_rbi_up_block(&w->block[l->block].X, l->mc, C)
+                                  : rbdi_rbi_up(l, &w->trig[i], C);
+        if (have)
+            carried = C;
+        else
+            w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
+    }
+}
+
+/* Full matrix, both triangles, from packed rows. */
+static void rbdi_unpack(const rbd_model *m, const rbd_real *H, rbd_real *M)
+{
+    const int n = m->nv;
+    for (int i = 0; i < n; ++i) {
+        const rbdi_dof *dof = &m->dof[i];
+        const rbd_real *h = &H[dof->row + dof->depth];
+        int next = dof->lambda;
+        M[i * n + i] = *h;
+        for (int j = i - 1; j >= 0; --j) {
+            rbd_real x = rbdi_zero();
+            if (j == next) {
+                x = *--h;
+                next = m->dof[j].lambda;
+            }
+            M[i * n + j] = M[j * n + i] = x;
+        }
+    }
+}
+
+/* With mimic joints: dense packed lower triangle of G' H_x G. */
+static void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
+{
+    const int n = m->nv + m->nmimic;
+    for (int k = 0; k < m->nv * (m->nv + 1) / 2; ++k) H[k] = rbdi_zero();
+    for (int i = 0; i < n; ++i) {
+        const rbd_real *h = &Hx[m->dof[i].row + m->dof[i].depth];
+        int a = i < m->nv ? i : m->mimic[i - m->nv].source_v;
+        rbd_const ka = i < m->nv ? RBDI_C(1) : m->mimic[i - m->nv].ratio;
+        for (int j = i; j >= 0; j = m->dof[j].lambda, --h) {
+            int b = j < m->nv ? j : m->mimic[j - m->nv].source_v;
+            rbd_const kb = j < m->nv ? RBDI_C(1) : m->mimic[j - m->nv].ratio;
+            int row = a > b ? a : b, column = a > b ? b : a, k = row * (row + 1) / 2 + column;
+            H[k] = H[k] + *h * (i != j && a == b ? 2 * ka * kb : ka * kb);
+        }
+    }
+}
+
+/* ---- aba [aba] ---- */
+
+RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi X)
+{
+    X = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(X));
+    X = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(X));
+    return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(X));
+}
+
+/* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, const rbdi_trig *t, int full, rbdi_abi X)
+{
+    if (l->flags & RBDI_SLIDE) X = rbdi_abi_shift_z(t->d, full, X);
+    X = rbdi_abi_up_z(t->c, t->s, X);
+    X = rbdi_abi_up_z(rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(X));
+    if (!(l->flags & RBDI_GENERAL)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, X));
+    X = rbdi_abi_up_z(rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(X));
+    return rbdi_abi_shift(rbdi_vec_c(l->r), X);
+}
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi X)
+{
+    X.I = rbdi_sym_up(P->E, X.I);
+    X.H = rbdi_mat_up(P->E, X.H);
+    X.M = rbdi_sym_up(P->E, X.M);
+    return rbdi_abi_shift(P->r, X);
+}
+
+RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
+{
+    const rbd_real o = rbdi_zero();
+    rbdi_abi X;
+    X.I.xx = X.I.xy = X.I.xz = X.I.yy = X.I.yz = X.I.zz = o;
+    X.H.xx = X.H.xy = X.H.xz = X.H.yx = X.H.yy = X.H.yz = X.H.zx = X.H.zy = X.H.zz = o;
+    X.M.xx = X.M.xy = X.M.xz = X.M.yy = X.M.yz = X.M.zz = o;
+    return X;
+}
+
+/* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, rbdi_abi X)
+{
+    const rbdi_csym S = l->S;
+    X.I.xx = X.I.xx + (S.yy + S.zz), X.I.xy = X.I.xy - S.xy, X.I.xz = X.I.xz - S.xz;
+    X.I.yy = X.I.yy + (S.xx + S.zz), X.I.yz = X.I.yz - S.yz, X.I.zz = X.I.zz + (S.xx + S.yy);
+    X.H.xz = X.H.xz + l->h.y, X.H.zx = X.H.zx - l->h.y;
+    X.H.yz = X.H.yz - l->h.x, X.H.zy = X.H.zy + l->h.x;
+    if (l->flags & RBDI_FULL) {
+        X.H.xy = X.H.xy - l->h.z, X.H.yx = X.H.yx + l->h.z;
+        X.M.xx = X.M.xx + l->m, X.M.yy = X.M.yy + l->m, X.M.zz = X.M.zz + l->m;
+    }
+    return X;
+}
+
+/* Pass 1, one-axis link: velocity w (in: the parent's) and velocity-product acceleration c. */
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, const rbdi_trig *t, rbd_real qd, rbdi_v3 *w)
+{
+    int screw = l->kind == RBDI_SCREW;
+    rbd_real turn = screw ? qd * l->rho : qd;
+    rbdi_motion c = rbdi_motion0();
+    if (l->parent < 0) {
+        *w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+        return c;
+    }
+    c.v = rbdi_down(l, t, rbdi_cross(*w, rbdi_cross_shift(l, *w)));
+    *w = rbdi_down(l, t, *w);
+    c.w.x = turn * w->y;
+    c.w.y = -(turn * w->x);
+    if (l->flags & RBDI_SLIDE) {
+        c.v.x = c.v.x + t->d * (w->x * w->z);
+        c.v.y = c.v.y + t->d * (w->y * w->z);
+        c.v.z = c.v.z - t->d * (w->x * w->x + w->y * w->y);
+    }
+    if (screw) {
+        rbd_real k = (qd + qd) * l->kappa;
+        c.v.x = c.v.x + k * w->y;
+        c.v.y = c.v.y - k * w->x;
+    }
+    w->z = w->z + turn;
+    return c;
+}
+RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
+                                                const rbd_real *v, rbdi_v3 *w)
+{
+    rbdi_motion J = rbdi_block_motion(b, v), c;
+    rbdi_v3 turned = rbdi_vec0();
+    if (l->parent >= 0) turned = rbdi_mul(X->E, *w);
+    c = rbdi_joint_product(turned, J);
+    if (l->parent >= 0)
+        c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*w, rbdi_cross(*w, X->r))));
+    *w = rbdi_add(turned, J.w);
+    return c;
+}
+
+static void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
+{
+    rbdi_v3 omega = rbdi_vec0();
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.w;
+        if (l->kind == RBDI_BLOCK)
+            w->link[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
+                                                   &omega);
+        else
+            w->link[i].c = rbdi_aba_velocity(l, &w->trig[i], v[l->iv], &omega);
+        w->link[i].f = rbdi_wrench(l, rbdi_omega(omega, rbdi_vec0()), NULL);
+        if (l->slot >= 0) {
+            w->slot[l->slot].state.w = omega;
+            w->slot[l->slot].I = rbdi_abi_zero();
+        }
+    }
+}
+
+/* Pass 2, one-axis link: the joint lets its own axis go. I becomes I - U U'/D, p becomes
+   p + I c + U u/D. full = 0: revolute without armature, where row z of I and H vanishes. */
+RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, const rbdi_motion *c, rbd_const armature,
+                                  rbd_const threshold, rbd_real tau, int full, rbdi_abi *X, rbdi_force *p,
+                                  rbdi_scratch *out, rbd_real *pivot, rbdi_mask *bad)
+{
+    rbdi_force U, V;
+    rbd_real D, inverse, u;
+    U.n = rbdi_vec(X->I.xz, X->I.yz, X->I.zz);
+    U.f = rbdi_vec(X->H.zx, X->H.zy, X->H.zz);
+    if (l->kind == RBDI_SCREW) {
+        U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->H.xz, X->H.yz, X->H.zz)));
+        U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->M.xz, X->M.yz, X->M.zz)));
+    }
+    D = rbdi_along_axis(l, U);
+    if (full) D = D + armature;
+    *pivot = D;
+    inverse = rbdi_reciprocal(D, threshold, bad);
+    u = (tau - rbdi_along_axis(l, *p)) * inverse;
+    V.n = rbdi_scale(inverse, U.n);
+    V.f = rbdi_scale(inverse, U.f);
+    out->U = V;
+    out->u = u;
+
+    X->I.xx = X->I.xx - U.n.x * V.n.x;
+    X->I.xy = X->I.xy - U.n.x * V.n.y;
+    X->I.yy = X->I.yy - U.n.y * V.n.y;
+    X->H.xx = X->H.xx - U.n.x * V.f.x, X->H.xy = X->H.xy - U.n.x * V.f.y, X->H.xz = X->H.xz - U.n.x * V.f.z;
+    X->H.yx = X->H.yx - U.n.y * V.f.x, X->H.yy = X->H.yy - U.n.y * V.f.y, X->H.yz = X->H.yz - U.n.y * V.f.z;
+    X->M.xx = X->M.xx - U.f.x * V.f.x, X->M.xy = X->M.xy - U.f.x * V.f.y, X->M.xz = X->M.xz - U.f.x * V.f.z;
+    X->M.yy = X->M.yy - U.f.y * V.f.y, X->M.yz = X->M.yz - U.f.y * V.f.z, X->M.zz = X->M.zz - U.f.z * V.f.z;
+    p->n.x = p->n.x + (X->I.xx * c->w.x + X->I.xy * c->w.y) + U.n.x * u;
+    p->n.y = p->n.y + (X->I.xy * c->w.x + X->I.yy * c->w.y) + U.n.y * u;
+    p->n.x = p->n.x + (X->H.xx * c->v.x + X->H.xy * c->v.y + X->H.xz * c->v.z);
+    p->n.y = p->n.y + (X->H.yx * c->v.x + X->H.yy * c->v.y + X->H.yz * c->v.z);
+    p->f.x = p->f.x + (X->H.xx * c->w.x + X->H.yx * c->w.y) + U.f.x * u;
+    p->f.y = p->f.y + (X->H.xy * c->w.x + X->H.yy * c->w.y) + U.f.y * u;
+    p->f.z = p->f.z + (X->H.xz * c->w.x + X->H.yz * c->w.y) + U.f.z * u;
+    p->f = rbdi_add(p->f, rbdi_mul_sym(X->M, c->v));
+    if (full) {
+        X->I.xz = X->I.xz - U.n.x * V.n.z;
+        X->I.yz = X->I.yz - U.n.y * V.n.z;
+        X->I.zz = X->I.zz - U.n.z * V.n.z;
+        X->H.zx = X->H.zx - U.n.z * V.f.x;
+        X->H.zy = X->H.zy - U.n.z * V.f.y;
+        X->H.zz = X->H.zz - U.n.z * V.f.z;
+        p->n.z = p->n.z + (X->I.xz * c->w.x + X->I.yz * c->w.y) + U.n.z * u;
+        p->n.z = p->n.z + (X->H.zx * c->v.x + X->H.zy * c->v.y + X->H.zz * c->v.z);
+    } else {
+        X->I.xz = X->I.yz = X->I.zz = X->H.zx = X->H.zy = X->H.zz = rbdi_zero();
+        p->n.z = tau;
+    }
+}
+
+/* Row k of [I H; H' M]. */
+RBDI_INLINE void rbdi_abi_to_array(rbdi_abi X, rbd_real A[6][6])
+{
+    A[0][0] = X.I.xx, A[0][1] = X.I.xy, A[0][2] = X.I.xz, A[0][3] = X.H.xx, A[0][4] = X.H.xy, A[0][5] = X.H.xz;
+    A[1][1] = X.I.yy, A[1][2] = X.I.yz, A[1][3] = X.H.yx, A[1][4] = X.H.yy, A[1][5] = X.H.yz;
+    A[2][2] = X.I.zz, A[2][3] = X.H.zx, A[2][4] = X.H.zy, A[2][5] = X.H.zz;
+    A[3][3] = X.M.xx, A[3][4] = X.M.xy, A[3][5] = X.M.xz;
+    A[4][4] = X.M.yy, A[4][5] = X.M.yz;
+    A[5][5] = X.M.zz;
+    for (int i = 1; i < 6; ++i)
+        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+}
+RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
+{
+    rbdi_abi X;
+    X.I.xx = A[0][0], X.I.xy = A[0][1], X.I.xz = A[0][2], X.H.xx = A[0][3], X.H.xy = A[0][4], X.H.xz = A[0][5];
+    X.I.yy = A[1][1], X.I.yz = A[1][2], X.H.yx = A[1][3], X.H.yy = A[1][4], X.H.yz = A[1][5];
+    X.I.zz = A[2][2], X.H.zx = A[2][3], X.H.zy = A[2][4], X.H.zz = A[2][5];
+    X.M.xx = A[3][3], X.M.xy = A[3][4], X.M.xz = A[3][5];
+    X.M.yy = A[4][4], X.M.yz = A[4][5];
+    X.M.zz = A[5][5];
+    return X;
+}
+
+/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its
+   own without a body between; so the pivots are those of M = L'DL. */
+static void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, rbdi_block_work *bw,
+                                   const rbdi_motion *c, const rbd_real *tau, rbdi_abi *X, rbdi_force *p,
+                                   rbd_real *pivot, rbdi_mask *bad)
+{
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real A[6][6], P[6], C[6];
+    rbdi_abi_to_array(*X, A);
+    rbdi_force_to_array(*p, P);
+    rbdi_motion_to_array(*c, C);
+    for (int k = b->n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        int s = b->first + k;
+        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->pivot, bad);
+        pivot[l->iv + k] = D;
+        for (int i = 0; i < 6; ++i) {
+            U[i] = A[i][s];
+            bw->U[k][i] = U[i] * inverse;
+        }
+        bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
+            P[i] = P[i] + U[i] * bw->u[k];
+        }
+    }
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
+    *X = rbdi_abi_from_array(A);
+    *p = rbdi_force_from_array(P);
+}
+
+static rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
+{
+    rbdi_abi X = rbdi_abi_zero();
+    rbdi_force p = rbdi_force0();
+    rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_dof *dof = &m->dof[l->iv];
+        rbdi_scratch *own = &w->link[i];
+        X = rbdi_abi_add_link(l, X);
+        if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
+        p = rbdi_force_add(p, own->f);
+        if (l->kind == RBDI_BLOCK) {
+            rbdi_aba_release_block(m, l, &w->block[l->block], &own->c, tau, &X, &p, w->pivot, &bad);
+            if (l->parent >= 0) {
+                X = rbdi_abi_up_block(&w->block[l->block].X, X);
+                p = rbdi_force_up_block(&w->block[l->block].X, p);
+            }
+        } else if (l->kind == RBDI_SCREW || (l->flags & RBDI_ARMATURE)) {
+            rbdi_aba_release(l, &own->c, dof->armature, dof->pivot, tau[l->iv], 1, &X, &p, own,
+                             &w->pivot[l->iv], &bad);
+            X = rbdi_abi_up(l, &w->trig[i], 1, X);
+            p = rbdi_force_up(l, &w->trig[i], p);
+        } else {
+            rbdi_aba_release(l, &own->c, dof->armature, dof->pivot, tau[l->iv], 0, &X, &p, own,
+                             &w->pivot[l->iv], &bad);
+            X = rbdi_abi_up(l, &w->trig[i], 0, X);
+            p = rbdi_force_up(l, &w->trig[i], p);
+        }
+        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent >= 0) {
+            rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
+            slot->I = rbdi_abi_add(slot->I, X);
+            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, p);
+        }
+        X = rbdi_abi_zero();
+        p = rbdi_force0();
+    }
+    return bad;
+}
+
+RBDI_INLINE rbd_real rbdi_pair(rbdi_force F, rbdi_motion V) { return rbdi_dot(F.n, V.w) + rbdi_dot(F.f, V.v); }
+
+/* Pass 3: y = (wd, classical acceleration minus gravity); qdd = u/D - (U/D).y'. */
+static void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
+{
+    const rbdi_state world = rbdi_world_state(w->gravity);
+    rbdi_state y = world;
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_scratch *own = &w->link[i];
+        rbdi_motion Y;
+        if (l->parent != i - 1) y = l->parent < 0 ? world : w->slot[m->link[l->parent].slot].state;
+        if (l->kind == RBDI_BLOCK) {
+            const rbdi_block_work *bw = &w->block[l->block];
+            const rbdi_block *b = rbdi_block_of(m, l);
+            rbd_real all[6];
+            Y.w = rbdi_mul(bw->X.E, y.wd);
+            Y.v = rbdi_mul(bw->X.E, rbdi_add(y.acc, rbdi_cross(y.wd, bw->X.r)));
+            rbdi_motion_to_array(rbdi_motion_add(Y, own->c), all);
+            for (int k = 0; k < b->n; ++k) {
+                rbd_real qdd = bw->u[k];
+                for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
+                all[b->first + k] = all[b->first + k] + qdd;
+                a[l->iv + k] = qdd;
+            }
+            Y = rbdi_motion_from_array(all);
+        } else {
+            rbd_real qdd;
+            const rbdi_trig *t = &w->trig[i];
+            Y.w = rbdi_down(l, t, y.wd);
+            Y.v = rbdi_down(l, t, rbdi_add(y.acc, rbdi_cross_shift(l, y.wd)));
+            if (l->flags & RBDI_SLIDE) {
+                Y.v.x = Y.v.x + t->d * Y.w.y;
+                Y.v.y = Y.v.y - t->d * Y.w.x;
+            }
+            Y = rbdi_motion_add(Y, own->c);
+            qdd = own->u - rbdi_pair(own->U, Y);
+            if (l->kind == RBDI_SCREW) {
+                Y.w.z = Y.w.z + qdd * l->rho;
+                Y.v.z = Y.v.z + qdd * l->kappa;
+            } else {
+                Y.w.z = Y.w.z + qdd;
+            }
+            a[l->iv] = qdd;
+        }
+        y.wd = Y.w;
+        y.acc = Y.v;
+        if (l->slot >= 0) {
+            w->slot[l->slot].state.wd = Y.w;
+            w->slot[l->slot].state.acc = Y.v;
+        }
+    }
+}
+
+/* Finds the first pivot, in the order of elimination, that is not above its threshold. */
+static rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask bad)
+{
+    w->singular = -1;
+    if (!rbdi_any(bad)) return RBD_OK;
+    for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
+        if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].pivot), w->pivot[k])))) w->singular = k;
+    return RBD_ERR_SINGULAR;
+}
+
+/* ---- cholesky [cholesky] ---- */
+
+/* Parent dof and row start of the matrix that is factored: the tree's, or dense with mimic joints. */
+RBDI_INLINE int rbdi_lambda(const rbd_model *m, int k) { return m->nmimic ? k - 1 : m->dof[k].lambda; }
+RBDI_INLINE int rbdi_depth(const rbd_model *m, int k) { return m->nmimic ? k : m->dof[k].depth; }
+RBDI_INLINE int rbdi_row(const rbd_model *m, int k) { return m->nmimic ? k * (k + 1) / 2 : m->dof[k].row; }
+
+/* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
+   the same first t + 1 columns, so that the update is a multiple of one row on another. */
+static rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
+{
+    rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int k = m->nv - 1; k >= 0; --k) {
+        rbd_real *hk = &H[rbdi_row(m, k)];
+        int d = rbdi_depth(m, k), i = rbdi_lambda(m, k);
+        rbd_real inverse = rbdi_reciprocal(hk[d], m->dof[k].pivot, &bad);
+        w->pivot[k] = hk[d];
+        hk[d] = inverse;
+        for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, i)) {
+            rbd_real *hi = &H[rbdi_row(m, i)], x = hk[t] * inverse;
+            for (int j = 0; j <= t; ++j) hi[j] = hi[j] - x * hk[j];
+            hk[t] = x;
+        }
+    }
+    return bad;
+}
+
+/* x = M^-1 x by L' y = x, z = y / D, L x = z. */
+static void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
+{
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbd_real *l = &L[rbdi_row(m, k)];
+        int d = rbdi_depth(m, k);
+        for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
+            x[i] = x[i] - l[t] * x[k];
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = &L[rbdi_row(m, k)];
+        int d = rbdi_depth(m, k);
+        rbd_real y = x[k] * l[d];
+        for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i)) y = y - l[t] * x[i];
+        x[k] = y;
+    }
+}
+
+/* ---- dynamics: the public calls ---- */
+
+RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
+{
+    if (!m || !w || !q || !v || !a || !tau) return RBD_ERR_NULL;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
+              m->nmimic ? w->tx : tau);
+    rbdi_reduce_tau(m, w->tx, tau);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *f_ext, rbd_real *c)
+{
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
+}
+
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g)
+{
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
+}
+
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
+{
+    if (!m || !w || !q || !H) return RBD_ERR_NULL;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_crba(m, w, m->nmimic ? w->Hx : H);
+    if (m->nmimic) rbdi_reduce_H(m, w->Hx, H);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
+{
+    rbd_status status;
+    if (!m || !w || !M) return RBD_ERR_NULL;
+    status = rbd_crba_packed(m, w, q, w->H);
+    if (status) return status;
+    if (!m->nmimic) {
+        rbdi_unpack(m, w->H, M);
+        return RBD_OK;
+    }
+    for (int i = 0; i < m->nv; ++i)
+        for (int j = 0; j <= i; ++j) M[i * m->nv + j] = M[j * m->nv + i] = w->H[i * (i + 1) / 2 + j];
+    return RBD_OK;
+}
+
+RBD_API int rbd_packed_size(const rbd_model *m)
+{
+    if (!m) return 0;
+    return rbdi_row(m, m->nv - 1) + rbdi_depth(m, m->nv - 1) + 1;
+}
+
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
+{
+    int row = i > j ? i : j, column = i > j ? j : i, t;
+    if (!m || column < 0 || row >= m->nv) return -1;
+    t = rbdi_depth(m, row);
+    for (int k = row; k >= column; k = rbdi_lambda(m, k), --t)
+        if (k == column) return rbdi_row(m, row) + t;
+    return -1;
+}
+
+RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a)
+{
+    rbdi_mask bad;
+    if (!m || !w || !q || !v || !tau || !a) return RBD_ERR_NULL;
+    if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
+    rbdi_joints(m, w, q);
+    rbdi_aba_pass1(m, w, v);
+    rbdi_external(m, w, f_ext);
+    bad = rbdi_aba_pass2(m, w, tau);
+    rbdi_aba_pass3(m, w, a);
+    return rbdi_singular(m, w, bad);
+}
+
+RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   rbd_real *a)
+{
+    rbdi_mask bad;
+    if (!m || !w || !q || !v || !tau || !a) return RBD_ERR_NULL;
+    rbd_crba_packed(m, w, q, w->H);
+    bad = rbdi_factor(m, w, w->H);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
+    rbdi_solve(m, w->H, a);
+    return rbdi_singular(m, w, bad);
+}
+
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H)
+{
+    if (!m || !w || !H) return RBD_ERR_NULL;
+    return rbdi_singular(m, w, rbdi_factor(m, w, H));
+}
+
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L)
+{
+    if (!m || !w || !M || !L) return RBD_ERR_NULL;
+    for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
+        int d = rbdi_depth(m, i);
+        rbd_real *row = &L[rbdi_row(m, i)];
+        for (int t = d, j = i; t >= 0; --t, j = rbdi_lambda(m, j)) w->bias[t] = M[i * m->nv + j];
+        for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
+    }
+    return rbd_cholesky_factor_packed(m, w, L);
+}
+
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                      rbd_real *x)
+{
+    if (!m || !w || !L || !b || !x) return RBD_ERR_NULL;
+    for (int k = 0; k < m->nv; ++k) x[k] = b[k];
+    rbdi_solve(m, L, x);
+    return RBD_OK;
+}
+
+RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
+
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau)
+{
+    const rbd_real *vx;
+    rbd_real *tx;
+    if (!m || !w || !v || !tau) return RBD_ERR_NULL;
+    vx = rbdi_expand_v(m, v, w->vx);
+    tx = m->nmimic ? w->tx : tau;
+    for (int k = 0; k < m->nv + m->nmimic; ++k) {
+        rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
+        rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
+        tx[k] = sign - x * m->dof[k].damping;
+    }
+    rbdi_reduce_tau(m, tx, tau);
+    return RBD_OK;
+}
+
+/* ---- kinematics [kinematics code] ---- */
+
+RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v)
+{
+    const rbdi_link *l = &m->link[i];
+    return l->kind == RBDI_BLOCK ? rbdi_mul(w->block[l->block].X.E, v) : rbdi_down(l, &w->trig[i], v);
+}
+
+/* World pose of link i and velocity of its origin; its angular velocity s.w is known already. */
+static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v)
+{
+    const rbdi_link *l = &m->link[i];
+    rbdi_kin *k = &w->kin[i];
+    const rbdi_v3 wi = k->state.w;
+    rbdi_v3 r = l->kind == RBDI_BLOCK ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z;
+    x = rbdi_vec(rbdi_set(RBDI_C(1)), rbdi_zero(), rbdi_zero());
+    y = rbdi_cycle(rbdi_cycle(x)), z = rbdi_cycle(x);
+    k->v = rbdi_vec0();
+    if (l->parent >= 0) {
+        const rbdi_kin *up = &w->kin[l->parent];
+        x = rbdi_vec(up->R.xx, up->R.xy, up->R.xz);
+        y = rbdi_vec(up->R.yx, up->R.yy, up->R.yz);
+        z = rbdi_vec(up->R.zx, up->R.zy, up->R.zz);
+        p = rbdi_add(up->p, rbdi_mul(up->R, r));
+        k->v = rbdi_down_link(m, w, i, rbdi_add(up->v, rbdi_cross(up->state.w, r)));
+    }
+    x = rbdi_down_link(m, w, i, x); /* rows of R_parent E' */
+    y = rbdi_down_link(m, w, i, y);
+    z = rbdi_down_link(m, w, i, z);
+    k->R.xx = x.x, k->R.xy = x.y, k->R.xz = x.z;
+    k->R.yx = y.x, k->R.yy = y.y, k->R.yz = y.z;
+    k->R.zx = z.x, k->R.zy = z.y, k->R.zz = z.z;
+    if (l->kind == RBDI_BLOCK) {
+        k->v = rbdi_add(k->v, rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
+    } else {
+        rbd_real d = w->trig[i].d;
+        p = rbdi_add(p, rbdi_scale(d, rbdi_vec(x.z, y.z, z.z)));
+        k->v.x = k->v.x + d * wi.y;
+        k->v.y = k->v.y - d * wi.x;
+        if (l->kind == RBDI_SCREW) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    }
+    k->p = p;
+}
+
+RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                  const rbd_real *a)
+{
+    const rbdi_c3 none = {RBDI_C(0), RBDI_C(0), RBDI_C(0)};
+    const rbdi_state world = rbdi_world_state(none);
+    rbdi_state s = world;
+    rbdi_mat O = rbdi_omega(s.w, s.wd);
+    if (!m || !w || !q) return RBD_ERR_NULL;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, &O);
+        w->kin[i].state = s;
+        rbdi_kin_link(m, w, i, v);
+    }
+    *w->rotors = rbdi_zero();
+    for (int k = 0; k < m->nv + m->nmimic; ++k)
+        *w->rotors = *w->rotors + v[k] * v[k] * (RBDI_C(0.5) * m->dof[k].armature);
+    w->have_kinematics = 1;
+    return RBD_OK;
+}
+
+/* Pose and state of a body of the description, in its own frame. */
+static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body)
+{
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_mat E = rbdi_mat_c(u->E);
+    const rbdi_v3 r = rbdi_vec_c(u->r);
+    rbdi_kin k;
+    if (u->link < 0) {
+        k.R = rbdi_transpose(E);
+        k.p = r;
+        k.v = k.state.w = k.state.wd = k.state.acc = rbdi_vec0();
+        return k;
+    }
+    k = w->kin[u->link];
+    k.p = rbdi_add(k.p, rbdi_mul(k.R, r));
+    k.R = rbdi_mul_mat(k.R, rbdi_transpose(E));
+    k.v = rbdi_mul(E, rbdi_add(k.v, rbdi_cross(k.state.w, r)));
+    k.state.acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.w, k.state.wd), r));
+    k.state.acc = rbdi_mul(E, k.state.acc);
+    k.state.w = rbdi_mul(E, k.state.w);
+    k.state.wd = rbdi_mul(E, k.state.wd);
+    return k;
+}
+
+static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body)
+{
+    if (!m || !w) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
+}
+
+RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
+
+RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+                                 rbd_real p[3])
+{
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    k = rbdi_body_kin(m, w, body);
+    if (R) {
+        rbdi_store(rbdi_vec(k.R.xx, k.R.xy, k.R.xz), R);
+        rbdi_store(rbdi_vec(k.R.yx, k.R.yy, k.R.yz), R + 3);
+        rbdi_store(rbdi_vec(k.R.zx, k.R.zy, k.R.zz), R + 6);
+    }
+    if (p) rbdi_store(k.p, p);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6])
+{
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!velocity) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.w, velocity);
+    rbdi_store(k.v, velocity + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                         rbd_real acceleration[6])
+{
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!acceleration) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.wd, acceleration);
+    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.w, k.v)), acceleration + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                   rbd_real acceleration[6])
+{
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!acceleration) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.wd, acceleration);
+    rbdi_store(k.state.acc, acceleration + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_const rbd_mass(const rbd_model *m)
+{
+    rbd_const mass = RBDI_C(0);
+    for (int b = 0; m && b < m->nb; ++b)
+        if (m->frame[b].link >= 0) mass += m->frame[b].mass;
+    return mass;
+}
+
+RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                           rbd_real acceleration[3])
+{
+    rbd_status status = rbdi_check_body_call(m, w, 0);
+    rbdi_v3 p = rbdi_vec0(), v = p, a = p;
+    rbd_const mass = rbd_mass(m);
+    rbd_real inverse = rbdi_set(mass > 0 ? RBDI_C(1) / mass : RBDI_C(0));
+    if (status) return status;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_kin k;
+        rbdi_v3 c;
+        rbd_real share;
+        if (u->link < 0) continue;
+        k = rbdi_body_kin(m, w, b);
+        c = rbdi_vec_c(u->com);
+        share = rbdi_set(u->mass);
+        p = rbdi_add(p, rbdi_scale(share, rbdi_add(k.p, rbdi_mul(k.R, c))));
+        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_add(k.v, rbdi_cross(k.state.w, c)))));
+        c = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.w, k.state.wd), c));
+        a = rbdi_add(a, rbdi_scale(share, rbdi_mul(k.R, c)));
+    }
+    if (position) rbdi_store(rbdi_scale(inverse, p), position);
+    if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
+    if (acceleration) rbdi_store(rbdi_scale(inverse, a), acceleration);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential)
+{
+    rbd_status status = rbdi_check_body_call(m, w, 0);
+    rbd_real T, V = rbdi_zero();
+    if (status) return status;
+    T = *w->rotors;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_kin k;
+        rbdi_v3 c, v;
+        if (u->link < 0) continue;
+        k = rbdi_body_kin(m, w, b);
+        c = rbdi_vec_c(u->com);
+        v = rbdi_add(k.v, rbdi_cross(k.state.w, c));
+        T = T + rbdi_dot(v, v) * (RBDI_C(0.5) * u->mass);
+        T = T + rbdi_dot(k.state.w, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.w)) * RBDI_C(0.5);
+        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_add(k.p, rbdi_mul(k.R, c))) * u->mass;
+    }
+    if (kinetic) *kinetic = T;
+    if (potential) *potential = V;
+    return RBD_OK;
+}
+
+/* ---- configuration manifold [manifold code] ---- */
+
+/* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
+static rbd_real rbdi_tail(rbd_real x, int n)
+{
+    rbd_real s = rbdi_set(RBDI_C(1));
+    int factorial = 1;
+    for (int k = 15; k > 0; --k)
+        s = rbdi_set(RBDI_C(1)) - x * s * (RBDI_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
+    for (int k = 2; k <= n; ++k) factorial *= k;
+    return s * (RBDI_C(1) / (rbd_const)factorial);
+}
+
+/* Coefficients of the exponential map for a turn by theta, x = theta^2. */
+typedef struct rbdi_exp {
+    rbd_real x, half_sine; /* sin(theta / 2) / theta */
+    rbd_real half_cosine;  /* cos(theta / 2) */
+    rbd_real B, C;         /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
+} rbdi_exp;
+
+static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
+{
+    rbdi_exp e;
+    rbd_real theta, s, A;
+    rbdi_mask small;
+    e.x = rbdi_dot(turn, turn) + RBDI_C(1e-30); /* keeps the quotients finite, alters no digit */
+    theta = rbdi_sqrt(e.x);
+    rbdi_sincos(theta * RBDI_C(0.5), &s, &e.half_cosine);
+    e.half_sine = s / theta;
+    e.B = (e.half_sine + e.half_sine) * e.half_sine;
+    A = (e.half_sine + e.half_sine) * e.half_cosine;
+    small = rbdi_less(e.x, rbdi_set(RBDI_C(1)));
+    e.C = rbdi_select(small, rbdi_tail(rbdi_select(small, e.x, rbdi_zero()), 3),
+                      (rbdi_set(RBDI_C(1)) - A) / e.x);
+    return e;
+}
+
+/* Shift of a screw motion with turn w and translation u: V u, V = 1 + B [w]x + C [w]x^2. */
+static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
+{
+    rbdi_v3 wu = rbdi_cross(w, u);
+    return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(w, wu))));
+}
+
+/* Its inverse: V^-1 u = u - w x u / 2 + k w x (w x u), k = (1 - A / (2 B)) / theta^2. */
+static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
+{
+    rbdi_v3 wu = rbdi_cross(w, u);
+    rbd_real one = rbdi_set(RBDI_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
+    rbdi_mask small = rbdi_less(e.x, one);
+    rbd_real x = rbdi_select(small, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
+    rbd_real k = rbdi_select(small, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
+    u = rbdi_add(u, rbdi_scale(k, rbdi_cross(w, wu)));
+    return rbdi_sub(u, rbdi_scale(rbdi_set(RBDI_C(0.5)), wu));
+}
+
+/* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: a cubic
+   start and Newton steps, each of which cubes the error. */
+static rbd_real rbdi_angle(rbd_real s, rbd_real c)
+{
+    rbd_real one = rbdi_set(RBDI_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
+    rbdi_mask obtuse = rbdi_less(c, o);
+    rbd_real positive = rbdi_select(obtuse, -c, c);
+    t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
+    angle = t * (rbdi_set(RBDI_C(2)) - t * t * RBDI_C(0.43));
+    for (int k = 0; k < 4; ++k) {
+        rbdi_sincos(angle, &sine, &cosine);
+        angle = angle + (s * cosine - positive * sine);
+    }
+    return rbdi_select(obtuse, rbdi_set(RBDI_PI(rbd_const)) - angle, angle);
+}
+
+/* The same with the sign of s, in [-pi, pi]. */
+static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c)
+{
+    rbdi_mask negative = rbdi_less(s, rbdi_zero());
+    rbd_real angle = rbdi_angle(rbdi_select(negative, -s, s), c);
+    return rbdi_select(negative, -angle, angle);
+}
+
+/* Unit quaternion of the same direction; identity for zero. */
+static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
+{
+    rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k;
+    rbdi_mask bad = rbdi_less(n, n);
+    k = rbdi_sqrt(rbdi_reciprocal(n, RBDI_C(1e-30), &bad));
+    for (int i = 0; i < 3; ++i) u[i] = q[i] * k;
+    u[3] = rbdi_select(bad, rbdi_set(RBDI_C(1)), q[3] * k);
+}
+
+/* out = a b, Hamilton's product of (x, y, z, w). */
+static void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out)
+{
+    rbdi_v3 u = rbdi_vec(a[0], a[1], a[2]), v = rbdi_vec(b[0], b[1], b[2]);
+    rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
+    rbdi_store(rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))), out);
+    out[3] = w;
+}
+
+/* q exp(turn), normalised. */
+static void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out)
+{
+    rbd_real step[4], unit[4];
+    rbdi_store(rbdi_scale(e.half_sine, turn), step);
+    step[3] = e.half_cosine;
+    rbdi_unit_quaternion(q, unit);
+    rbdi_quaternion_product(unit, step, unit);
+    rbdi_unit_quaternion(unit, out);
+}
+
+/* The turn (body axes, at most pi) that leads from q0 to q1. */
+static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1)
+{
+    rbd_real a[4], b[4], c[4], sine, cosine, angle;
+    rbdi_v3 v;
+    rbdi_mask back;
+    rbdi_unit_quaternion(q0, a);
+    rbdi_unit_quaternion(q1, b);
+    for (int i = 0; i < 3; ++i) a[i] = -a[i];
+    rbdi_quaternion_product(a, b, c);
+    v = rbdi_vec(c[0], c[1], c[2]);
+    back = rbdi_less(c[3], rbdi_zero());
+    cosine = rbdi_select(back, -c[3], c[3]);
+    sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_C(1e-30));
+    angle = rbdi_angle(sine, cosine);
+    angle = (angle + angle) / sine;
+    return rbdi_scale(rbdi_select(back, -angle, angle), v);
+}
+
+/* q_next = q (+) d for one joint of the description. */
+static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next)
+{
+    rbdi_v3 x;
+    switch (u->type) {
+    case RBD_CONTINUOUS_CS: {
+        rbd_real c, s, cd, sd, next[2];
+        rbdi_unit_cs(q, &c, &s);
+        rbdi_sincos(d[0], &sd, &cd);
+        next[0] = c * cd - s * sd;
+        next[1] = s * cd + c * sd;
+        rbdi_unit_cs(next, &q_next[0], &q_next[1]);
+        break;
+    }
+    case RBD_SPHERICAL:
+        x = rbdi_vec(d[0], d[1], d[2]);
+        rbdi_quaternion_step(q, rbdi_exp_of(x), x, q_next);
+        break;
+    case RBD_PLANAR: {
+        rbd_real c, s;
+        rbdi_v3 turn = rbdi_vec(rbdi_zero(), rbdi_zero(), d[0]);
+        x = rbdi_exp_shift(rbdi_exp_of(turn), turn, rbdi_vec(d[1], d[2], rbdi_zero()));
+        rbdi_sincos(q[2], &s, &c);
+        q_next[0] = q[0] + (c * x.x - s * x.y);
+        q_next[1] = q[1] + (s * x.x + c * x.y);
+        q_next[2] = q[2] + d[0];
+        break;
+    }
+    case RBD_FLOATING: {
+        rbdi_v3 turn = rbdi_vec(d[0], d[1], d[2]);
+        rbdi_exp e = rbdi_exp_of(turn);
+        x = rbdi_exp_shift(e, turn, rbdi_vec(d[3], d[4], d[5]));
+        x = rbdi_mul_t(rbdi_quaternion_down(q + 3), x);
+        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), x), q_next);
+        rbdi_quaternion_step(q + 3, e, turn, q_next + 3);
+        break;
+    }
+    default:
+        for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
+        break;
+    }
+}
+
+static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d)
+{
+    rbdi_v3 x, turn;
+    rbd_real c, s;
+    switch (u->type) {
+    case RBD_CONTINUOUS_CS: {
+        rbd_real c1, s1;
+        rbdi_unit_cs(q0, &c, &s);
+        rbdi_unit_cs(q1, &c1, &s1);
+        d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
+        break;
+    }
+    case RBD_SPHERICAL:
+        rbdi_store(rbdi_quaternion_difference(q0, q1), d);
+        break;
+    case RBD_PLANAR: {
+        rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
+        rbdi_sincos(angle, &s, &c);
+        angle = rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
+        rbdi_sincos(q0[2], &s, &c);
+        turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
+        x = rbdi_turn_z(c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
+        x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
+        rbdi_store(rbdi_vec(angle, x.x, x.y), d);
+        break;
+    }
+    case RBD_FLOATING:
+        turn = rbdi_quaternion_difference(q0 + 3, q1 + 3);
+        x = rbdi_sub(rbdi_vec(q1[0], q1[1], q1[2]), rbdi_vec(q0[0], q0[1], q0[2]));
+        x = rbdi_log_shift(rbdi_exp_of(turn), turn, rbdi_mul(rbdi_quaternion_down(q0 + 3), x));
+        rbdi_store(turn, d);
+        rbdi_store(x, d + 3);
+        break;
+    default:
+        for (int k = 0; k < u->nv; ++k) d[k] = q1[k] - q0[k];
+        break;
+    }
+}
+
+RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                 rbd_real *q_next)
+{
+    if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real d[6];
+        for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
+        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d)
+{
+    if (!m || !q0 || !q1 || !d) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], &d[u->iv]);
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q)
+{
+    if (!m || !q) return RBD_ERR_NULL;
+    for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBDI_C(1));
+        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING)
+            q[u->iq + u->nq - 1] = rbdi_set(RBDI_C(1));
+    }
+    return RBD_OK;
+}
+
+/* Uniform in [0, 1), 32 bits, by splitmix64. */
+static rbd_const rbdi_uniform(uint64_t *seed)
+{
+    uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (rbd_const)(int32_t)(z >> 33) * RBDI_C(4.656612873077392578125e-10);
+}
+
+/* Uniform between two bounds; each lane draws its own. */
+static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper)
+{
+#ifdef RBD_LANES
+    rbd_real x = rbdi_zero();
+    for (int i = 0; i < RBD_LANES; ++i) x[i] = lower + (upper - lower) * rbdi_uniform(seed);
+    return x;
+#else
+    return rbdi_set(lower + (upper - lower) * rbdi_uniform(seed));
+#endif
+}
+
+/* Uniform orientation: two points on circles with radii sqrt(u), sqrt(1 - u) (Shoemake 1992). */
+static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q)
+{
+    rbd_real u = rbdi_draw(seed, RBDI_C(0), RBDI_C(1)), a, b, c, s;
+    a = rbdi_sqrt(u);
+    b = rbdi_sqrt(rbdi_set(RBDI_C(1)) - u);
+    rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
+    q[0] = a * s, q[1] = a * c;
+    rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
+    q[2] = b * s, q[3] = b * c;
+}
+
+RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
+{
+    if (!m || !seed || !q) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real *x = &q[u->iq];
+        const rbd_const pi = RBDI_PI(rbd_const), one = RBDI_C(1);
+        int shifts = 0; /* coordinates that are lengths come first, but for cylindrical joints */
+        if (u->nv == 0) continue;
+        if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
+            x[0] = rbdi_draw(seed, u->lower, u->upper);
+            continue;
+        }
+        if (u->type == RBD_PRISMATIC) shifts = 1;
+        if (u->type == RBD_PLANAR) shifts = 2;
+        if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = 3;
+        for (int k = 0; k < u->nv && k < u->nq; ++k)
+            x[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+        if (u->type == RBD_CYLINDRICAL) x[1] = rbdi_draw(seed, -one, one);
+        if (u->type == RBD_CONTINUOUS_CS) {
+            rbd_real angle = x[0];
+            rbdi_sincos(angle, &x[1], &x[0]);
+        }
+        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING)
+            rbdi_draw_quaternion(seed, x + u->nq - 4);
+    }
+    return RBD_OK;
+}
+
+/* ---- work ---- */
+
+RBD_API size_t rbd_work_size(const rbd_model *m)
+{
+    int n, mimic;
+    if (!m) return 0;
+    n = m->nv + m->nmimic;
+    mimic = m->nmimic > 0;
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, n, mimic ? m->nq + m->nmimic : 0, m->nv,
+                           mimic ? m->nv * (m->nv + 1) / 2 : m->nh, mimic ? m->nh : 0);
+}
+
+/* Cuts count objects of size bytes off the front of the memory. */
+static void *rbdi_take(unsigned char **memory, int count, size_t size)
+{
+    unsigned char *p = *memory;
+    *memory += (size_t)count * size;
+    return p;
+}
+static unsigned char *rbdi_aligned(void *memory)
+{
+    return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
+}
+
+RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work)
+{
+    unsigned char *p;
+    rbd_work *w;
+    int n;
+    if (!m || !memory || !work) return RBD_ERR_NULL;
+    if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
+    if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
+    n = m->nv + m->nmimic;
+    p = rbdi_aligned(memory);
+    w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
+    w->gravity = m->gravity;
+    w->singular = -1;
+    w->have_kinematics = 0;
+    w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
+    w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
+    w->trig = (rbdi_trig *)rbdi_take(&p, m->nl, sizeof(rbdi_trig));
+    w->link = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
+    w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
+    w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
+    w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+    w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+    w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    w->H = (rbd_real *)rbdi_take(&p, m->nmimic ? m->nv * (m->nv + 1) / 2 : m->nh, sizeof(rbd_real));
+    w->qx = w->vx = w->ax = w->tx = w->Hx = NULL;
+    if (m->nmimic) {
+        w->qx = (rbd_real *)rbdi_take(&p, m->nq + m->nmimic, sizeof(rbd_real));
+        w->vx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+        w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+        w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+        w->Hx = (rbd_real *)rbdi_take(&p, m->nh, sizeof(rbd_real));
+    }
+    for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
+    *work = w;
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3])
+{
+    if (!w || !gravity) return RBD_ERR_NULL;
+    w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
+    return RBD_OK;
+}
+
+/* ---- lookup ---- */
+
+static int rbdi_same(const char *a, const char *b)
+{
+    if (!a || !b) return 0;
+    while (*a && *a == *b) ++a, ++b;
+    return *a == *b;
+}
+
+RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
+RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
+RBD_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
+
+RBD_API int rbd_body_index(const rbd_model *m, const char *name)
+{
+    for (int b = 0; m && b < m->nb; ++b)
+        if (rbdi_same(m->frame[b].name, name)) return b;
+    return -1;
+}
+
+RBD_API int rbd_joint_index(const rbd_model *m, const char *name)
+{
+    for (int b = 0; m && b < m->nb; ++b)
+        if (rbdi_same(m->frame[b].joint, name)) return b;
+    return -1;
+}
+
+RBD_API const char *rbd_body_name(const rbd_model *m, int body)
+{
+    return m && body >= 0 && body < m->nb ? m->frame[body].name : NULL;
+}
+
+RBD_API const char *rbd_joint_name(const rbd_model *m, int body)
+{
+    return m && body >= 0 && body < m->nb ? m->frame[body].joint : NULL;
+}
+
+RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
+{
+    const rbdi_frame *u;
+    if (!m || !info) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    u = &m->frame[body];
+    info->type = (rbd_joint_type)u->type;
+    info->iq = u->iq, info->nq = u->nq;
+    info->iv = u->iv, info->nv = u->nv;
+    info->lower = u->lower, info->upper = u->upper;
+    info->velocity = u->velocity, info->effort = u->effort;
+    return RBD_OK;
+}
+
+RBD_API int rbd_dof_body(const rbd_model *m, int dof)
+{
+    return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
+}
+
+RBD_API const char *rbd_status_string(rbd_status status)
+{
+    switch (status) {
+    case RBD_OK: return "no error";
+    case RBD_ERR_NULL: return "a required pointer is NULL";
+    case RBD_ERR_MEMORY: return "the memory given is too small";
+    case RBD_ERR_VERSION: return "the built model is of another version or scalar than this rbd.h";
+    case RBD_ERR_INDEX: return "no such body";
+    case RBD_ERR_ORDER: return "rbd_kinematics must be called first";
+    case RBD_ERR_SINGULAR: return "the mass matrix is singular";
+    case RBD_ERR_COUNT: return "the number of bodies is below 1 or above RBD_MAX_BODIES";
+    case RBD_ERR_NAME: return "the name stands twice";
+    case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
+    case RBD_ERR_TYPE: return "unknown joint type";
+    case RBD_ERR_AXIS: return "zero, not finite, or parallel to the other axis";
+    case RBD_ERR_PITCH: return "not finite";
+    case RBD_ERR_POSITION: return "not finite";
+    case RBD_ERR_ROTATION: return "not finite, or not an orthonormal right-handed matrix";
+    case RBD_ERR_MASS: return "negative or not finite";
+    case RBD_ERR_COM: return "not finite";
+    case RBD_ERR_INERTIA: return "not finite";
+    case RBD_ERR_LEAF: return "a movable leaf needs mass, inertia or armature: forward dynamics would be singular";
+    case RBD_ERR_ARMATURE: return "negative or not finite";
+    case RBD_ERR_DAMPING: return "negative or not finite";
+    case RBD_ERR_FRICTION: return "negative or not finite";
+    case RBD_ERR_LIMITS: return "not a number, or a negative limit";
+    case RBD_ERR_MIMIC: return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or mimics too";
+    case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
+    case RBD_WARN_INERTIA_TRIANGLE: return "one principal moment exceeds the sum of the others: no real body is like this";
+    case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
+    case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
+    }
+    return "unknown status";
+}
+
+static size_t rbdi_append(char *text, size_t size, size_t at, const char *more)
+{
+    for (; *more && at + 1 < size; ++more) text[at++] = *more;
+    if (size > 0) text[at] = 0;
+    return at;
+}
+
+static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
+{
+    char digits[12];
+    int n = 11;
+    digits[n] = 0;
+    do {
+        digits[--n] = (char)('0' + number % 10);
+        number /= 10;
+    } while (number > 0 && n > 0);
+    return rbdi_append(text, size, at, &digits[n]);
+}
+
+RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size)
+{
+    size_t at = 0;
+    if (!finding || !text || size == 0) return text;
+    if (finding->body >= 0) {
+        at = rbdi_append(text, size, at, "body ");
+        at = rbdi_append_number(text, size, at, finding->body);
+        if (finding->name) {
+            at = rbdi_append(text, size, at, " '");
+            at = rbdi_append(text, size, at, finding->name);
+            at = rbdi_append(text, size, at, "'");
+        }
+        at = rbdi_append(text, size, at, ", ");
+    }
+    if (finding->field) {
+        at = rbdi_append(text, size, at, "field '");
+        at = rbdi_append(text, size, at, finding->field);
+        at = rbdi_append(text, size, at, "': ");
+    }
+    rbdi_append(text, size, at, rbd_status_string(finding->status));
+    return text;
+}
+
+/* ---- model build [model build] ---- */
+
+#ifndef RBD_NO_BUILD
+
+#if RBDI_KIND(RBD_CONST) == 3
+#define RBDI_WIDE_LIBM(name) name##q
+#else
+#define RBDI_WIDE_LIBM(name) name
+#endif
+#define RBDI_SNAP ((rbdi_wide)1e-12) /* rad: angles this close to a multiple of 90 degrees are taken as that */
+
+/* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
+   'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
+typedef struct rbdi_joint_fact {
+    int nq, nv, first; /* first: of a block's spatial axes */
+    const char *axes;
+} rbdi_joint_fact;
+
+static const rbdi_joint_fact *rbdi_joint_facts(int type)
+{
+    static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
+        {0, 0, 0, ""},    /* fixed */
+        {1, 1, 0, "a"},   /* revolute */
+        {1, 1, 0, "a"},   /* continuous */
+        {2, 1, 0, "a"},   /* continuous_cs */
+        {1, 1, 0, "a"},   /* prismatic */
+        {1, 1, 0, "a"},   /* helical */
+        {2, 2, 0, "aa"},  /* cylindrical */
+        {2, 2, 0, "ab"},  /* universal */
+        {4, 3, 0, ""},    /* spherical */
+        {3, 3, 0, "zyx"}, /* the four Euler types */
+        {3, 3, 0, "xyz"},
+        {3, 3, 0, "yxz"},
+        {3, 3, 0, "zxy"},
+        {3, 3, 2, ""}, /* planar */
+        {3, 3, 3, ""}, /* translation */
+        {7, 6, 0, ""}, /* floating */
+    };
+    return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
+}
+
+static int rbdi_links_of(int type)
+{
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    int n = 0;
+    while (fact->axes[n]) ++n;
+    return n == 0 && fact->nv > 0 ? 1 : n;
+}
+static int rbdi_is_block(int type) { return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0]; }
+static int rbdi_can_mimic(int type)
+{
+    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
+
+/* -- small dense algebra of the build -- */
+
+static void rbdi_widen(const double *x, int n, rbdi_wide *y)
+{
+    for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
+}
+static void rbdi_w_identity(rbdi_wide A[9])
+{
+    for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
+}
+static void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3])
+{
+    rbdi_wide z[3];
+    for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+    for (int i = 0; i < 3; ++i) y[i] = z[i];
+}
+static void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9])
+{
+    for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
+}
+static void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3])
+{
+    rbdi_wide B[9];
+    rbdi_w_transpose(A, B);
+    rbdi_w_apply(B, x, y);
+}
+static void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9])
+{
+    rbdi_wide D[9];
+    for (int i = 0; i < 9; ++i)
+        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
+    for (int i = 0; i < 9; ++i) C[i] = D[i];
+}
+static void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9])
+{
+    rbdi_w_identity(A);
+    A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
+}
+static void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9])
+{
+    rbdi_w_identity(A);
+    A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
+}
+static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
+static rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
+
+/* Scales (c, s) to the unit circle, and to its nearest quarter point if within RBDI_SNAP of one. */
+static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s)
+{
+    rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    *c /= n, *s /= n;
+    if (rbdi_w_abs(*s) <= RBDI_SNAP) *c = *c > 0 ? 1 : -1, *s = 0;
+    if (rbdi_w_abs(*c) <= RBDI_SNAP) *s = *s > 0 ? 1 : -1, *c = 0;
+}
+
+/* Angle in (-pi, pi] of a point on the unit circle; as rbdi_signed_angle, in the build's arithmetic. */
+static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s)
+{
+    rbdi_wide sine = rbdi_w_abs(s), cosine = rbdi_w_abs(c), t = sine / (1 + cosine);
+    rbdi_wide angle = t * (2 - (rbdi_wide)0.43 * t * t);
+    for (int k = 0; k < 4; ++k)
+        angle += sine * RBDI_WIDE_LIBM(cos)(angle) - cosine * RBDI_WIDE_LIBM(sin)(angle);
+    if (c < 0) angle = RBDI_PI(rbdi_wide) - angle;
+    return s < 0 ? -angle : angle;
+}
+
+/* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
+   h' = A h + m t, S' = A S A' + t (A h)' + h' t'. */
+static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3], const rbdi_wide S[6],
+                             const rbdi_wide h[3], rbdi_wide m)
+{
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    rbdi_wide full[9], turned[9], Ah[3], T[9];
+    for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = S[k];
+    rbdi_w_product(A, full, turned);
+    rbdi_w_transpose(A, T);
+    rbdi_w_product(turned, T, full);
+    rbdi_w_apply(A, h, Ah);
+    for (int k = 0; k < 6; ++k) {
+        int i = row[k], j = column[k];
+        to->S[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
+    }
+    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + m * t[i];
+    to->m += m;
+}
+
+/* Sees the moments of a link in the frame x' = A x + t. */
+static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3])
+{
+    rbdi_draft old = *l;
+    for (int k = 0; k < 6; ++k) l->S[k] = 0;
+    for (int k = 0; k < 3; ++k) l->h[k] = 0;
+    l->m = 0;
+    rbdi_add_moments(l, A, t, old.S, old.h, old.m);
+}
+
+/* -- the checks -- */
+
+static int rbdi_finite(const double *x, int n)
+{
+    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
+        union {
+            double x;
+            uint64_t bits;
+        } u;
+        u.x = x[k];
+        if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
+    }
+    return 1;
+}
+static int rbdi_finite_positive(const double *x, int n)
+{
+    for (int k = 0; k < n; ++k)
+        if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
+    return 1;
+}
+static int rbdi_all_zero(const double *x, int n)
+{
+    for (int k = 0; k < n; ++k)
+        if (x[k] < 0 || x[k] > 0) return 0;
+    return 1;
+}
+
+static int rbdi_parallel(const double a[3], const double b[3])
+{
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+    return !(x * x + y * y + z * z > 1e-12 * aa * bb);
+}
+
+/* Nonzero if its square is, so that it can be scaled to unit length. */
+static int rbdi_is_axis(const double a[3])
+{
+    double n = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    return rbdi_finite(a, 3) && rbdi_finite(&n, 1) && n > 1e-24;
+}
+
+static int rbdi_is_rotation(const double R[9])
+{
+    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
+                 R[2] * (R[3] * R[7] - R[4] * R[6]);
+    if (!rbdi_finite(R, 9)) return 0;
+    if (rbdi_all_zero(R, 9)) return 1;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
+            double off = dot - (i == j);
+            if (!(off < 1e-6 && off > -1e-6)) return 0;
+        }
+    return det > 0;
+}
+
+/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -1e-9 of size: Cholesky pivots. */
+static int rbdi_semidefinite(const double A[6], double size)
+{
+    double e = 1e-9 * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1], yz, c;
+    if (!(a > 0) || !(b > 0)) return 0;
+    yz = A[4] - l * A[2];
+    c = A[5] + e - k * A[2] - yz * yz / b;
+    return c > 0;
+}
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field)
+{
+    if (report->warnings < RBD_MAX_WARNINGS) {
+        rbd_finding *f = &report->warning[report->warnings];
+        f->status = status, f->body = body, f->name = name, f->field = field;
+    }
+    ++report->warnings;
+}
+
+static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
+                              const char *field)
+{
+    rbd_finding *f = &report->error;
+    f->status = status, f->body = body, f->name = name, f->field = field;
+    return status;
+}
+
+/* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
+   inequalities of the principal moments). Else dynamics can compute, but somebody should know. */
+static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report)
+{
+    const double *I = b->inertia, trace = I[0] + I[3] + I[5];
+    double size = 0, S[6];
+    for (int k = 0; k < 6; ++k) {
+        size += I[k] < 0 ? -I[k] : I[k];
+        S[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
+    }
+    if (!(size > 0)) {
+        if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
+        return;
+    }
+    if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
+    if (!rbdi_semidefinite(I, size))
+        rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
+    else if (!rbdi_semidefinite(S, size))
+        rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
+static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i)
+{
+    for (int j = 0; j < nb; ++j)
+        if (j != i && rbdi_same(bodies[j].joint, bodies[i].mimic))
+            return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
+    return -1;
+}
+
+static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report)
+{
+    const rbd_body *b = &bodies[i];
+    const int type = (int)b->type;
+    const char *axes;
+#define RBDI_REQUIRE(condition, status, field)                                                          \
+    do {                                                                                                \
+        if (!(condition)) return rbdi_refuse(report, status, i, b->name, field);                        \
+    } while (0)
+    for (int j = 0; j < i; ++j) {
+        RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
+        RBDI_REQUIRE(!rbdi_same(b->joint, bodies[j].joint), RBD_ERR_NAME, "joint");
+    }
+    RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
+    RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
+    axes = rbdi_joint_facts(type)->axes;
+    if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
+    if (axes[0] == 'a' && axes[1] == 'b')
+        RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
+    RBDI_REQUIRE(rbdi_finite(&b->pitch, 1), RBD_ERR_PITCH, "pitch");
+    RBDI_REQUIRE(rbdi_finite(b->position, 3), RBD_ERR_POSITION, "position");
+    RBDI_REQUIRE(rbdi_is_rotation(b->rotation), RBD_ERR_ROTATION, "rotation");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->mass, 1), RBD_ERR_MASS, "mass");
+    RBDI_REQUIRE(rbdi_finite(b->com, 3), RBD_ERR_COM, "com");
+    RBDI_REQUIRE(rbdi_finite(b->inertia, 6), RBD_ERR_INERTIA, "inertia");
+    RBDI_REQUIRE(rbdi_finite_positive(b->armature, 6), RBD_ERR_ARMATURE, "armature");
+    RBDI_REQUIRE(rbdi_finite_positive(b->damping, 6), RBD_ERR_DAMPING, "damping");
+    RBDI_REQUIRE(rbdi_finite_positive(b->friction, 6), RBD_ERR_FRICTION, "friction");
+    RBDI_REQUIRE(rbdi_finite(&b->lower, 1), RBD_ERR_LIMITS, "lower");
+    RBDI_REQUIRE(rbdi_finite(&b->upper, 1), RBD_ERR_LIMITS, "upper");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->velocity, 1), RBD_ERR_LIMITS, "velocity");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
+    if (b->mimic) {
+        RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
+        RBDI_REQUIRE(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio");
+        RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
+    }
+#undef RBDI_REQUIRE
+    rbdi_check_inertia(b, i, report);
+    return RBD_OK;
+}
+
+/* Whether anything with mass, inertia or armature moves with body i: itself, what is fixed to it or
+   hangs on it, or what mimics its joint. */
+static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i)
+{
+    const rbd_body *b = &bodies[i];
+    if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
+    if (b->mimic || (rbdi_joint_facts((int)b->type)->nv > 0 && !rbdi_all_zero(b->armature, 6))) return 1;
+    for (int j = 0; j < nb; ++j) {
+        if (j > i && bodies[j].parent == i && bodies[j].type != RBD_FIXED) return 1; /* not a leaf */
+        if (rbdi_same(bodies[j].mimic, b->joint)) return 1;
+        if (j > i && bodies[j].type == RBD_FIXED && place[j].link == place[i].link) {
+            if (bodies[j].mass > 0 || !rbdi_all_zero(bodies[j].inertia, 6)) return 1;
+            for (int k = j + 1; k < nb; ++k)
+                if (bodies[k].parent == j && bodies[k].type != RBD_FIXED) return 1;
+        }
+    }
+    return 0;
+}
+
+/* -- the steps of the build -- */
+
+typedef struct rbdi_counts {
+    int nl, nblock, ndof, nmimic, nq, nv;
+} rbdi_counts;
+
+static rbdi_counts rbdi_count(const rbd_body *bodies, int nb)
+{
+    rbdi_counts n = {0, 0, 0, 0, 0, 0};
+    for (int i = 0; i < nb; ++i) {
+        const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+        n.nl += rbdi_links_of((int)bodies[i].type);
+        n.nblock += rbdi_is_block((int)bodies[i].type);
+        n.ndof += fact->nv;
+        n.nmimic += bodies[i].mimic != NULL;
+        if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
+    }
+    return n;
+}
+
+static size_t rbdi_model_bytes(rbdi_counts n, int nb)
+{
+    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
+}
+
+/* Axis of the k-th link of a joint, unit length, joint frame. */
+static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3])
+{
+    rbdi_wide n;
+    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
+    if (which == 'a') rbdi_widen(b->axis, 3, axis);
+    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+    n = rbdi_w_length(axis);
+    for (int k = 0; k < 3; ++k) axis[k] /= n;
+}
+
+static void rbdi_clear(rbdi_draft *l)
+{
+    unsigned char *p = (unsigned char *)l;
+    for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
+}
+
+/* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
+   cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
+static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl)
+{
+    const rbd_body *b = &bodies[i];
+    const int type = (int)b->type, links = rbdi_links_of(type);
+    const char *axes = rbdi_joint_facts(type)->axes;
+    rbdi_wide R[9], E[9], r[3];
+    int parent = -1;
+    rbdi_widen(b->rotation, 9, R);
+    if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
+    rbdi_w_transpose(R, E);
+    rbdi_widen(b->position, 3, r);
+    if (b->parent >= 0) {
+        const rbdi_place *up = &place[b->parent];
+        parent = up->link;
+        rbdi_w_product(E, up->E, E);
+        rbdi_w_apply_t(up->E, r, r);
+        for (int k = 0; k < 3; ++k) r[k] += up->r[k];
+    }
+    for (int k = 0; k < links; ++k) {
+        rbdi_draft *l = &draft[*nl];
+        rbdi_clear(l);
+        l->parent = parent, l->type = type, l->body = i;
+        l->iq = place[i].iq + k, l->iv = place[i].iv + k;
+        l->favourite = -1;
+        for (int j = 0; j < 9; ++j) l->E[j] = E[j];
+        for (int j = 0; j < 3; ++j) l->r[j] = r[j];
+        l->rho = 1;
+        l->kind = RBDI_REVOLUTE;
+        if (!axes[0]) {
+            l->kind = RBDI_BLOCK;
+        } else {
+            rbdi_link_axis(b, axes[k], l->axis);
+            if (type == RBD_CONTINUOUS_CS) l->kind = RBDI_REVOLUTE_CS;
+            if (type == RBD_HELICAL) l->kind = RBDI_SCREW, l->kappa = (rbdi_wide)b->pitch;
+            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1))
+                l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
+        }
+        parent = (*nl)++;
+        rbdi_w_identity(E);
+        for (int j = 0; j < 3; ++j) r[j] = 0;
+    }
+    place[i].link = parent;
+    for (int k = 0; k < 9; ++k) place[i].E[k] = E[k];
+    for (int k = 0; k < 3; ++k) place[i].r[k] = r[k];
+}
+
+/* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
+static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft)
+{
+    rbdi_wide S[6], A[9], t[3], none[3] = {0, 0, 0}, half;
+    if (place->link < 0) return;
+    rbdi_widen(b->inertia, 6, S);
+    half = (S[0] + S[3] + S[5]) / 2;
+    for (int k = 0; k < 6; ++k) S[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - S[k];
+    rbdi_widen(b->com, 3, t);
+    rbdi_w_transpose(place->E, A);
+    rbdi_w_apply(A, t, t);
+    for (int k = 0; k < 3; ++k) t[k] += place->r[k];
+    rbdi_add_moments(&draft[place->link], A, t, S, none, (rbdi_wide)b->mass);
+}
+
+/* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
+static void rbdi_draft_axis(rbdi_draft *draft, int i)
+{
+    rbdi_draft *l = &draft[i];
+    const rbdi_wide *s = l->axis;
+    rbdi_wide x[3] = {0, 0, 0}, along, none[3] = {0, 0, 0};
+    int least = 0;
+    rbdi_w_identity(l->B);
+    if (l->kind != RBDI_BLOCK) {
+        for (int k = 1; k < 3; ++k)
+            if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
+        x[least] = 1;
+        along = s[least];
+        for (int k = 0; k < 3; ++k) x[k] -= along * s[k];
+        along = rbdi_w_length(x);
+        for (int k = 0; k < 3; ++k) {
+            l->B[k] = x[k] / along;
+            l->B[6 + k] = s[k];
+        }
+        for (int k = 0; k < 3; ++k)
+            l->B[3 + k] = s[(k + 1) % 3] * l->B[(k + 2) % 3] - s[(k + 2) % 3] * l->B[(k + 1) % 3];
+    }
+    rbdi_w_product(l->B, l->E, l->E);
+    if (l->parent >= 0) {
+        rbdi_wide T[9];
+        rbdi_w_transpose(draft[l->parent].B, T);
+        rbdi_w_product(l->E, T, l->E);
+        rbdi_w_apply(draft[l->parent].B, l->r, l->r);
+    }
+    rbdi_change_moments(l, l->B, none);
+}
+
+/* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
+   others, under a one-axis parent: only they can have the cheap form). draft[p].order = who stands at p. */
+static void rbdi_draft_order(rbdi_draft *draft, int nl)
+{
+    int next_root = 0;
+    for (int i = 0; i < nl; ++i) draft[i].size = 1;
+    for (int i = nl - 1; i >= 0; --i)
+        if (draft[i].parent >= 0) draft[draft[i].parent].size += draft[i].size;
+    for (int i = 0; i < nl; ++i) {
+        rbdi_draft *up;
+        int best, first;
+        if (draft[i].parent < 0) continue;
+        up = &draft[draft[i].parent];
+        best = up->favourite;
+        first = up->kind != RBDI_BLOCK;
+        if (best < 0 || (first && draft[best].kind == RBDI_BLOCK && draft[i].kind != RBDI_BLOCK) ||
+            (draft[i].size > draft[best].size &&
+             !(first && draft[best].kind != RBDI_BLOCK && draft[i].kind == RBDI_BLOCK)))
+            up->favourite = i;
+    }
+    for (int i = 0; i < nl; ++i) {
+        rbdi_draft *l = &draft[i];
+        if (l->parent < 0) {
+            l->position = next_root;
+            next_root += l->size;
+        } else if (draft[l->parent].favourite == i) {
+            l->position = draft[l->parent].position + 1;
+        } else {
+            l->position = draft[l->parent].cursor;
+            draft[l->parent].cursor += l->size;
+        }
+        l->cursor = l->position + 1 + (l->favourite >= 0 ? draft[l->favourite].size : 0);
+        draft[l->position].order = i;
+    }
+}
+
+/* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
+   and results stay, the constants around it change. */
+static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t)
+{
+    rbdi_draft *l = &draft[i];
+    rbdi_wide Z[9], T[9], down[3] = {0, 0, 0}, up[3] = {0, 0, 0};
+    rbdi_w_turn_z(c, s, Z);
+    rbdi_w_transpose(Z, T);
+    if (l->dh)
+        l->d += t;
+    else
+        for (int k = 0; k < 3; ++k) l->r[k] += t * l->E[6 + k];
+    rbdi_w_product(Z, l->E, l->E);
+    for (int j = i + 1; j < nl; ++j) {
+        if (draft[j].parent != i) continue;
+        draft[j].r[2] -= t;
+        rbdi_w_apply(Z, draft[j].r, draft[j].r);
+        rbdi_w_product(draft[j].E, T, draft[j].E);
+    }
+    down[2] = -t, up[2] = t;
+    rbdi_change_moments(l, Z, down);
+    rbdi_w_apply_t(l->B, up, up);
+    for (int k = 0; k < 3; ++k) l->b[k] += up[k];
+    rbdi_w_product(Z, l->B, l->B);
+}
+
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), snapped; E is rebuilt from them so that everything that
+   follows, pose and dynamics, works with one model. */
+static void rbdi_draft_angles(rbdi_draft *l)
+{
+    rbdi_wide *E = l->E, Z[9], sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    l->cb = 1, l->sb = 0;
+    l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
+    if (sigma > RBDI_SNAP) {
+        l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
+        l->ca = E[8], l->sa = sigma;
+        if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
+        rbdi_w_snap(&l->ca, &l->sa);
+        rbdi_w_snap(&l->cb, &l->sb);
+    }
+    l->cg = E[0] * l->cb + E[1] * l->sb;
+    l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
+    rbdi_w_snap(&l->cg, &l->sg);
+    rbdi_w_turn_z(l->cg, l->sg, E);
+    rbdi_w_turn_x(l->ca, l->sa, Z);
+    rbdi_w_product(E, Z, E);
+    rbdi_w_turn_z(l->cb, l->sb, Z);
+    rbdi_w_product(E, Z, E);
+}
+
+/* Step 5, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
+   by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
+   Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
+static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bound)
+{
+    rbdi_draft *l = &draft[i], *f;
+    rbdi_wide r[3], Z[9], a, d = 0, t;
+    if (l->kind == RBDI_BLOCK) return;
+    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK) {
+        rbdi_draft_angles(l);
+        rbdi_draft_turn(draft, nl, i, l->cg, -l->sg, l->dh ? -l->d : 0);
+        return;
+    }
+    f = &draft[l->favourite];
+    rbdi_draft_angles(f);
+    if (rbdi_w_abs(f->sa) > 0) {
+        rbdi_w_turn_z(f->cb, f->sb, Z);
+        rbdi_w_apply(Z, f->r, r);
+        a = r[0];
+        d = -r[1] / f->sa;
+        t = r[2] - d * f->ca;
+        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) return;
+        rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
+    } else {
+        a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
+        t = f->r[2];
+        rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
+    }
+    rbdi_draft_angles(f);
+    f->dh = 1;
+    f->r[0] = a, f->r[1] = f->r[2] = 0;
+    f->d = d;
+}
+
+/* Origin of a link in its parent's frame at q = 0. */
+static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
+{
+    for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
+}
+
+/* Step 6, leaves to root: size of the subtree's inertia, the measure of what is a vanishing pivot. */
+static void rbdi_draft_scale(rbdi_draft *draft, int i)
+{
+    rbdi_draft *l = &draft[i], *up;
+    rbdi_wide r[3], moment[3];
+    l->trace += l->S[0] + l->S[3] + l->S[5];
+    l->mass += l->m;
+    for (int k = 0; k < 3; ++k) l->moment[k] += l->h[k];
+    if (l->parent < 0) return;
+    up = &draft[l->parent];
+    rbdi_draft_origin(l, r);
+    rbdi_w_apply_t(l->E, l->moment, moment);
+    up->trace += l->trace + 2 * rbdi_w_dot(moment, r) + l->mass * rbdi_w_dot(r, r);
+    up->mass += l->mass;
+    for (int k = 0; k < 3; ++k) up->moment[k] += moment[k] + l->mass * r[k];
+}
+
+/* Step 7, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
+   of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
+   point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
+static void rbdi_draft_regroup(rbdi_draft *draft, int i)
+{
+    rbdi_draft *l = &draft[i];
+    rbdi_wide S[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
+    int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
+    if (l->type == RBD_FLOATING) return;
+    if (l->type == RBD_SPHERICAL) {
+        m = l->m, l->m = 0;
+    } else if (slides) {
+        for (int k = 0; k < 6; ++k) S[k] = l->S[k], l->S[k] = 0;
+    } else {
+        S[5] = l->S[5], l->S[5] = 0;
+        if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
+            h[2] = l->h[2], l->h[2] = 0;
+            m = l->m, l->m = 0;
+        }
+    }
+    if (l->parent < 0) return;
+    rbdi_draft_origin(l, r);
+    if (m <= 0 && m >= 0 && h[2] <= 0 && h[2] >= 0) r[0] = r[1] = r[2] = 0;
+    rbdi_w_transpose(l->E, T);
+    rbdi_add_moments(&draft[l->parent], T, r, S, h, m);
+}
+
+static rbdi_c3 rbdi_round3(const rbdi_wide x[3])
+{
+    rbdi_c3 c;
+    c.x = RBDI_C(x[0]), c.y = RBDI_C(x[1]), c.z = RBDI_C(x[2]);
+    return c;
+}
+static rbdi_csym rbdi_round6(const rbdi_wide x[6])
+{
+    rbdi_csym c;
+    c.xx = RBDI_C(x[0]), c.xy = RBDI_C(x[1]), c.xz = RBDI_C(x[2]);
+    c.yy = RBDI_C(x[3]), c.yz = RBDI_C(x[4]), c.zz = RBDI_C(x[5]);
+    return c;
+}
+static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+
+/* Step 8: the solver's constants of the link at position p. */
+static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p)
+{
+    const rbdi_draft *l = &draft[draft[p].order];
+    const rbd_body *b = &bodies[l->body];
+    int block = l->kind == RBDI_BLOCK, flags = 0;
+    rbdi_link out;
+    if (!block && (rbdi_nonzero(l->sb) || l->cb < 1)) flags |= RBDI_BETA | RBDI_GENERAL;
+    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_GENERAL;
+    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SLIDE;
+    if (block || l->kind == RBDI_SCREW || rbdi_nonzero(l->S[5]) || rbdi_nonzero(l->h[2]) || rbdi_nonzero(l->m))
+        flags |= RBDI_FULL;
+    if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
+    out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
+    out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
+    out.block = out.slot = -1;
+    out.kind = (uint8_t)l->kind, out.flags = (uint8_t)flags;
+    out.gamma = block ? RBDI_C(0) : RBDI_C(rbdi_w_angle(l->cg, l->sg));
+    out.cg = RBDI_C(l->cg), out.sg = RBDI_C(l->sg);
+    out.ca = RBDI_C(l->ca), out.sa = RBDI_C(l->sa);
+    out.cb = RBDI_C(l->cb), out.sb = RBDI_C(l->sb);
+    out.r = rbdi_round3(l->r);
+    out.d = RBDI_C(l->d);
+    out.rho = RBDI_C(l->rho), out.kappa = RBDI_C(l->kappa);
+    out.S = rbdi_round6(l->S);
+    out.h = rbdi_round3(l->h);
+    out.m = RBDI_C(l->m), out.mc = RBDI_C(l->mc);
+    return out;
+}
+
+static rbdi_block rbdi_emit_block(const rbdi_draft *l)
+{
+    const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
+    rbdi_wide one[9];
+    rbdi_block out;
+    rbdi_w_identity(one);
+    out.type = (int16_t)l->type;
+    out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
+    out.identity = 1;
+    for (int k = 0; k < 9; ++k) {
+        out.E[k] = RBDI_C(l->E[k]);
+        if (rbdi_nonzero(l->E[k] - one[k])) out.identity = 0;
+    }
+    return out;
+}
+
+/* The dofs of link p; eps * its subtree's inertia is the smallest pivot that counts. */
+static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
+                           rbdi_dof *dof)
+{
+    const rbdi_draft *l = &draft[draft[p].order];
+    const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
+    const rbd_body *b = &bodies[l->body];
+    const rbdi_link *link = &m->link[p];
+    const int first = l->kind == RBDI_BLOCK ? fact->first : 0, n = l->kind == RBDI_BLOCK ? fact->nv : 1;
+    int in_joint = 0;
+    rbd_const eps = RBDI_C(1);
+    while (RBDI_C(1) + eps / 2 > RBDI_C(1)) eps /= 2;
+    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q) ++in_joint;
+    for (int k = 0; k < n; ++k) {
+        rbdi_dof *d = &dof[link->iv + k];
+        const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->trace + l->kappa * l->kappa * l->mass
+                                : first + k < 3       ? l->trace
+                                                      : l->mass;
+        d->body = (int16_t)l->body;
+        d->lambda = -1;
+        if (k > 0) {
+            d->lambda = (int16_t)(link->iv + k - 1);
+        } else if (link->parent >= 0) {
+            const rbdi_link *up = &m->link[link->parent];
+            d->lambda = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
+        }
+        d->depth = (int16_t)(d->lambda < 0 ? 0 : dof[d->lambda].depth + 1);
+        d->armature = RBDI_C(b->armature[in_joint + k]);
+        d->damping = RBDI_C(b->damping[in_joint + k]);
+        d->friction = RBDI_C(b->friction[in_joint + k]);
+        d->pivot = eps * (RBDI_C(scale) + d->armature);
+    }
+}
+
+/* What the user sees of body i. */
+static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft)
+{
+    rbdi_wide E[9], r[3], T[9], com[3], I[6];
+    rbdi_frame out;
+    for (int k = 0; k < 9; ++k) E[k] = place->E[k];
+    for (int k = 0; k < 3; ++k) r[k] = place->r[k];
+    rbdi_widen(b->com, 3, com);
+    rbdi_widen(b->inertia, 6, I);
+    out.link = -1;
+    if (place->link >= 0) {
+        const rbdi_draft *l = &draft[place->link];
+        out.link = (int16_t)l->position;
+        rbdi_w_transpose(l->B, T);
+        rbdi_w_product(E, T, E);
+        for (int k = 0; k < 3; ++k) r[k] -= l->b[k];
+        rbdi_w_apply(l->B, r, r);
+    }
+    out.name = b->name, out.joint = b->joint;
+    out.type = (int16_t)b->type;
+    out.iq = (int16_t)place->iq, out.iv = (int16_t)place->iv;
+    out.nq = out.nv = 0;
+    if (!b->mimic) {
+        out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
+        out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
+    }
+    for (int k = 0; k < 9; ++k) out.E[k] = RBDI_C(E[k]);
+    out.r = rbdi_round3(r);
+    out.mass = RBDI_C(b->mass);
+    out.com = rbdi_round3(com);
+    out.I = rbdi_round6(I);
+    out.lower = RBDI_C(b->lower), out.upper = RBDI_C(b->upper);
+    out.velocity = RBDI_C(b->velocity), out.effort = RBDI_C(b->effort);
+    return out;
+}
+
+/* The steps that turn drafts in the users' frames into drafts in the solver's. */
+static void rbdi_draft_solve(rbdi_draft *draft, int nl)
+{
+    rbdi_wide longest = 0;
+    for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
+    rbdi_draft_order(draft, nl);
+    for (int i = 0; i < nl; ++i) {
+        rbdi_wide r = rbdi_w_length(draft[i].r);
+        if (r > longest) longest = r;
+    }
+    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order, 10 * longest);
+    for (int i = 0; i < nl; ++i)
+        if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
+    for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
+    for (int p = nl - 1; p >= 0; --p) rbdi_draft_regroup(draft, draft[p].order);
+    for (int p = nl - 1; p >= 0; --p) {
+        rbdi_draft *l = &draft[draft[p].order];
+        l->mc += l->m;
+        if (l->parent >= 0) draft[l->parent].mc += l->mc;
+    }
+}
+
+/* Coordinates and dofs in the order of the bodies; those of mimic joints behind all others. */
+static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place)
+{
+    int iq = 0, iv = 0, mimic = 0;
+    for (int i = 0; i < nb; ++i) {
+        const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+        place[i].iq = iq, place[i].iv = iv;
+        if (bodies[i].mimic) {
+            place[i].iq = n.nq + mimic, place[i].iv = n.nv + mimic;
+            ++mimic;
+        } else {
+            iq += fact->nq, iv += fact->nv;
+        }
+    }
+}
+
+static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_place *place,
+                      const rbdi_draft *draft, rbd_model *m, rbdi_link *link, rbdi_block *block,
+                      rbdi_dof *dof, rbdi_mimic *mimic, rbdi_frame *frame)
+{
+    int next = 0, row = 0;
+    m->link = link, m->block = block, m->dof = dof, m->mimic = mimic, m->frame = frame;
+    m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
+    m->nb = (int16_t)nb, m->nq = (int16_t)n.nq, m->nv = (int16_t)n.nv;
+    m->nl = (int16_t)n.nl, m->nblock = (int16_t)n.nblock, m->nmimic = (int16_t)n.nmimic;
+    m->nslot = 0;
+    m->gravity.x = m->gravity.y = RBDI_C(0), m->gravity.z = RBDI_C(-9.81);
+    for (int p = 0; p < n.nl; ++p) {
+        link[p] = rbdi_emit_link(bodies, draft, p);
+        if (link[p].kind == RBDI_BLOCK) {
+            link[p].block = (int16_t)next;
+            block[next++] = rbdi_emit_block(&draft[draft[p].order]);
+        }
+        if (link[p].parent >= 0 && link[p].parent != p - 1 && link[link[p].parent].slot < 0)
+            link[link[p].parent].slot = m->nslot++;
+        rbdi_emit_dofs(bodies, m, draft, p, dof);
+    }
+    for (int k = 0; k < n.nv + n.nmimic; ++k) {
+        dof[k].row = row;
+        row += dof[k].depth + 1;
+    }
+    m->nh = row;
+    next = 0;
+    for (int i = 0; i < nb; ++i) {
+        frame[i] = rbdi_emit_frame(&bodies[i], &place[i], draft);
+        if (bodies[i].mimic) {
+            const rbdi_place *source = &place[rbdi_mimic_source(bodies, nb, i)];
+            rbdi_mimic *k = &mimic[next++];
+            k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
+            k->ratio = RBDI_C(bodies[i].mimic_ratio), k->offset = RBDI_C(bodies[i].mimic_offset);
+        }
+    }
+}
+
+RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb)
+{
+    if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
+    return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
+}
+
+RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                   const rbd_model **model, rbd_report *report)
+{
+    rbd_report own;
+    rbdi_counts n;
+    rbdi_place *place;
+    rbdi_draft *draft;
+    rbd_model *m;
+    rbdi_link *link;
+    rbdi_block *block;
+    rbdi_dof *dof;
+    rbdi_mimic *mimic;
+    rbdi_frame *frame;
+    unsigned char *p;
+    int nl = 0;
+    if (!report) report = &own;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (!bodies || !memory || !model) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    *model = NULL;
+    if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    for (int i = 0; i < nb; ++i) {
+        rbd_status status = rbdi_check_body(bodies, nb, i, report);
+        if (status) return status;
+    }
+    n = rbdi_count(bodies, nb);
+    if (size < rbdi_model_bytes(n, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    p = rbdi_aligned(memory);
+    m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
+    link = (rbdi_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_link)));
+    block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
+    dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
+    mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
+    frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nb * sizeof(rbdi_frame)));
+    draft = (rbdi_draft *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_draft)));
+    place = (rbdi_place *)rbdi_take(&p, nb, sizeof(rbdi_place));
+    rbdi_place_coordinates(bodies, nb, n, place);
+    for (int i = 0; i < nb; ++i) {
+        rbdi_draft_joint(bodies, i, place, draft, &nl);
+        rbdi_draft_mass(&bodies[i], &place[i], draft);
+    }
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].type != RBD_FIXED && !rbdi_moves_something(bodies, nb, place, i))
+            return rbdi_refuse(report, RBD_ERR_LEAF, i, bodies[i].name, "mass");
+    rbdi_draft_solve(draft, nl);
+    rbdi_emit(bodies, nb, n, place, draft, m, link, block, dof, mimic, frame);
+    *model = m;
+    return RBD_OK;
+}
+
+#endif /* RBD_NO_BUILD */
+
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC pop_options
+#endif
+
+#endif /* RBD_IMPLEMENTATION */
+
+/* ---- licence ----
+
+   MIT License
+
+   Copyright (c) 2026 the rbd authors
+
+   Permission is hereby granted, free of charge, to any person obtaining a copy
+   of this software and associated documentation files (the "Software"), to deal
+   in the Software without restriction, including without limitation the rights
+   to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
+   copies of the Software, and to permit persons to whom the Software is
+   furnished to do so, subject to the following conditions:
+
+   The above copyright notice and this permission notice shall be included in all
+   copies or substantial portions of the Software.
+
+   THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+   IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+   FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+   OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+   SOFTWARE.
+*/
