@@ -49,7 +49,7 @@
      translation       (x, y, z)                     their rates, joint axes
      floating          (x, y, z, qx, qy, qz, qw)     (omega; v), body axes
      Quaternions turn body vectors into the joint frame. They need not be of unit length (only
-     their direction counts); the zero quaternion is read as the identity.
+     their direction counts); one shorter than 1e-15 is read as the identity.
      a = dv/dt component by component (floating: the spatial acceleration in body axes).
 
    [configuration] Define before including; the same in every file that includes.
@@ -65,9 +65,10 @@
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
      lies in the caller's rbd_work. The model is never written after the build; it may be const
-     data in flash. Finite input gives finite output: a singular system is an error that names
-     the degree of freedom. From libm only sin, cos, sqrt. The same input gives the same bits on
-     every call of one build; between builds, contraction to FMA changes last bits.
+     data in flash. Finite input gives finite output, as long as nothing overflows: a singular
+     system is an error that names the degree of freedom. From libm only sin, cos, sqrt. The same
+     input gives the same bits on every call of one build; between builds, contraction to FMA
+     changes last bits.
 
    [limits]
      No contact, no closed loops (but mimic joints), no flexible bodies, no integrator beyond one
@@ -120,6 +121,8 @@ extern "C" {
 #else
 #define RBDI_EXTERN_C_END
 #endif
+
+#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
 /* ---- types [types] ---- */
 
@@ -235,6 +238,8 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 
 #define RBD_MAX_BODIES 1000
 
+#ifndef RBD_NO_BUILD
+
 /* Builds a model from a description into the caller's memory.
    bodies   nb rows, parents first; only its strings must outlive the model
    memory   size bytes of any alignment; RBD_MODEL_SIZE(nb) always suffices
@@ -246,6 +251,8 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
 
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
+
+#endif
 
 /* ---- work [work] ---- */
 
@@ -429,7 +436,7 @@ typedef struct rbdi_draft {
     rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
-    rbdi_wide trace, moment[3], mass, mc; /* of the whole subtree at q = 0; mc: of the regrouped masses */
+    rbdi_wide trace, moment, mass, mc; /* of the subtree: bounds of its mass moments; regrouped mass */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
@@ -444,12 +451,18 @@ typedef struct rbdi_place {
 /* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
+/* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
+   can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BETA = 1,     /* the frame is turned about the parent's z before the twist */
-    RBDI_GENERAL = 2,  /* the parent-side shift has y and z components */
-    RBDI_SLIDE = 4,    /* the shift along the link's z is not zero throughout */
-    RBDI_FULL = 8,     /* Sigma_zz, h_z or m were not regrouped away */
-    RBDI_ARMATURE = 16 /* some degree of freedom of the joint has armature */
+    RBDI_BETA = 1,      /* the frame is turned about the parent's z before the twist */
+    RBDI_GENERAL = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_OFFSET = 4,    /* the shift along the link's z is not zero throughout */
+    RBDI_FULL = 8,      /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16, /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,     /* the parent is the world */
+    RBDI_SCREWS = 64,   /* kind is RBDI_SCREW */
+    RBDI_QUARTER = 128, /* alpha = 90 or -90 degrees */
+    RBDI_STRAIGHT = 256 /* alpha = 0 */
 };
 
 typedef struct rbdi_c3 {
@@ -467,7 +480,8 @@ typedef struct rbdi_link {
     int16_t iq, iv; /* first coordinate and degree of freedom */
     int16_t block;  /* index into blocks, -1 = none */
     int16_t slot;   /* where what a child that is not the next link needs is kept, -1 = no such child */
-    uint8_t kind, flags;
+    int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
+    int16_t kind, flags;
     rbd_const gamma, cg, sg;   /* joint angle at q = 0, its cosine and sine */
     rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
     rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_GENERAL */
@@ -493,8 +507,9 @@ typedef struct rbdi_dof {
     int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5) */
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
     int16_t depth;  /* number of dofs before it towards the root */
+    int32_t row_here; /* row of the dof that stands here in the solver's order, depth first */
     rbd_const armature, damping, friction;
-    rbd_const pivot; /* smallest pivot that counts as nonsingular */
+    rbd_const scale; /* inertia of what it moves: a pivot below RBDI_NOISE times this counts as zero */
 } rbdi_dof;
 
 /* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
@@ -584,6 +599,7 @@ typedef struct rbdi_scratch { /* per link, of one call */
 
 typedef struct rbdi_slot { /* per link with a child that is not the next link */
     rbdi_state state;
+    rbdi_motion y;
     rbdi_abi I;
     rbdi_rbi C;
 } rbdi_slot;
@@ -605,7 +621,8 @@ struct rbd_work {
     int singular;        /* dof, -1 = none */
     int have_kinematics;
     rbd_real *rotors;    /* 1: kinetic energy of the armatures */
-    rbdi_trig *trig;     /* nl */
+    rbd_real *angle, *c, *s; /* nl, padded to RBDI_ALIGN: joint angles, their cosines and sines */
+    rbd_real *d;         /* nl: slides of screw links */
     rbdi_scratch *link;  /* nl */
     rbdi_kin *kin;       /* nl */
     rbdi_slot *slot;     /* nslot */
@@ -613,21 +630,23 @@ struct rbd_work {
     rbd_real *zero;      /* nv + nmimic zeros */
     rbd_real *pivot;     /* nv + nmimic: pivots of the last factorisation */
     rbd_real *bias;      /* nv */
+    rbd_real *F;         /* 6 x (n + RBDI_CHUNK): crba: wrenches of the dofs, by component */
     rbd_real *H;         /* nh, or nv (nv + 1) / 2 with mimic joints */
     rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
     rbd_real *Hx;        /* with mimic joints: nh */
 };
 
+#define RBDI_CHUNK 16 /* padding of rows: at least a batch */
 #define RBDI_ALIGN ((size_t)64)
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
    mimics (0 without mimics), nv dofs, h packed entries, hx packed entries with mimics (0 without). */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h, hx)                                                    \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) +                                                         \
-     (size_t)(nl) * (sizeof(rbdi_trig) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) +                      \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 3 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) +       \
+     (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) +                       \
      (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) +                           \
-     sizeof(rbd_real) * (1 + 2 * (size_t)(n) + (size_t)(nv) + (size_t)(h) + (size_t)(hx) +               \
+     sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) + (size_t)(hx) +               \
                          ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
@@ -716,15 +735,24 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #endif
 #endif
 
-#ifdef __GNUC__
+/* The small functions are inlined always, but where size is what counts. */
+#if defined __GNUC__ && !defined __OPTIMIZE_SIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
-#define RBDI_INLINE static inline
+#define RBDI_INLINE static inline RBDI_UNUSED
 #endif
-#define RBDI_C(x) ((rbd_const)(x))
 /* pi to quad precision, from doubles: a long literal would be cut to double. */
 #define RBDI_PI(type) \
     ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type)-2.9947698097183397e-33)
+
+/* Sixteen roundings: a pivot below this share of the inertia that it came from is noise. */
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_NOISE (16 * 2.220446049250313e-16)
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_NOISE (16 * 1.1920929e-7f)
+#else
+#define RBDI_NOISE RBD_C(16 * 1.925929944387236e-34)
+#endif
 
 #ifdef RBD_LANES
 #if RBDI_REAL_KIND == 2
@@ -767,7 +795,7 @@ RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return k
 RBDI_INLINE int rbdi_any(rbdi_mask k) { return k; }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif
-RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBDI_C(0)); }
+RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 
 /* Sine and cosine by libm, or by what replaces it. */
 static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c)
@@ -783,8 +811,30 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c)
 #endif
 }
 
-#if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && RBDI_KIND(RBD_CONST) == RBDI_REAL_KIND && \
-    defined __GNUC__ && !defined RBDI_OWN_SINCOS && __FLT_EVAL_METHOD__ == 0
+/* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
+   vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
+#if defined RBD_LANES || !defined __GNUC__ || (RBDI_REAL_KIND != 1 && RBDI_REAL_KIND != 2)
+#define RBDI_BATCH 1
+#elif defined __AVX512F__
+#define RBDI_BATCH (8 * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
+#elif defined __AVX__
+#define RBDI_BATCH (4 * RBDI_REAL_KIND)
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
+#define RBDI_BATCH (2 * RBDI_REAL_KIND)
+#else
+#define RBDI_BATCH 1
+#define RBDI_BATCH_SCALAR
+#endif
+#if defined RBD_LANES || RBDI_REAL_KIND == 0 || RBDI_REAL_KIND == 3 || !defined __GNUC__ || \
+    defined RBDI_BATCH_SCALAR
+typedef rbd_real rbdi_batch;
+#else
+typedef rbd_real rbdi_batch
+    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#endif
+
+#if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && defined __GNUC__ && !defined RBDI_OWN_SINCOS && \
+    __FLT_EVAL_METHOD__ == 0
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 typedef uint64_t rbdi_bit;
@@ -793,59 +843,61 @@ typedef uint64_t rbdi_bit;
 typedef uint32_t rbdi_bit;
 #define RBDI_SINCOS_LIMIT 1e4f
 #endif
-#ifdef RBD_LANES
-typedef rbdi_bit rbdi_bits __attribute__((vector_size(sizeof(rbd_real))));
-RBDI_INLINE rbdi_bits rbdi_to_bits(rbd_real x) { return (rbdi_bits)x; }
-RBDI_INLINE rbd_real rbdi_from_bits(rbdi_bits b) { return (rbd_real)b; }
-#else
+#ifdef RBDI_BATCH_SCALAR
 typedef rbdi_bit rbdi_bits;
 typedef union rbdi_pun {
     rbd_real x;
     rbdi_bits b;
 } rbdi_pun;
-RBDI_INLINE rbdi_bits rbdi_to_bits(rbd_real x)
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x)
 {
     rbdi_pun u;
     u.x = x;
     return u.b;
 }
-RBDI_INLINE rbd_real rbdi_from_bits(rbdi_bits b)
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b)
 {
     rbdi_pun u;
     u.b = b;
     return u.x;
 }
+RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
+#else
+typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) { return (rbdi_batch)b; }
+RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
 /* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
    subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
    r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
-RBDI_INLINE void rbdi_sincos_fast(rbd_real x, rbd_real *s, rbd_real *c)
+RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 {
 #if RBDI_REAL_KIND == 1
     const rbd_const magic = 6755399441055744.0;
-    rbd_real shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
-    rbd_real r = ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) -
-                 n * 2.02226624879595063154e-21;
-    rbd_real z = r * r;
-    rbd_real ps = ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z +
-                     2.7557313718766776671e-6) * z + -0.0001984126982989857878) * z +
-                   0.0083333333333225528993) * z + -0.16666666666666632772;
-    rbd_real pc = ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z +
-                     -2.755731463445455091e-7) * z + 2.4801587290576460775e-5) * z +
-                   -0.0013888888888876133562) * z + 0.041666666666666613249;
+    rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
+    rbdi_batch r = ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) -
+                   n * 2.02226624879595063154e-21;
+    rbdi_batch z = r * r;
+    rbdi_batch ps = ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z +
+                       2.7557313718766776671e-6) * z + -0.0001984126982989857878) * z +
+                     0.0083333333333225528993) * z + -0.16666666666666632772;
+    rbdi_batch pc = ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z +
+                       -2.755731463445455091e-7) * z + 2.4801587290576460775e-5) * z +
+                     -0.0013888888888876133562) * z + 0.041666666666666613249;
     const int top = 62;
 #else
     const rbd_const magic = 12582912.0f;
-    rbd_real shifted = x * 0.636619772f + magic, n = shifted - magic;
-    rbd_real r = ((x - n * 1.5703125f) - n * 4.837512969971e-4f) - n * 7.549789954892e-8f;
-    rbd_real z = r * r;
-    rbd_real ps = (z * -0.000195175284f + 0.00833218040f) * z + -0.166666550f;
-    rbd_real pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
+    rbdi_batch shifted = x * 0.636619772f + magic, n = shifted - magic;
+    rbdi_batch r = ((x - n * 1.5703125f) - n * 4.837512969971e-4f) - n * 7.549789954892e-8f;
+    rbdi_batch z = r * r;
+    rbdi_batch ps = (z * -0.000195175284f + 0.00833218040f) * z + -0.166666550f;
+    rbdi_batch pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
     const int top = 30;
 #endif
-    rbd_real sine = z * r * ps + r;
-    rbd_real cosine = z * z * pc + (RBDI_C(1) - RBDI_C(0.5) * z);
+    rbdi_batch sine = z * r * ps + r;
+    rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
     rbdi_bits k = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
     rbdi_bits swap = (bs ^ bc) & (0u - (k & 1u));
     *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
@@ -853,18 +905,41 @@ RBDI_INLINE void rbdi_sincos_fast(rbd_real x, rbd_real *s, rbd_real *c)
 }
 #endif
 
-/* Sine and cosine of any angle: error below 2.3e-16 (double), 1.0e-7 (float) up to the limit; libm's
-   beyond it. */
-RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c)
+/* Sines and cosines of n angles of any size: error below 2.3e-16 (double), 1.0e-7 (float) up to the
+   limit; libm's beyond it. The arrays are padded to whole batches. */
+RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c)
 {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    if (rbdi_any(rbdi_not(rbdi_less(x * x, rbdi_set(limit)))))
-        rbdi_sincos_libm(x, s, c);
-    else
-        rbdi_sincos_fast(x, s, c);
+    const rbdi_batch *bx = (const rbdi_batch *)x;
+    rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
+    rbdi_bits beyond = rbdi_beyond(bx[0] * bx[0], limit);
+    rbdi_bit any = 0;
+    for (int i = 0; i * RBDI_BATCH < n; ++i) {
+        beyond |= rbdi_beyond(bx[i] * bx[i], limit);
+        rbdi_sincos_batch(bx[i], &bs[i], &bc[i]);
+    }
+#ifdef RBDI_BATCH_SCALAR
+    any = beyond;
 #else
-    rbdi_sincos_libm(x, s, c);
+    for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
+#endif
+    if (!any) return;
+#endif
+    for (int i = 0; i < n; ++i) rbdi_sincos_libm(x[i], &s[i], &c[i]);
+}
+
+/* The same for one angle. */
+RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c)
+{
+#if defined RBDI_POLYNOMIAL_SINCOS && !defined RBDI_BATCH_SCALAR && !defined RBD_LANES
+    rbd_real xs[RBDI_BATCH], ss[RBDI_BATCH], cs[RBDI_BATCH];
+    for (int i = 0; i < RBDI_BATCH; ++i) xs[i] = x;
+    rbdi_sincos_array(xs, 1, ss, cs);
+    *s = ss[0];
+    *c = cs[0];
+#else
+    rbdi_sincos_array(&x, 1, s, c);
 #endif
 }
 
@@ -873,7 +948,7 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 {
     rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
     *bad = rbdi_or(*bad, rbdi_not(good));
-    return rbdi_select(good, rbdi_set(RBDI_C(1)) / rbdi_select(good, D, rbdi_set(RBDI_C(1))), rbdi_zero());
+    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
 }
 
 /* ---- spatial algebra [spatial algebra] ----
@@ -945,28 +1020,34 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c)
     return S;
 }
 
-/* Turns. Down: components in a frame turned by the angle (c, s) about z. Up: with -s. */
-RBDI_INLINE rbdi_v3 rbdi_turn_z(rbd_real c, rbd_real s, rbdi_v3 v)
+/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: with -s. The form says what
+   is known of the angle: RBDI_STRAIGHT (1, 0), RBDI_QUARTER (0, +-1), or nothing. */
+RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v)
 {
+    if (form & RBDI_STRAIGHT) return v;
+    if (form & RBDI_QUARTER) return rbdi_vec(s * v.y, -(s * v.x), v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
-}
-RBDI_INLINE rbdi_v3 rbdi_turn_x(rbd_real c, rbd_real s, rbdi_v3 v)
-{
-    return rbdi_uncycle(rbdi_turn_z(c, s, rbdi_cycle(v)));
 }
 
 /* Change of axes of a symmetric matrix, child to parent: Rz' S Rz with four multiplications for the
    block (x, y) instead of the twelve of the plain product. */
-RBDI_INLINE rbdi_sym rbdi_sym_up_z(rbd_real c, rbd_real s, rbdi_sym A)
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A)
 {
-    rbd_real t = s * (A.yy - A.xx) - (c + c) * A.xy;
+    rbd_real t;
     rbdi_sym B;
+    if (form & RBDI_STRAIGHT) return A;
+    B.zz = A.zz;
+    if (form & RBDI_QUARTER) {
+        B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
+        B.xz = -(s * A.yz), B.yz = s * A.xz;
+        return B;
+    }
+    t = s * (A.yy - A.xx) - (c + c) * A.xy;
     B.xx = A.xx + s * t;
     B.yy = A.yy - s * t;
     B.xy = -(c * t) - A.xy;
     B.xz = c * A.xz - s * A.yz;
     B.yz = s * A.xz + c * A.yz;
-    B.zz = A.zz;
     return B;
 }
 RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A)
@@ -978,10 +1059,19 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A)
 RBDI_INLINE rbdi_sym rbdi_sym_uncycle(rbdi_sym A) { return rbdi_sym_cycle(rbdi_sym_cycle(A)); }
 
 /* The same for a general matrix. */
-RBDI_INLINE rbdi_mat rbdi_mat_up_z(rbd_real c, rbd_real s, rbdi_mat A)
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
 {
-    rbd_real t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
+    rbd_real t;
     rbdi_mat B;
+    if (form & RBDI_STRAIGHT) return A;
+    B.zz = A.zz;
+    if (form & RBDI_QUARTER) {
+        B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
+        B.xz = -(s * A.yz), B.yz = s * A.xz;
+        B.zx = -(s * A.zy), B.zy = s * A.zx;
+        return B;
+    }
+    t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
     B.xx = A.xx + s * t;
     B.yy = A.yy - s * t;
     B.xy = -(c * t) - A.yx;
@@ -990,7 +1080,6 @@ RBDI_INLINE rbdi_mat rbdi_mat_up_z(rbd_real c, rbd_real s, rbdi_mat A)
     B.yz = s * A.xz + c * A.yz;
     B.zx = c * A.zx - s * A.zy;
     B.zy = s * A.zx + c * A.zy;
-    B.zz = A.zz;
     return B;
 }
 RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
@@ -1003,26 +1092,6 @@ RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
 }
 RBDI_INLINE rbdi_mat rbdi_mat_uncycle(rbdi_mat A) { return rbdi_mat_cycle(rbdi_mat_cycle(A)); }
 
-/* Force, moved to an origin that lies d before the old one along z, or r before it. */
-RBDI_INLINE rbdi_force rbdi_force_shift_z(rbd_real d, rbdi_force F)
-{
-    F.n.x = F.n.x - d * F.f.y;
-    F.n.y = F.n.y + d * F.f.x;
-    return F;
-}
-RBDI_INLINE rbdi_force rbdi_force_cycle(rbdi_force F)
-{
-    F.n = rbdi_cycle(F.n);
-    F.f = rbdi_cycle(F.f);
-    return F;
-}
-RBDI_INLINE rbdi_force rbdi_force_uncycle(rbdi_force F) { return rbdi_force_cycle(rbdi_force_cycle(F)); }
-RBDI_INLINE rbdi_force rbdi_force_turn_z(rbd_real c, rbd_real s, rbdi_force F)
-{
-    F.n = rbdi_turn_z(c, s, F.n);
-    F.f = rbdi_turn_z(c, s, F.f);
-    return F;
-}
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B)
 {
     A.n = rbdi_add(A.n, B.n);
@@ -1064,10 +1133,10 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C)
     C.h.z = k;
     return C;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(rbd_real c, rbd_real s, rbdi_rbi C)
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C)
 {
-    C.S = rbdi_sym_up_z(c, s, C.S);
-    C.h = rbdi_turn_z(c, -s, C.h);
+    C.S = rbdi_sym_up_z(form, c, s, C.S);
+    C.h = rbdi_turn_z(form, c, -s, C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C)
@@ -1077,10 +1146,15 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C)
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_uncycle(rbdi_rbi C) { return rbdi_rbi_cycle(rbdi_rbi_cycle(C)); }
+RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B)
+{
+    A.xx = A.xx + B.xx, A.xy = A.xy + B.xy, A.xz = A.xz + B.xz;
+    A.yy = A.yy + B.yy, A.yz = A.yz + B.yz, A.zz = A.zz + B.zz;
+    return A;
+}
 RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B)
 {
-    A.S.xx = A.S.xx + B.S.xx, A.S.xy = A.S.xy + B.S.xy, A.S.xz = A.S.xz + B.S.xz;
-    A.S.yy = A.S.yy + B.S.yy, A.S.yz = A.S.yz + B.S.yz, A.S.zz = A.S.zz + B.S.zz;
+    A.S = rbdi_sym_add(A.S, B.S);
     A.h = rbdi_add(A.h, B.h);
     return A;
 }
@@ -1105,11 +1179,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi X)
     }
     return Y;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_z(rbd_real c, rbd_real s, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi X)
 {
-    X.I = rbdi_sym_up_z(c, s, X.I);
-    X.H = rbdi_mat_up_z(c, s, X.H);
-    X.M = rbdi_sym_up_z(c, s, X.M);
+    X.I = rbdi_sym_up_z(form, c, s, X.I);
+    X.H = rbdi_mat_up_z(form, c, s, X.H);
+    X.M = rbdi_sym_up_z(form, c, s, X.M);
     return X;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi X)
@@ -1122,13 +1196,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi X)
 RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi X) { return rbdi_abi_cycle(rbdi_abi_cycle(X)); }
 RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
 {
-    A.I.xx = A.I.xx + B.I.xx, A.I.xy = A.I.xy + B.I.xy, A.I.xz = A.I.xz + B.I.xz;
-    A.I.yy = A.I.yy + B.I.yy, A.I.yz = A.I.yz + B.I.yz, A.I.zz = A.I.zz + B.I.zz;
+    A.I = rbdi_sym_add(A.I, B.I);
+    A.M = rbdi_sym_add(A.M, B.M);
     A.H.xx = A.H.xx + B.H.xx, A.H.xy = A.H.xy + B.H.xy, A.H.xz = A.H.xz + B.H.xz;
     A.H.yx = A.H.yx + B.H.yx, A.H.yy = A.H.yy + B.H.yy, A.H.yz = A.H.yz + B.H.yz;
     A.H.zx = A.H.zx + B.H.zx, A.H.zy = A.H.zy + B.H.zy, A.H.zz = A.H.zz + B.H.zz;
-    A.M.xx = A.M.xx + B.M.xx, A.M.xy = A.M.xy + B.M.xy, A.M.xz = A.M.xz + B.M.xz;
-    A.M.yy = A.M.yy + B.M.yy, A.M.yz = A.M.yz + B.M.yz, A.M.zz = A.M.zz + B.M.zz;
     return A;
 }
 
@@ -1159,13 +1231,13 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 {
     rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     rbdi_mask bad = rbdi_less(n, n);
-    rbd_real s = rbdi_reciprocal(n, RBDI_C(1e-30), &bad), x, y, z;
+    rbd_real s = rbdi_reciprocal(n, RBD_C(1e-30), &bad), x, y, z;
     rbdi_mat E;
     s = s + s;
     x = s * q[0], y = s * q[1], z = s * q[2];
-    E.xx = rbdi_set(RBDI_C(1)) - (y * q[1] + z * q[2]);
-    E.yy = rbdi_set(RBDI_C(1)) - (x * q[0] + z * q[2]);
-    E.zz = rbdi_set(RBDI_C(1)) - (x * q[0] + y * q[1]);
+    E.xx = rbdi_set(RBD_C(1)) - (y * q[1] + z * q[2]);
+    E.yy = rbdi_set(RBD_C(1)) - (x * q[0] + z * q[2]);
+    E.zz = rbdi_set(RBD_C(1)) - (x * q[0] + y * q[1]);
     E.xy = x * q[1] + z * q[3], E.yx = x * q[1] - z * q[3];
     E.xz = x * q[2] - y * q[3], E.zx = x * q[2] + y * q[3];
     E.yz = y * q[2] + x * q[3], E.zy = y * q[2] - x * q[3];
@@ -1188,7 +1260,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         X.E = rbdi_mat_c(b->E);
         X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
         X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
-        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBDI_C(1));
+        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBD_C(1));
         shift = rbdi_vec(q[0], q[1], rbdi_zero());
         break;
     }
@@ -1214,58 +1286,91 @@ RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 {
     rbd_real n = q[0] * q[0] + q[1] * q[1];
     rbdi_mask bad = rbdi_less(n, n);
-    rbd_real k = rbdi_sqrt(rbdi_reciprocal(n, RBDI_C(1e-30), &bad));
-    *c = rbdi_select(bad, rbdi_set(RBDI_C(1)), q[0] * k);
+    rbd_real k = rbdi_sqrt(rbdi_reciprocal(n, RBD_C(1e-30), &bad));
+    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), q[0] * k);
     *s = rbdi_select(bad, rbdi_zero(), q[1] * k);
 }
 
-/* What depends on q alone: sines and cosines, slides, block transforms. */
+/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
 static void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 {
+    int plain = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_trig *t = &w->trig[i];
-        switch (l->kind) {
-        case RBDI_REVOLUTE:
-            rbdi_sincos(q[l->iq] + l->gamma, &t->s, &t->c);
-            t->d = rbdi_set(l->d);
-            break;
-        case RBDI_REVOLUTE_CS: {
+        if (l->kind == RBDI_REVOLUTE) {
+            w->angle[i] = q[l->iq] + l->gamma;
+            continue;
+        }
+        plain = 0;
+        w->angle[i] = rbdi_zero();
+        if (l->kind == RBDI_BLOCK)
+            w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
+        if (l->kind == RBDI_SCREW) {
+            w->d[i] = q[l->iq] * l->kappa + l->d;
+            if (l->rho > 0) w->angle[i] = q[l->iq] + l->gamma;
+        }
+    }
+    rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
+    for (int i = 0; !plain && i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
-            t->c = c * l->cg - s * l->sg;
-            t->s = c * l->sg + s * l->cg;
-            t->d = rbdi_set(l->d);
-            break;
-        }
-        case RBDI_SCREW:
-            if (l->rho > 0) {
-                rbdi_sincos(q[l->iq] + l->gamma, &t->s, &t->c);
-            } else {
-                t->c = rbdi_set(l->cg);
-                t->s = rbdi_set(l->sg);
-            }
-            t->d = q[l->iq] * l->kappa + l->d;
-            break;
-        default:
-            w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
-            break;
+            w->c[i] = c * l->cg - s * l->sg;
+            w->s[i] = c * l->sg + s * l->cg;
+        } else if (l->kind == RBDI_SCREW && !(l->rho > 0)) {
+            w->c[i] = rbdi_set(l->cg);
+            w->s[i] = rbdi_set(l->sg);
         }
     }
 }
 
-/* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, const rbdi_trig *t, rbdi_v3 v)
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int f)
 {
-    if (l->flags & RBDI_BETA) v = rbdi_turn_z(rbdi_set(l->cb), rbdi_set(l->sb), v);
-    return rbdi_turn_z(t->c, t->s, rbdi_turn_x(rbdi_set(l->ca), rbdi_set(l->sa), v));
+    rbdi_trig t;
+    t.c = w->c[i], t.s = w->s[i];
+    t.d = f & RBDI_SCREWS ? w->d[i] : rbdi_set(m->link[i].d);
+    return t;
+}
+
+/* Runs the statement with f = the link's flags: for the common forms, a revolute link without armature in
+   Denavit-Hartenberg form at a right angle or parallel to its parent, f is known to the compiler. */
+#if defined __OPTIMIZE_SIZE__ || !defined __OPTIMIZE__
+#define RBDI_BY_FORM(link, statement) \
+    do { \
+        const int f = (link)->flags; \
+        statement; \
+    } while (0)
+#else
+#define RBDI_BY_FORM(link, statement) \
+    do { \
+        const int flags_ = (link)->flags; \
+        if ((flags_ & ~RBDI_OFFSET) == RBDI_QUARTER) { \
+            const int f = RBDI_QUARTER | (flags_ & RBDI_OFFSET); \
+            statement; \
+        } else if ((flags_ & ~RBDI_OFFSET) == RBDI_STRAIGHT) { \
+            const int f = RBDI_STRAIGHT | (flags_ & RBDI_OFFSET); \
+            statement; \
+        } else { \
+            const int f = flags_; \
+            statement; \
+        } \
+    } while (0)
+#endif
+
+/* Vector, parent axes to link axes, of a one-axis joint. */
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int f, rbdi_trig t, rbdi_v3 v)
+{
+    if (f & RBDI_BETA) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
+    v = rbdi_uncycle(rbdi_turn_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
+    return rbdi_turn_z(0, t.c, t.s, v);
 }
 
 /* M r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_mul_shift(const rbdi_link *l, rbdi_mat A)
+RBDI_INLINE rbdi_v3 rbdi_mul_shift(const rbdi_link *l, int f, rbdi_mat A)
 {
     rbdi_v3 y = rbdi_vec(A.xx * l->r.x, A.yx * l->r.x, A.zx * l->r.x);
-    if (l->flags & RBDI_GENERAL) {
+    if (f & RBDI_GENERAL) {
         y.x = y.x + (A.xy * l->r.y + A.xz * l->r.z);
         y.y = y.y + (A.yy * l->r.y + A.yz * l->r.z);
         y.z = y.z + (A.zy * l->r.y + A.zz * l->r.z);
@@ -1274,10 +1379,10 @@ RBDI_INLINE rbdi_v3 rbdi_mul_shift(const rbdi_link *l, rbdi_mat A)
 }
 
 /* w x r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, rbdi_v3 w)
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int f, rbdi_v3 w)
 {
     rbdi_v3 y = rbdi_vec(rbdi_zero(), w.z * l->r.x, -(w.y * l->r.x));
-    if (l->flags & RBDI_GENERAL) {
+    if (f & RBDI_GENERAL) {
         y.x = w.y * l->r.z - w.z * l->r.y;
         y.y = y.y - w.x * l->r.z;
         y.z = y.z + w.x * l->r.y;
@@ -1285,15 +1390,71 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, rbdi_v3 w)
     return y;
 }
 
-/* Force of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, const rbdi_trig *t, rbdi_force F)
+/* Spatial vectors to and from six scalars. */
+RBDI_INLINE void rbdi_force_to_array(rbdi_force F, rbd_real *a)
 {
-    if (l->flags & RBDI_SLIDE) F = rbdi_force_shift_z(t->d, F);
-    F = rbdi_force_turn_z(t->c, -t->s, F);
-    F = rbdi_force_uncycle(rbdi_force_turn_z(rbdi_set(l->ca), rbdi_set(-l->sa), rbdi_force_cycle(F)));
-    if (l->flags & RBDI_BETA) F = rbdi_force_turn_z(rbdi_set(l->cb), rbdi_set(-l->sb), F);
-    F.n = rbdi_sub(F.n, rbdi_cross_shift(l, F.f));
+    a[0] = F.n.x, a[1] = F.n.y, a[2] = F.n.z, a[3] = F.f.x, a[4] = F.f.y, a[5] = F.f.z;
+}
+/* The same with a stride between components. */
+RBDI_INLINE void rbdi_store_force(rbd_real *a, int stride, rbdi_force F)
+{
+    a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
+    a[3 * stride] = F.f.x, a[4 * stride] = F.f.y, a[5 * stride] = F.f.z;
+}
+RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
+{
+    rbdi_force F;
+    F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
+    F.f = rbdi_vec(a[3 * stride], a[4 * stride], a[5 * stride]);
     return F;
+}
+RBDI_INLINE rbdi_force rbdi_force_from_array(const rbd_real *a)
+{
+    rbdi_force F;
+    F.n = rbdi_vec(a[0], a[1], a[2]);
+    F.f = rbdi_vec(a[3], a[4], a[5]);
+    return F;
+}
+/* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
+   branch turn, shift. Written once for T = one scalar and T = a batch of them. */
+#define RBDI_DEFINE_FORCE_UP(name, T) \
+    RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) \
+    { \
+        const T x0 = *x, y0 = *y; \
+        if (form & RBDI_STRAIGHT) return; \
+        *x = form & RBDI_QUARTER ? -(y0 * s) : x0 * c - y0 * s; \
+        *y = form & RBDI_QUARTER ? x0 * s : x0 * s + y0 * c; \
+    } \
+    RBDI_INLINE void name(const rbdi_link *l, int f, rbdi_trig t, T *x) \
+    { \
+        if (f & RBDI_OFFSET) { \
+            x[0] = x[0] - x[4] * t.d; \
+            x[1] = x[1] + x[3] * t.d; \
+        } \
+        for (int k = 0; k < 6; k += 3) { \
+            name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
+            name##_turn(f, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
+            if (f & RBDI_BETA) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
+        } \
+        x[1] = x[1] - x[5] * l->r.x; \
+        x[2] = x[2] + x[4] * l->r.x; \
+        if (f & RBDI_GENERAL) { \
+            x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
+            x[1] = x[1] + x[3] * l->r.z; \
+            x[2] = x[2] - x[3] * l->r.y; \
+        } \
+    }
+RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
+#if RBDI_BATCH > 1
+RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
+#endif
+
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_force F)
+{
+    rbd_real x[6];
+    rbdi_force_to_array(F, x);
+    rbdi_array_up(l, f, t, x);
+    return rbdi_force_from_array(x);
 }
 
 /* The same of a block link. */
@@ -1304,31 +1465,12 @@ RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F)
     return F;
 }
 
-RBDI_INLINE rbdi_force rbdi_force_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_force F)
-{
-    const rbdi_link *l = &m->link[i];
-    if (l->kind == RBDI_BLOCK) return rbdi_force_up_block(&w->block[l->block].X, F);
-    return rbdi_force_up(l, &w->trig[i], F);
-}
-
 /* S' F of a one-axis joint. */
-RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, rbdi_force F)
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int f, rbdi_force F)
 {
-    return l->kind == RBDI_SCREW ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+    return f & RBDI_SCREWS ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
-/* Components first .. first + n - 1 of a spatial vector, to and from consecutive scalars. */
-RBDI_INLINE void rbdi_force_to_array(rbdi_force F, rbd_real *a)
-{
-    a[0] = F.n.x, a[1] = F.n.y, a[2] = F.n.z, a[3] = F.f.x, a[4] = F.f.y, a[5] = F.f.z;
-}
-RBDI_INLINE rbdi_force rbdi_force_from_array(const rbd_real *a)
-{
-    rbdi_force F;
-    F.n = rbdi_vec(a[0], a[1], a[2]);
-    F.f = rbdi_vec(a[3], a[4], a[5]);
-    return F;
-}
 RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a)
 {
     a[0] = V.w.x, a[1] = V.w.y, a[2] = V.w.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
@@ -1362,28 +1504,28 @@ RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 w, rbdi_motion J)
 
 /* Velocity and acceleration of a link from its parent's (p, with its Omega in O; *O becomes the
    link's). Classical accelerations: the linear velocity never appears. */
-RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, const rbdi_trig *t, rbdi_state p, rbd_real qd,
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int f, rbdi_trig t, rbdi_state p, rbd_real qd,
                                          rbd_real qdd, rbdi_mat *O)
 {
-    int screw = l->kind == RBDI_SCREW, root = l->parent < 0;
+    const int screw = f & RBDI_SCREWS, root = f & RBDI_ROOT;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
-    rbdi_v3 w = root ? rbdi_vec0() : rbdi_down(l, t, p.w), acc = p.acc;
+    rbdi_v3 w = root ? rbdi_vec0() : rbdi_down(l, f, t, p.w), acc = p.acc;
     rbdi_state s;
     if (root) {
         s.w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.wd = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        acc = rbdi_add(acc, rbdi_mul_shift(l, *O));
-        s.wd = rbdi_down(l, t, p.wd);
+        acc = rbdi_add(acc, rbdi_mul_shift(l, f, *O));
+        s.wd = rbdi_down(l, f, t, p.wd);
         s.wd = rbdi_vec(s.wd.x + turn * w.y, s.wd.y - turn * w.x, s.wd.z + turn_rate);
         s.w = rbdi_vec(w.x, w.y, w.z + turn);
     }
     *O = rbdi_omega(s.w, s.wd);
-    s.acc = rbdi_down(l, t, acc);
-    if (l->flags & RBDI_SLIDE) { /* points of the axis belong to both bodies */
-        s.acc.x = s.acc.x + t->d * O->xz;
-        s.acc.y = s.acc.y + t->d * O->yz;
-        s.acc.z = s.acc.z + t->d * O->zz;
+    s.acc = rbdi_down(l, f, t, acc);
+    if (f & RBDI_OFFSET) { /* points of the axis belong to both bodies */
+        s.acc.x = s.acc.x + t.d * O->xz;
+        s.acc.y = s.acc.y + t.d * O->yz;
+        s.acc.z = s.acc.z + t.d * O->zz;
     }
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
@@ -1436,7 +1578,7 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     if (l->kind == RBDI_BLOCK)
         s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv], O);
     else
-        s = rbdi_forward_axis(l, &w->trig[i], s, v[l->iv], a[l->iv], O);
+        RBDI_BY_FORM(l, s = rbdi_forward_axis(l, f, rbdi_trig_of(m, w, i, f), s, v[l->iv], a[l->iv], O));
     if (l->slot >= 0) w->slot[l->slot].state = s;
     return s;
 }
@@ -1471,7 +1613,7 @@ static void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *ta
 
 /* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, rbdi_mat O, const rbdi_v3 *acc)
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_mat O, const rbdi_v3 *acc)
 {
     const rbdi_csym S = l->S;
     const rbdi_c3 h = l->h;
@@ -1487,7 +1629,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, rbdi_mat O, const rbdi_v3
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
-    if (l->flags & RBDI_FULL) {
+    if (f & RBDI_FULL) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
@@ -1519,6 +1661,27 @@ static void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext
     }
 }
 
+/* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
+RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int f, rbdi_force F,
+                                    const rbd_real *a, rbd_real *tau)
+{
+    const rbdi_link *l = &m->link[i];
+    rbd_real t = rbdi_along_axis(l, f, F);
+    if (f & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
+    tau[l->iv] = t;
+    return f & RBDI_ROOT ? F : rbdi_force_up(l, f, rbdi_trig_of(m, w, i, f), F);
+}
+static rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, rbdi_force F,
+                                     const rbd_real *a, rbd_real *tau)
+{
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real all[6];
+    rbdi_force_to_array(F, all);
+    for (int k = 0; k < b->n; ++k)
+        tau[l->iv + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
+}
+
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
 static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                       const rbd_real *f_ext, rbd_real *tau)
@@ -1529,32 +1692,22 @@ static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const 
     rbdi_force carried = rbdi_force0();
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_link(m, w, i, &world, v, a, s, &O);
-        w->link[i].f = rbdi_wrench(&m->link[i], O, &s.acc);
+        w->link[i].f = rbdi_wrench(&m->link[i], m->link[i].flags, O, &s.acc);
     }
     rbdi_external(m, w, f_ext);
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_force f = rbdi_force_add(w->link[i].f, carried);
-        int n = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
-        rbd_real t[6];
-        if (l->kind == RBDI_BLOCK) {
-            rbd_real all[6];
-            rbdi_force_to_array(f, all);
-            for (int k = 0; k < n; ++k) t[k] = all[rbdi_block_of(m, l)->first + k];
-        } else {
-            t[0] = rbdi_along_axis(l, f);
-        }
-        for (int k = 0; k < n; ++k) {
-            if (l->flags & RBDI_ARMATURE) t[k] = t[k] + a[l->iv + k] * m->dof[l->iv + k].armature;
-            tau[l->iv + k] = t[k];
-        }
+        rbdi_force F = rbdi_force_add(w->link[i].f, carried);
+        if (l->kind == RBDI_BLOCK)
+            F = rbdi_rnea_up_block(m, w, l, F, a, tau);
+        else
+            RBDI_BY_FORM(l, F = rbdi_rnea_up(m, w, i, f, F, a, tau));
         carried = rbdi_force0();
         if (l->parent < 0) continue;
-        f = rbdi_force_up_link(m, w, i, f);
         if (l->parent == i - 1)
-            carried = f;
+            carried = F;
         else
-            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, f);
+            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, F);
     }
 }
 
@@ -1565,6 +1718,15 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C)
     C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
     C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
     return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
+}
+
+RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void)
+{
+    const rbd_real o = rbdi_zero();
+    rbdi_rbi C;
+    C.S.xx = C.S.xy = C.S.xz = C.S.yy = C.S.yz = C.S.zz = o;
+    C.h = rbdi_vec0();
+    return C;
 }
 
 /* E' A E. */
@@ -1585,13 +1747,13 @@ RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A)
 }
 
 /* Composite body of a link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, const rbdi_trig *t, rbdi_rbi C)
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_rbi C)
 {
-    if (l->flags & RBDI_SLIDE) C = rbdi_rbi_shift_z(t->d, l->mc, C);
-    C = rbdi_rbi_up_z(t->c, t->s, C);
-    C = rbdi_rbi_up_z(rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
-    if (!(l->flags & RBDI_GENERAL)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->mc, C));
-    C = rbdi_rbi_up_z(rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
+    if (f & RBDI_OFFSET) C = rbdi_rbi_shift_z(t.d, l->mc, C);
+    C = rbdi_rbi_up_z(0, t.c, t.s, C);
+    C = rbdi_rbi_up_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(f & RBDI_GENERAL)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->mc, C));
+    C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->mc, C);
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C)
@@ -1630,74 +1792,94 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
     return F;
 }
 
-/* Row of a dof of link i: the force F it takes, projected on the joints from link i (its dofs up to
-   n_own) to the root. end points behind the row's last entry. */
-RBDI_INLINE void rbdi_crba_row(const rbd_model *m, const rbd_work *w, int i, int n_own, rbdi_force F,
-                               rbd_real *end)
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
+   that a batch of them moves at once; batches count from the last dof down and may reach below the first:
+   what lies there is not set yet. */
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int f)
 {
-    for (int n = n_own;;) {
-        const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_BLOCK) {
-            const rbdi_block *b = rbdi_block_of(m, l);
-            rbd_real all[6];
-            rbdi_force_to_array(F, all);
-            if (n < 0) n = b->n;
-            while (n > 0) *--end = all[b->first + --n];
-        } else {
-            *--end = rbdi_along_axis(l, F);
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
+    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
+    for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
+#if RBDI_BATCH > 1
+        rbdi_batch x[6];
+        for (int j = 0; j < 6; ++j) x[j] = *(const rbdi_batch *)&w->F[j * stride + k];
+        rbdi_batch_up(l, f, t, x);
+        for (int j = 0; j < 6; ++j) *(rbdi_batch *)&w->F[j * stride + k] = x[j];
+#else
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, f, t, rbdi_load_force(&w->F[k], stride)));
+#endif
+    }
+}
+static void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
+{
+    const rbdi_pose *X = &w->block[l->block].X;
+    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
+    for (int k = l->first; k < l->end; ++k)
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
+}
+
+/* Wrenches that unit accelerations of link i's own dofs take, and the entries of H that the link's dofs
+   and those of its subtree make: S' F. */
+static void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H)
+{
+    const rbdi_link *l = &m->link[i];
+    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
+    if (l->kind == RBDI_BLOCK) {
+        const rbdi_block *b = rbdi_block_of(m, l);
+        for (int k = 0; k < b->n; ++k)
+            rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, b->first + k));
+        for (int k = 0; k < b->n; ++k) {
+            const rbdi_dof *dof = &m->dof[l->iv + k];
+            const rbd_real *F = &w->F[stride * (b->first + k)];
+            for (int j = l->first + k; j < l->end; ++j) H[m->dof[j].row_here + dof->depth] = F[j];
+            H[dof->row + dof->depth] = H[dof->row + dof->depth] + dof->armature;
         }
-        n = -1;
-        if (l->parent < 0) return;
-        F = rbdi_force_up_link(m, w, i, F);
-        i = l->parent;
+    } else {
+        const rbdi_dof *dof = &m->dof[l->iv];
+        const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
+        rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
+        if (l->kind == RBDI_SCREW) {
+            rbdi_force slide = rbdi_rbi_column(C, l->mc, 5);
+            own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
+            own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
+        }
+        rbdi_store_force(&w->F[l->first], stride, own);
+        for (int j = l->first; j < l->end; ++j) {
+            rbd_real x = N[j];
+            if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
+            H[m->dof[j].row_here + dof->depth] = x;
+        }
+        H[dof->row + dof->depth] = H[dof->row + dof->depth] + dof->armature;
     }
 }
 
 /* RBDA table 6.2, into the packed tree matrix. */
 static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
 {
-    rbdi_rbi carried;
-    int have = 0;
-    for (int i = 0; i < m->nslot; ++i) {
-        w->slot[i].C.h = rbdi_vec0();
-        w->slot[i].C.S.xx = w->slot[i].C.S.xy = w->slot[i].C.S.xz = rbdi_zero();
-        w->slot[i].C.S.yy = w->slot[i].C.S.yz = w->slot[i].C.S.zz = rbdi_zero();
-    }
+    rbdi_rbi carried = rbdi_rbi_zero();
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_rbi C;
-        C.S = rbdi_sym_c(l->S);
-        C.h = rbdi_vec_c(l->h);
-        if (have) C = rbdi_rbi_add(C, carried);
+        rbdi_rbi C = carried;
+        C.S = rbdi_sym_add(C.S, rbdi_sym_c(l->S));
+        C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-        if (l->kind == RBDI_BLOCK) {
-            const rbdi_block *b = rbdi_block_of(m, l);
-            for (int k = 0; k < b->n; ++k) {
-                const rbdi_dof *dof = &m->dof[l->iv + k];
-                rbd_real *end = &H[dof->row + dof->depth + 1];
-                rbdi_crba_row(m, w, i, k + 1, rbdi_rbi_column(C, l->mc, b->first + k), end);
-                end[-1] = end[-1] + dof->armature;
-            }
-        } else {
-            const rbdi_dof *dof = &m->dof[l->iv];
-            rbd_real *end = &H[dof->row + dof->depth + 1];
-            rbdi_force F = rbdi_rbi_column(C, l->mc, 2);
-            if (l->kind == RBDI_SCREW) {
-                rbdi_force G = rbdi_rbi_column(C, l->mc, 5);
-                F.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), F.n), rbdi_scale(rbdi_set(l->kappa), G.n));
-                F.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), F.f), rbdi_scale(rbdi_set(l->kappa), G.f));
-            }
-            rbdi_crba_row(m, w, i, 1, F, end);
-            end[-1] = end[-1] + dof->armature;
+        rbdi_crba_entries(m, w, i, C, H);
+        if (l->parent < 0) {
+            carried = rbdi_rbi_zero();
+            continue;
         }
-        have = l->parent >= 0 && l->parent == i - 1;
-        if (l->parent < 0) continue;
-        C = l->kind == RBDI_BLOCK ? rbdi_rbi_up_block(&w->block[l->block].X, l->mc, C)
-                                  : rbdi_rbi_up(l, &w->trig[i], C);
-        if (have)
-            carried = C;
-        else
-            w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
+        if (l->kind == RBDI_BLOCK) {
+            C = rbdi_rbi_up_block(&w->block[l->block].X, l->mc, C);
+            rbdi_crba_up_block(m, w, l);
+        } else {
+            RBDI_BY_FORM(l, C = rbdi_rbi_up(l, f, rbdi_trig_of(m, w, i, f), C); rbdi_crba_up(m, w, i, f));
+        }
+        carried = C;
+        if (l->parent == i - 1) continue;
+        w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
+        carried = rbdi_rbi_zero();
     }
 }
 
@@ -1729,10 +1911,10 @@ static void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
     for (int i = 0; i < n; ++i) {
         const rbd_real *h = &Hx[m->dof[i].row + m->dof[i].depth];
         int a = i < m->nv ? i : m->mimic[i - m->nv].source_v;
-        rbd_const ka = i < m->nv ? RBDI_C(1) : m->mimic[i - m->nv].ratio;
+        rbd_const ka = i < m->nv ? RBD_C(1) : m->mimic[i - m->nv].ratio;
         for (int j = i; j >= 0; j = m->dof[j].lambda, --h) {
             int b = j < m->nv ? j : m->mimic[j - m->nv].source_v;
-            rbd_const kb = j < m->nv ? RBDI_C(1) : m->mimic[j - m->nv].ratio;
+            rbd_const kb = j < m->nv ? RBD_C(1) : m->mimic[j - m->nv].ratio;
             int row = a > b ? a : b, column = a > b ? b : a, k = row * (row + 1) / 2 + column;
             H[k] = H[k] + *h * (i != j && a == b ? 2 * ka * kb : ka * kb);
         }
@@ -1749,13 +1931,13 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi X)
 }
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, const rbdi_trig *t, int full, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_abi X)
 {
-    if (l->flags & RBDI_SLIDE) X = rbdi_abi_shift_z(t->d, full, X);
-    X = rbdi_abi_up_z(t->c, t->s, X);
-    X = rbdi_abi_up_z(rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(X));
-    if (!(l->flags & RBDI_GENERAL)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, X));
-    X = rbdi_abi_up_z(rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(X));
+    if (f & RBDI_OFFSET) X = rbdi_abi_shift_z(t.d, f & (RBDI_SCREWS | RBDI_ARMATURE), X);
+    X = rbdi_abi_up_z(0, t.c, t.s, X);
+    X = rbdi_abi_up_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(X));
+    if (!(f & RBDI_GENERAL)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, X));
+    X = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(X));
     return rbdi_abi_shift(rbdi_vec_c(l->r), X);
 }
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi X)
@@ -1777,14 +1959,14 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
 }
 
 /* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
-RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int f, rbdi_abi X)
 {
     const rbdi_csym S = l->S;
     X.I.xx = X.I.xx + (S.yy + S.zz), X.I.xy = X.I.xy - S.xy, X.I.xz = X.I.xz - S.xz;
     X.I.yy = X.I.yy + (S.xx + S.zz), X.I.yz = X.I.yz - S.yz, X.I.zz = X.I.zz + (S.xx + S.yy);
     X.H.xz = X.H.xz + l->h.y, X.H.zx = X.H.zx - l->h.y;
     X.H.yz = X.H.yz - l->h.x, X.H.zy = X.H.zy + l->h.x;
-    if (l->flags & RBDI_FULL) {
+    if (f & RBDI_FULL) {
         X.H.xy = X.H.xy - l->h.z, X.H.yx = X.H.yx + l->h.z;
         X.M.xx = X.M.xx + l->m, X.M.yy = X.M.yy + l->m, X.M.zz = X.M.zz + l->m;
     }
@@ -1792,23 +1974,23 @@ RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, rbdi_abi X)
 }
 
 /* Pass 1, one-axis link: velocity w (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, const rbdi_trig *t, rbd_real qd, rbdi_v3 *w)
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int f, rbdi_trig t, rbd_real qd, rbdi_v3 *w)
 {
-    int screw = l->kind == RBDI_SCREW;
+    const int screw = f & RBDI_SCREWS;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
-    if (l->parent < 0) {
+    if (f & RBDI_ROOT) {
         *w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         return c;
     }
-    c.v = rbdi_down(l, t, rbdi_cross(*w, rbdi_cross_shift(l, *w)));
-    *w = rbdi_down(l, t, *w);
+    c.v = rbdi_down(l, f, t, rbdi_cross(*w, rbdi_cross_shift(l, f, *w)));
+    *w = rbdi_down(l, f, t, *w);
     c.w.x = turn * w->y;
     c.w.y = -(turn * w->x);
-    if (l->flags & RBDI_SLIDE) {
-        c.v.x = c.v.x + t->d * (w->x * w->z);
-        c.v.y = c.v.y + t->d * (w->y * w->z);
-        c.v.z = c.v.z - t->d * (w->x * w->x + w->y * w->y);
+    if (f & RBDI_OFFSET) {
+        c.v.x = c.v.x + t.d * (w->x * w->z);
+        c.v.y = c.v.y + t.d * (w->y * w->z);
+        c.v.z = c.v.z - t.d * (w->x * w->x + w->y * w->y);
     }
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
@@ -1837,12 +2019,14 @@ static void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.w;
-        if (l->kind == RBDI_BLOCK)
+        if (l->kind == RBDI_BLOCK) {
             w->link[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
                                                    &omega);
-        else
-            w->link[i].c = rbdi_aba_velocity(l, &w->trig[i], v[l->iv], &omega);
-        w->link[i].f = rbdi_wrench(l, rbdi_omega(omega, rbdi_vec0()), NULL);
+            w->link[i].f = rbdi_wrench(l, RBDI_FULL, rbdi_omega(omega, rbdi_vec0()), NULL);
+        } else {
+            RBDI_BY_FORM(l, w->link[i].c = rbdi_aba_velocity(l, f, rbdi_trig_of(m, w, i, f), v[l->iv], &omega);
+                         w->link[i].f = rbdi_wrench(l, f, rbdi_omega(omega, rbdi_vec0()), NULL));
+        }
         if (l->slot >= 0) {
             w->slot[l->slot].state.w = omega;
             w->slot[l->slot].I = rbdi_abi_zero();
@@ -1851,30 +2035,31 @@ static void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
 }
 
 /* Pass 2, one-axis link: the joint lets its own axis go. I becomes I - U U'/D, p becomes
-   p + I c + U u/D. full = 0: revolute without armature, where row z of I and H vanishes. */
-RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, const rbdi_motion *c, rbd_const armature,
-                                  rbd_const threshold, rbd_real tau, int full, rbdi_abi *X, rbdi_force *p,
-                                  rbdi_scratch *out, rbd_real *pivot, rbdi_mask *bad)
+   p + I c + U u/D. Of a revolute joint without armature, row z of I and H vanishes. */
+RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, int f, const rbdi_dof *dof, rbd_real tau, rbdi_abi *X,
+                                  rbdi_force *p, rbdi_scratch *own, rbd_real *pivot, rbdi_mask *bad)
 {
+    const int full = f & (RBDI_SCREWS | RBDI_ARMATURE);
+    const rbdi_motion *c = &own->c;
     rbdi_force U, V;
     rbd_real D, inverse, u;
     U.n = rbdi_vec(X->I.xz, X->I.yz, X->I.zz);
     U.f = rbdi_vec(X->H.zx, X->H.zy, X->H.zz);
-    if (l->kind == RBDI_SCREW) {
+    if (f & RBDI_SCREWS) {
         U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->H.xz, X->H.yz, X->H.zz)));
         U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->M.xz, X->M.yz, X->M.zz)));
     }
-    D = rbdi_along_axis(l, U);
-    if (full) D = D + armature;
+    D = rbdi_along_axis(l, f, U);
+    if (full) D = D + dof->armature;
     *pivot = D;
-    inverse = rbdi_reciprocal(D, threshold, bad);
-    u = (tau - rbdi_along_axis(l, *p)) * inverse;
+    inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
+    u = (tau - rbdi_along_axis(l, f, *p)) * inverse;
     V.n = rbdi_scale(inverse, U.n);
     V.f = rbdi_scale(inverse, U.f);
-    out->U = V;
-    out->u = u;
+    own->U = V;
+    own->u = u;
 
     X->I.xx = X->I.xx - U.n.x * V.n.x;
     X->I.xy = X->I.xy - U.n.x * V.n.y;
@@ -1932,20 +2117,21 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
 
 /* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its
    own without a body between; so the pivots are those of M = L'DL. */
-static void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, rbdi_block_work *bw,
-                                   const rbdi_motion *c, const rbd_real *tau, rbdi_abi *X, rbdi_force *p,
-                                   rbd_real *pivot, rbdi_mask *bad)
+static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
+                              rbdi_force *p, rbdi_mask *bad)
 {
+    const rbdi_link *l = &m->link[i_link];
     const rbdi_block *b = rbdi_block_of(m, l);
+    rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6], C[6];
-    rbdi_abi_to_array(*X, A);
+    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_FULL, *X), A);
     rbdi_force_to_array(*p, P);
-    rbdi_motion_to_array(*c, C);
+    rbdi_motion_to_array(w->link[i_link].c, C);
     for (int k = b->n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         int s = b->first + k;
-        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->pivot, bad);
-        pivot[l->iv + k] = D;
+        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
+        w->pivot[l->iv + k] = D;
         for (int i = 0; i < 6; ++i) {
             U[i] = A[i][s];
             bw->U[k][i] = U[i] * inverse;
@@ -1956,10 +2142,24 @@ static void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, rbdi_
             P[i] = P[i] + U[i] * bw->u[k];
         }
     }
+    if (l->parent < 0) return;
     for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
-    *X = rbdi_abi_from_array(A);
-    *p = rbdi_force_from_array(P);
+    *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
+    *p = rbdi_force_up_block(&bw->X, rbdi_force_from_array(P));
+}
+
+/* Pass 2, one-axis link: X and p, those of the children summed, become what the parent feels. */
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int f, const rbd_real *tau, rbdi_abi *X,
+                             rbdi_force *p, rbdi_mask *bad)
+{
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
+    *X = rbdi_abi_add_link(l, f, *X);
+    rbdi_aba_release(l, f, &m->dof[l->iv], tau[l->iv], X, p, &w->link[i], &w->pivot[l->iv], bad);
+    if (f & RBDI_ROOT) return;
+    *X = rbdi_abi_up(l, f, t, *X);
+    *p = rbdi_force_up(l, f, t, *p);
 }
 
 static rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
@@ -1969,28 +2169,12 @@ static rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real 
     rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        const rbdi_dof *dof = &m->dof[l->iv];
-        rbdi_scratch *own = &w->link[i];
-        X = rbdi_abi_add_link(l, X);
         if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
-        p = rbdi_force_add(p, own->f);
-        if (l->kind == RBDI_BLOCK) {
-            rbdi_aba_release_block(m, l, &w->block[l->block], &own->c, tau, &X, &p, w->pivot, &bad);
-            if (l->parent >= 0) {
-                X = rbdi_abi_up_block(&w->block[l->block].X, X);
-                p = rbdi_force_up_block(&w->block[l->block].X, p);
-            }
-        } else if (l->kind == RBDI_SCREW || (l->flags & RBDI_ARMATURE)) {
-            rbdi_aba_release(l, &own->c, dof->armature, dof->pivot, tau[l->iv], 1, &X, &p, own,
-                             &w->pivot[l->iv], &bad);
-            X = rbdi_abi_up(l, &w->trig[i], 1, X);
-            p = rbdi_force_up(l, &w->trig[i], p);
-        } else {
-            rbdi_aba_release(l, &own->c, dof->armature, dof->pivot, tau[l->iv], 0, &X, &p, own,
-                             &w->pivot[l->iv], &bad);
-            X = rbdi_abi_up(l, &w->trig[i], 0, X);
-            p = rbdi_force_up(l, &w->trig[i], p);
-        }
+        p = rbdi_force_add(p, w->link[i].f);
+        if (l->kind == RBDI_BLOCK)
+            rbdi_aba_up_block(m, w, i, tau, &X, &p, &bad);
+        else
+            RBDI_BY_FORM(l, rbdi_aba_up(m, w, i, f, tau, &X, &p, &bad));
         if (l->parent >= 0 && l->parent == i - 1) continue;
         if (l->parent >= 0) {
             rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
@@ -2005,55 +2189,67 @@ static rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real 
 
 RBDI_INLINE rbd_real rbdi_pair(rbdi_force F, rbdi_motion V) { return rbdi_dot(F.n, V.w) + rbdi_dot(F.f, V.v); }
 
-/* Pass 3: y = (wd, classical acceleration minus gravity); qdd = u/D - (U/D).y'. */
+/* Pass 3: y = (wd, classical acceleration minus gravity) of the parent becomes the link's;
+   qdd = u/D - (U/D).y'. */
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int f, rbdi_motion y,
+                                      rbd_real *a)
+{
+    const rbdi_link *l = &m->link[i];
+    const rbdi_scratch *own = &w->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
+    rbd_real qdd;
+    if (!(f & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, f, y.w));
+    y.w = rbdi_down(l, f, t, y.w);
+    y.v = rbdi_down(l, f, t, y.v);
+    if (f & RBDI_OFFSET) {
+        y.v.x = y.v.x + t.d * y.w.y;
+        y.v.y = y.v.y - t.d * y.w.x;
+    }
+    y = rbdi_motion_add(y, own->c);
+    qdd = own->u - rbdi_pair(own->U, y);
+    if (f & RBDI_SCREWS) {
+        y.w.z = y.w.z + qdd * l->rho;
+        y.v.z = y.v.z + qdd * l->kappa;
+    } else {
+        y.w.z = y.w.z + qdd;
+    }
+    a[l->iv] = qdd;
+    return y;
+}
+static rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y, rbd_real *a)
+{
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block_work *bw = &w->block[l->block];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real all[6];
+    y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.w, bw->X.r)));
+    y.w = rbdi_mul(bw->X.E, y.w);
+    rbdi_motion_to_array(rbdi_motion_add(y, w->link[i].c), all);
+    for (int k = 0; k < b->n; ++k) {
+        rbd_real qdd = bw->u[k];
+        for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
+        all[b->first + k] = all[b->first + k] + qdd;
+        a[l->iv + k] = qdd;
+    }
+    return rbdi_motion_from_array(all);
+}
+
 static void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
 {
-    const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_state y = world;
+    rbdi_motion world = rbdi_motion0(), y;
+    world.v = rbdi_world_state(w->gravity).acc;
+    y = world;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const rbdi_scratch *own = &w->link[i];
-        rbdi_motion Y;
-        if (l->parent != i - 1) y = l->parent < 0 ? world : w->slot[m->link[l->parent].slot].state;
-        if (l->kind == RBDI_BLOCK) {
-            const rbdi_block_work *bw = &w->block[l->block];
-            const rbdi_block *b = rbdi_block_of(m, l);
-            rbd_real all[6];
-            Y.w = rbdi_mul(bw->X.E, y.wd);
-            Y.v = rbdi_mul(bw->X.E, rbdi_add(y.acc, rbdi_cross(y.wd, bw->X.r)));
-            rbdi_motion_to_array(rbdi_motion_add(Y, own->c), all);
-            for (int k = 0; k < b->n; ++k) {
-                rbd_real qdd = bw->u[k];
-                for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
-                all[b->first + k] = all[b->first + k] + qdd;
-                a[l->iv + k] = qdd;
-            }
-            Y = rbdi_motion_from_array(all);
-        } else {
-            rbd_real qdd;
-            const rbdi_trig *t = &w->trig[i];
-            Y.w = rbdi_down(l, t, y.wd);
-            Y.v = rbdi_down(l, t, rbdi_add(y.acc, rbdi_cross_shift(l, y.wd)));
-            if (l->flags & RBDI_SLIDE) {
-                Y.v.x = Y.v.x + t->d * Y.w.y;
-                Y.v.y = Y.v.y - t->d * Y.w.x;
-            }
-            Y = rbdi_motion_add(Y, own->c);
-            qdd = own->u - rbdi_pair(own->U, Y);
-            if (l->kind == RBDI_SCREW) {
-                Y.w.z = Y.w.z + qdd * l->rho;
-                Y.v.z = Y.v.z + qdd * l->kappa;
-            } else {
-                Y.w.z = Y.w.z + qdd;
-            }
-            a[l->iv] = qdd;
-        }
-        y.wd = Y.w;
-        y.acc = Y.v;
-        if (l->slot >= 0) {
-            w->slot[l->slot].state.wd = Y.w;
-            w->slot[l->slot].state.acc = Y.v;
-        }
+        if (l->parent < 0)
+            y = world;
+        else if (l->parent != i - 1)
+            y = w->slot[m->link[l->parent].slot].y;
+        if (l->kind == RBDI_BLOCK)
+            y = rbdi_aba_down_block(m, w, i, y, a);
+        else
+            RBDI_BY_FORM(l, y = rbdi_aba_down(m, w, i, f, y, a));
+        if (l->slot >= 0) w->slot[l->slot].y = y;
     }
 }
 
@@ -2063,7 +2259,7 @@ static rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask bad)
     w->singular = -1;
     if (!rbdi_any(bad)) return RBD_OK;
     for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
-        if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].pivot), w->pivot[k])))) w->singular = k;
+        if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].scale * RBDI_NOISE), w->pivot[k])))) w->singular = k;
     return RBD_ERR_SINGULAR;
 }
 
@@ -2082,7 +2278,7 @@ static rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
     for (int k = m->nv - 1; k >= 0; --k) {
         rbd_real *hk = &H[rbdi_row(m, k)];
         int d = rbdi_depth(m, k), i = rbdi_lambda(m, k);
-        rbd_real inverse = rbdi_reciprocal(hk[d], m->dof[k].pivot, &bad);
+        rbd_real inverse = rbdi_reciprocal(hk[d], m->dof[k].scale * RBDI_NOISE, &bad);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
         for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, i)) {
@@ -2164,7 +2360,7 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 
 RBD_API int rbd_packed_size(const rbd_model *m)
 {
-    if (!m) return 0;
+    if (!m || m->nv == 0) return 0;
     return rbdi_row(m, m->nv - 1) + rbdi_depth(m, m->nv - 1) + 1;
 }
 
@@ -2257,7 +2453,8 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v)
 {
     const rbdi_link *l = &m->link[i];
-    return l->kind == RBDI_BLOCK ? rbdi_mul(w->block[l->block].X.E, v) : rbdi_down(l, &w->trig[i], v);
+    if (l->kind == RBDI_BLOCK) return rbdi_mul(w->block[l->block].X.E, v);
+    return rbdi_down(l, l->flags, rbdi_trig_of(m, w, i, l->flags), v);
 }
 
 /* World pose of link i and velocity of its origin; its angular velocity s.w is known already. */
@@ -2267,7 +2464,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
     rbdi_kin *k = &w->kin[i];
     const rbdi_v3 wi = k->state.w;
     rbdi_v3 r = l->kind == RBDI_BLOCK ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z;
-    x = rbdi_vec(rbdi_set(RBDI_C(1)), rbdi_zero(), rbdi_zero());
+    x = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
     y = rbdi_cycle(rbdi_cycle(x)), z = rbdi_cycle(x);
     k->v = rbdi_vec0();
     if (l->parent >= 0) {
@@ -2287,7 +2484,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
     if (l->kind == RBDI_BLOCK) {
         k->v = rbdi_add(k->v, rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
     } else {
-        rbd_real d = w->trig[i].d;
+        rbd_real d = rbdi_trig_of(m, w, i, l->flags).d;
         p = rbdi_add(p, rbdi_scale(d, rbdi_vec(x.z, y.z, z.z)));
         k->v.x = k->v.x + d * wi.y;
         k->v.y = k->v.y - d * wi.x;
@@ -2299,7 +2496,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *a)
 {
-    const rbdi_c3 none = {RBDI_C(0), RBDI_C(0), RBDI_C(0)};
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
     rbdi_mat O = rbdi_omega(s.w, s.wd);
@@ -2314,7 +2511,7 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     }
     *w->rotors = rbdi_zero();
     for (int k = 0; k < m->nv + m->nmimic; ++k)
-        *w->rotors = *w->rotors + v[k] * v[k] * (RBDI_C(0.5) * m->dof[k].armature);
+        *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
     w->have_kinematics = 1;
     return RBD_OK;
 }
@@ -2408,7 +2605,7 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
 
 RBD_API rbd_const rbd_mass(const rbd_model *m)
 {
-    rbd_const mass = RBDI_C(0);
+    rbd_const mass = RBD_C(0);
     for (int b = 0; m && b < m->nb; ++b)
         if (m->frame[b].link >= 0) mass += m->frame[b].mass;
     return mass;
@@ -2420,7 +2617,7 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_v3 p = rbdi_vec0(), v = p, a = p;
     rbd_const mass = rbd_mass(m);
-    rbd_real inverse = rbdi_set(mass > 0 ? RBDI_C(1) / mass : RBDI_C(0));
+    rbd_real inverse = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
     if (status) return status;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -2456,8 +2653,8 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
         k = rbdi_body_kin(m, w, b);
         c = rbdi_vec_c(u->com);
         v = rbdi_add(k.v, rbdi_cross(k.state.w, c));
-        T = T + rbdi_dot(v, v) * (RBDI_C(0.5) * u->mass);
-        T = T + rbdi_dot(k.state.w, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.w)) * RBDI_C(0.5);
+        T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
+        T = T + rbdi_dot(k.state.w, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.w)) * RBD_C(0.5);
         V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_add(k.p, rbdi_mul(k.R, c))) * u->mass;
     }
     if (kinetic) *kinetic = T;
@@ -2470,12 +2667,12 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 /* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
 static rbd_real rbdi_tail(rbd_real x, int n)
 {
-    rbd_real s = rbdi_set(RBDI_C(1));
+    rbd_real s = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = 15; k > 0; --k)
-        s = rbdi_set(RBDI_C(1)) - x * s * (RBDI_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
+        s = rbdi_set(RBD_C(1)) - x * s * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
     for (int k = 2; k <= n; ++k) factorial *= k;
-    return s * (RBDI_C(1) / (rbd_const)factorial);
+    return s * (RBD_C(1) / (rbd_const)factorial);
 }
 
 /* Coefficients of the exponential map for a turn by theta, x = theta^2. */
@@ -2490,15 +2687,15 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
     rbdi_exp e;
     rbd_real theta, s, A;
     rbdi_mask small;
-    e.x = rbdi_dot(turn, turn) + RBDI_C(1e-30); /* keeps the quotients finite, alters no digit */
+    e.x = rbdi_dot(turn, turn) + RBD_C(1e-30); /* keeps the quotients finite, alters no digit */
     theta = rbdi_sqrt(e.x);
-    rbdi_sincos(theta * RBDI_C(0.5), &s, &e.half_cosine);
+    rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
     e.half_sine = s / theta;
     e.B = (e.half_sine + e.half_sine) * e.half_sine;
     A = (e.half_sine + e.half_sine) * e.half_cosine;
-    small = rbdi_less(e.x, rbdi_set(RBDI_C(1)));
+    small = rbdi_less(e.x, rbdi_set(RBD_C(1)));
     e.C = rbdi_select(small, rbdi_tail(rbdi_select(small, e.x, rbdi_zero()), 3),
-                      (rbdi_set(RBDI_C(1)) - A) / e.x);
+                      (rbdi_set(RBD_C(1)) - A) / e.x);
     return e;
 }
 
@@ -2513,23 +2710,23 @@ static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
 static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
 {
     rbdi_v3 wu = rbdi_cross(w, u);
-    rbd_real one = rbdi_set(RBDI_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
+    rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask small = rbdi_less(e.x, one);
     rbd_real x = rbdi_select(small, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
     rbd_real k = rbdi_select(small, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
     u = rbdi_add(u, rbdi_scale(k, rbdi_cross(w, wu)));
-    return rbdi_sub(u, rbdi_scale(rbdi_set(RBDI_C(0.5)), wu));
+    return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
 }
 
 /* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: a cubic
    start and Newton steps, each of which cubes the error. */
 static rbd_real rbdi_angle(rbd_real s, rbd_real c)
 {
-    rbd_real one = rbdi_set(RBDI_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
+    rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, o);
     rbd_real positive = rbdi_select(obtuse, -c, c);
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
-    angle = t * (rbdi_set(RBDI_C(2)) - t * t * RBDI_C(0.43));
+    angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(0.43));
     for (int k = 0; k < 4; ++k) {
         rbdi_sincos(angle, &sine, &cosine);
         angle = angle + (s * cosine - positive * sine);
@@ -2550,9 +2747,9 @@ static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
 {
     rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k;
     rbdi_mask bad = rbdi_less(n, n);
-    k = rbdi_sqrt(rbdi_reciprocal(n, RBDI_C(1e-30), &bad));
+    k = rbdi_sqrt(rbdi_reciprocal(n, RBD_C(1e-30), &bad));
     for (int i = 0; i < 3; ++i) u[i] = q[i] * k;
-    u[3] = rbdi_select(bad, rbdi_set(RBDI_C(1)), q[3] * k);
+    u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), q[3] * k);
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
@@ -2588,7 +2785,7 @@ static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1
     v = rbdi_vec(c[0], c[1], c[2]);
     back = rbdi_less(c[3], rbdi_zero());
     cosine = rbdi_select(back, -c[3], c[3]);
-    sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_C(1e-30));
+    sine = rbdi_sqrt(rbdi_dot(v, v) + RBD_C(1e-30));
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;
     return rbdi_scale(rbdi_select(back, -angle, angle), v);
@@ -2658,7 +2855,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         angle = rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
         rbdi_sincos(q0[2], &s, &c);
         turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
-        x = rbdi_turn_z(c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
+        x = rbdi_turn_z(0, c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
         x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
         rbdi_store(rbdi_vec(angle, x.x, x.y), d);
         break;
@@ -2705,9 +2902,9 @@ RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q)
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBDI_C(1));
+        if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBD_C(1));
         if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING)
-            q[u->iq + u->nq - 1] = rbdi_set(RBDI_C(1));
+            q[u->iq + u->nq - 1] = rbdi_set(RBD_C(1));
     }
     return RBD_OK;
 }
@@ -2718,7 +2915,7 @@ static rbd_const rbdi_uniform(uint64_t *seed)
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (rbd_const)(int32_t)(z >> 33) * RBDI_C(4.656612873077392578125e-10);
+    return (rbd_const)(int32_t)(z >> 33) * RBD_C(4.656612873077392578125e-10);
 }
 
 /* Uniform between two bounds; each lane draws its own. */
@@ -2736,9 +2933,9 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper)
 /* Uniform orientation: two points on circles with radii sqrt(u), sqrt(1 - u) (Shoemake 1992). */
 static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q)
 {
-    rbd_real u = rbdi_draw(seed, RBDI_C(0), RBDI_C(1)), a, b, c, s;
+    rbd_real u = rbdi_draw(seed, RBD_C(0), RBD_C(1)), a, b, c, s;
     a = rbdi_sqrt(u);
-    b = rbdi_sqrt(rbdi_set(RBDI_C(1)) - u);
+    b = rbdi_sqrt(rbdi_set(RBD_C(1)) - u);
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
     q[0] = a * s, q[1] = a * c;
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -2751,7 +2948,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real *x = &q[u->iq];
-        const rbd_const pi = RBDI_PI(rbd_const), one = RBDI_C(1);
+        const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
         int shifts = 0; /* coordinates that are lengths come first, but for cylindrical joints */
         if (u->nv == 0) continue;
         if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
@@ -2812,15 +3009,19 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
+    w->angle = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
     w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
-    w->trig = (rbdi_trig *)rbdi_take(&p, m->nl, sizeof(rbdi_trig));
+    w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
     w->link = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
     w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
     w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
     w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    w->F = (rbd_real *)rbdi_take(&p, 6 * (n + RBDI_CHUNK), sizeof(rbd_real)) + RBDI_CHUNK;
     w->H = (rbd_real *)rbdi_take(&p, m->nmimic ? m->nv * (m->nv + 1) / 2 : m->nh, sizeof(rbd_real));
     w->qx = w->vx = w->ax = w->tx = w->Hx = NULL;
     if (m->nmimic) {
@@ -2831,6 +3032,8 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
         w->Hx = (rbd_real *)rbdi_take(&p, m->nh, sizeof(rbd_real));
     }
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
+    for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
+    for (unsigned char *a = (unsigned char *)w->angle; a < (unsigned char *)w->c; ++a) *a = 0; /* padding */
     *work = w;
     return RBD_OK;
 }
@@ -2974,6 +3177,10 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
     rbdi_append(text, size, at, rbd_status_string(finding->status));
     return text;
 }
+
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC pop_options
+#endif
 
 /* ---- model build [model build] ---- */
 
@@ -3156,19 +3363,29 @@ static int rbdi_all_zero(const double *x, int n)
     return 1;
 }
 
-static int rbdi_parallel(const double a[3], const double b[3])
+/* y = x scaled to unit length, whatever its length is. */
+static void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3])
 {
-    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    double aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
-    return !(x * x + y * y + z * z > 1e-12 * aa * bb);
+    rbdi_wide largest = 0, n;
+    for (int k = 0; k < 3; ++k)
+        if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
+    for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
+    n = rbdi_w_length(y);
+    for (int k = 0; k < 3; ++k) y[k] /= n;
 }
 
-/* Nonzero if its square is, so that it can be scaled to unit length. */
-static int rbdi_is_axis(const double a[3])
+static int rbdi_parallel(const double a[3], const double b[3])
 {
-    double n = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-    return rbdi_finite(a, 3) && rbdi_finite(&n, 1) && n > 1e-24;
+    rbdi_wide x[3], y[3], cross[3];
+    rbdi_widen(a, 3, x);
+    rbdi_widen(b, 3, y);
+    rbdi_unit(x, x);
+    rbdi_unit(y, y);
+    for (int k = 0; k < 3; ++k) cross[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
+    return !(rbdi_w_length(cross) > (rbdi_wide)1e-6);
 }
+
+static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
 
 static int rbdi_is_rotation(const double R[9])
 {
@@ -3331,12 +3548,10 @@ static size_t rbdi_model_bytes(rbdi_counts n, int nb)
 /* Axis of the k-th link of a joint, unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3])
 {
-    rbdi_wide n;
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
     if (which == 'b') rbdi_widen(b->axis2, 3, axis);
-    n = rbdi_w_length(axis);
-    for (int k = 0; k < 3; ++k) axis[k] /= n;
+    rbdi_unit(axis, axis);
 }
 
 static void rbdi_clear(rbdi_draft *l)
@@ -3502,7 +3717,8 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
     rbdi_w_product(Z, l->B, l->B);
 }
 
-/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), snapped; E is rebuilt from them so that everything that
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), snapped: of the two choices the one with the smaller beta,
+   or gamma where the parent's frame will be turned to beta = 0. E is rebuilt from them so that everything that
    follows, pose and dynamics, works with one model. */
 static void rbdi_draft_angles(rbdi_draft *l)
 {
@@ -3512,13 +3728,16 @@ static void rbdi_draft_angles(rbdi_draft *l)
     if (sigma > RBDI_SNAP) {
         l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
         l->ca = E[8], l->sa = sigma;
-        if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
         rbdi_w_snap(&l->ca, &l->sa);
         rbdi_w_snap(&l->cb, &l->sb);
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
     rbdi_w_snap(&l->cg, &l->sg);
+    if (sigma > RBDI_SNAP && (l->dh ? l->cg < 0 || (l->cg <= 0 && l->sg < 0) : l->cb < 0)) {
+        l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa; /* the same rotation */
+        l->cg = -l->cg, l->sg = -l->sg;
+    }
     rbdi_w_turn_z(l->cg, l->sg, E);
     rbdi_w_turn_x(l->ca, l->sa, Z);
     rbdi_w_product(E, Z, E);
@@ -3540,6 +3759,7 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         return;
     }
     f = &draft[l->favourite];
+    f->dh = 1;
     rbdi_draft_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
         rbdi_w_turn_z(f->cb, f->sb, Z);
@@ -3547,7 +3767,10 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) return;
+        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) {
+            f->dh = 0;
+            return;
+        }
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
@@ -3555,7 +3778,6 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
     }
     rbdi_draft_angles(f);
-    f->dh = 1;
     f->r[0] = a, f->r[1] = f->r[2] = 0;
     f->d = d;
 }
@@ -3566,21 +3788,22 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
-/* Step 6, leaves to root: size of the subtree's inertia, the measure of what is a vanishing pivot. */
+/* Step 6, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever
+   the configuration: the size of the numbers of which a pivot is the difference. */
 static void rbdi_draft_scale(rbdi_draft *draft, int i)
 {
     rbdi_draft *l = &draft[i], *up;
-    rbdi_wide r[3], moment[3];
-    l->trace += l->S[0] + l->S[3] + l->S[5];
+    rbdi_wide r[3], distance;
+    l->trace += l->S[0] + l->S[3] + l->S[5] + l->m * rbdi_w_dot(l->b, l->b);
+    l->moment += rbdi_w_length(l->h);
     l->mass += l->m;
-    for (int k = 0; k < 3; ++k) l->moment[k] += l->h[k];
     if (l->parent < 0) return;
     up = &draft[l->parent];
     rbdi_draft_origin(l, r);
-    rbdi_w_apply_t(l->E, l->moment, moment);
-    up->trace += l->trace + 2 * rbdi_w_dot(moment, r) + l->mass * rbdi_w_dot(r, r);
+    distance = rbdi_w_length(r);
+    up->trace += l->trace + 2 * l->moment * distance + l->mass * distance * distance;
+    up->moment += l->moment + l->mass * distance;
     up->mass += l->mass;
-    for (int k = 0; k < 3; ++k) up->moment[k] += moment[k] + l->mass * r[k];
 }
 
 /* Step 7, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
@@ -3613,14 +3836,14 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i)
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3])
 {
     rbdi_c3 c;
-    c.x = RBDI_C(x[0]), c.y = RBDI_C(x[1]), c.z = RBDI_C(x[2]);
+    c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
     return c;
 }
 static rbdi_csym rbdi_round6(const rbdi_wide x[6])
 {
     rbdi_csym c;
-    c.xx = RBDI_C(x[0]), c.xy = RBDI_C(x[1]), c.xz = RBDI_C(x[2]);
-    c.yy = RBDI_C(x[3]), c.yz = RBDI_C(x[4]), c.zz = RBDI_C(x[5]);
+    c.xx = RBD_C(x[0]), c.xy = RBD_C(x[1]), c.xz = RBD_C(x[2]);
+    c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
     return c;
 }
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
@@ -3634,24 +3857,29 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     rbdi_link out;
     if (!block && (rbdi_nonzero(l->sb) || l->cb < 1)) flags |= RBDI_BETA | RBDI_GENERAL;
     if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_GENERAL;
-    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SLIDE;
+    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_OFFSET;
     if (block || l->kind == RBDI_SCREW || rbdi_nonzero(l->S[5]) || rbdi_nonzero(l->h[2]) || rbdi_nonzero(l->m))
         flags |= RBDI_FULL;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
+    if (l->parent < 0) flags |= RBDI_ROOT;
+    if (l->kind == RBDI_SCREW) flags |= RBDI_SCREWS;
+    if (!block && !rbdi_nonzero(l->ca)) flags |= RBDI_QUARTER;
+    if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_STRAIGHT;
     out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
     out.block = out.slot = -1;
-    out.kind = (uint8_t)l->kind, out.flags = (uint8_t)flags;
-    out.gamma = block ? RBDI_C(0) : RBDI_C(rbdi_w_angle(l->cg, l->sg));
-    out.cg = RBDI_C(l->cg), out.sg = RBDI_C(l->sg);
-    out.ca = RBDI_C(l->ca), out.sa = RBDI_C(l->sa);
-    out.cb = RBDI_C(l->cb), out.sb = RBDI_C(l->sb);
+    out.first = out.end = 0;
+    out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
+    out.gamma = block ? RBD_C(0) : RBD_C(rbdi_w_angle(l->cg, l->sg));
+    out.cg = RBD_C(l->cg), out.sg = RBD_C(l->sg);
+    out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
+    out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
     out.r = rbdi_round3(l->r);
-    out.d = RBDI_C(l->d);
-    out.rho = RBDI_C(l->rho), out.kappa = RBDI_C(l->kappa);
+    out.d = RBD_C(l->d);
+    out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
     out.S = rbdi_round6(l->S);
     out.h = rbdi_round3(l->h);
-    out.m = RBDI_C(l->m), out.mc = RBDI_C(l->mc);
+    out.m = RBD_C(l->m), out.mc = RBD_C(l->mc);
     return out;
 }
 
@@ -3665,13 +3893,13 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l)
     out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
     out.identity = 1;
     for (int k = 0; k < 9; ++k) {
-        out.E[k] = RBDI_C(l->E[k]);
+        out.E[k] = RBD_C(l->E[k]);
         if (rbdi_nonzero(l->E[k] - one[k])) out.identity = 0;
     }
     return out;
 }
 
-/* The dofs of link p; eps * its subtree's inertia is the smallest pivot that counts. */
+/* The dofs of link p. */
 static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
                            rbdi_dof *dof)
 {
@@ -3681,8 +3909,6 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbdi_link *link = &m->link[p];
     const int first = l->kind == RBDI_BLOCK ? fact->first : 0, n = l->kind == RBDI_BLOCK ? fact->nv : 1;
     int in_joint = 0;
-    rbd_const eps = RBDI_C(1);
-    while (RBDI_C(1) + eps / 2 > RBDI_C(1)) eps /= 2;
     for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q) ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
@@ -3698,10 +3924,10 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
             d->lambda = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
         }
         d->depth = (int16_t)(d->lambda < 0 ? 0 : dof[d->lambda].depth + 1);
-        d->armature = RBDI_C(b->armature[in_joint + k]);
-        d->damping = RBDI_C(b->damping[in_joint + k]);
-        d->friction = RBDI_C(b->friction[in_joint + k]);
-        d->pivot = eps * (RBDI_C(scale) + d->armature);
+        d->armature = RBD_C(b->armature[in_joint + k]);
+        d->damping = RBD_C(b->damping[in_joint + k]);
+        d->friction = RBD_C(b->friction[in_joint + k]);
+        d->scale = RBD_C(scale) + d->armature;
     }
 }
 
@@ -3731,13 +3957,13 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
         out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
         out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
     }
-    for (int k = 0; k < 9; ++k) out.E[k] = RBDI_C(E[k]);
+    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(E[k]);
     out.r = rbdi_round3(r);
-    out.mass = RBDI_C(b->mass);
+    out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
-    out.lower = RBDI_C(b->lower), out.upper = RBDI_C(b->upper);
-    out.velocity = RBDI_C(b->velocity), out.effort = RBDI_C(b->effort);
+    out.lower = RBD_C(b->lower), out.upper = RBD_C(b->upper);
+    out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
     return out;
 }
 
@@ -3789,7 +4015,7 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
     m->nb = (int16_t)nb, m->nq = (int16_t)n.nq, m->nv = (int16_t)n.nv;
     m->nl = (int16_t)n.nl, m->nblock = (int16_t)n.nblock, m->nmimic = (int16_t)n.nmimic;
     m->nslot = 0;
-    m->gravity.x = m->gravity.y = RBDI_C(0), m->gravity.z = RBDI_C(-9.81);
+    m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
     for (int p = 0; p < n.nl; ++p) {
         link[p] = rbdi_emit_link(bodies, draft, p);
         if (link[p].kind == RBDI_BLOCK) {
@@ -3806,13 +4032,23 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
     }
     m->nh = row;
     next = 0;
+    for (int p = 0; p < n.nl; ++p) {
+        const int dofs = link[p].block < 0 ? 1 : block[link[p].block].n;
+        link[p].first = (int16_t)next;
+        for (int k = 0; k < dofs; ++k) dof[next++].row_here = dof[link[p].iv + k].row;
+    }
+    for (int p = 0; p < n.nl; ++p) {
+        const int behind = p + draft[draft[p].order].size;
+        link[p].end = behind < n.nl ? link[behind].first : (int16_t)next;
+    }
+    next = 0;
     for (int i = 0; i < nb; ++i) {
         frame[i] = rbdi_emit_frame(&bodies[i], &place[i], draft);
         if (bodies[i].mimic) {
             const rbdi_place *source = &place[rbdi_mimic_source(bodies, nb, i)];
             rbdi_mimic *k = &mimic[next++];
             k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-            k->ratio = RBDI_C(bodies[i].mimic_ratio), k->offset = RBDI_C(bodies[i].mimic_offset);
+            k->ratio = RBD_C(bodies[i].mimic_ratio), k->offset = RBD_C(bodies[i].mimic_offset);
         }
     }
 }
@@ -3874,10 +4110,6 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
 }
 
 #endif /* RBD_NO_BUILD */
-
-#if defined __GNUC__ && !defined __clang__
-#pragma GCC pop_options
-#endif
 
 #endif /* RBD_IMPLEMENTATION */
 

@@ -1,0 +1,59 @@
+/* cart_pole_model.h - the built model of cart_pole.h, for flash: include rbd.h before, pass &cart_pole_model.
+   SPDX-License-Identifier: MIT. Written by write_model.c: change cart_pole.h instead.
+   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+#ifndef CART_POLE_MODEL_H
+#define CART_POLE_MODEL_H
+
+#if RBD_MODEL_VERSION != 1
+#error "cart_pole_model.h was written for another version of rbd.h: write it again"
+#endif
+
+/* clang-format off */
+
+/* Bytes for rbd_work_init, exactly. */
+#define CART_POLE_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3, 0)
+
+/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
+static const rbdi_link cart_pole_links[2] = {
+    {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, 239, /* 0: cart */
+     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, 1,
+     {0, 0, 0}, 0, 0, 1,
+     {0, 0, 0, 0, 0, 0},
+     {0, 0, 0}, RBD_C(1.7), RBD_C(1.7)},
+    {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, 128, /* 1: pole */
+     0, 1, 0, 0, 1, 1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.0595), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
+     {RBD_C(0.15), 0, 0}, 0, 0},
+};
+
+/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+static const rbdi_dof cart_pole_dofs[2] = {
+    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
+    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.0605)},
+};
+
+/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+   inertia about the com | lower, upper, velocity, effort */
+static const rbdi_frame cart_pole_frames[2] = {
+    {"cart", "rail", 0, 4, 0, 1, 0, 1, /* 0 */
+     {0, 0, 1, 0, 1, 0, -1, 0, 0},
+     {0, 0, 0}, RBD_C(1.2), {0, 0, 0},
+     {RBD_C(0.002), 0, 0, RBD_C(0.005), 0, RBD_C(0.005)},
+     -2, 2, 5, 100},
+    {"pole", "hinge", 1, 2, 1, 1, 1, 1, /* 1 */
+     {0, 1, 0, 0, 0, -1, -1, 0, 0},
+     {0, 0, 0}, RBD_C(0.5), {0, 0, RBD_C(-0.3)},
+     {RBD_C(0.015), 0, 0, RBD_C(0.015), 0, RBD_C(0.001)},
+     0, 0, 10, 50},
+};
+
+static const rbd_model cart_pole_model = {
+    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
+    2, 0, 0, 0, 3, /* links, blocks, slots, mimics, packed entries */
+    {0, 0, RBD_C(-9.81)},
+    cart_pole_links, NULL, cart_pole_dofs, NULL, cart_pole_frames,
+};
+
+#endif

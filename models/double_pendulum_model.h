@@ -1,0 +1,59 @@
+/* double_pendulum_model.h - the built model of double_pendulum.h, for flash: include rbd.h before, pass &double_pendulum_model.
+   SPDX-License-Identifier: MIT. Written by write_model.c: change double_pendulum.h instead.
+   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+#ifndef DOUBLE_PENDULUM_MODEL_H
+#define DOUBLE_PENDULUM_MODEL_H
+
+#if RBD_MODEL_VERSION != 1
+#error "double_pendulum_model.h was written for another version of rbd.h: write it again"
+#endif
+
+/* clang-format off */
+
+/* Bytes for rbd_work_init, exactly. */
+#define DOUBLE_PENDULUM_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3, 0)
+
+/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
+static const rbdi_link double_pendulum_links[2] = {
+    {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, 160, /* 0: upper_rod */
+     RBD_C(1.5707963267948966), 0, 1, 0, -1, 1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(1.3995), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
+     {RBD_C(1.6), 0, 0}, 0, 0},
+    {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, 256, /* 1: lower_rod */
+     0, 1, 0, 1, 0, 1, 0,
+     {1, 0, 0}, 0, 1, 0,
+     {RBD_C(0.1195), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
+     {RBD_C(0.3), 0, 0}, 0, 0},
+};
+
+/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+static const rbdi_dof double_pendulum_dofs[2] = {
+    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(2.121)},
+    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.1205)},
+};
+
+/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+   inertia about the com | lower, upper, velocity, effort */
+static const rbdi_frame double_pendulum_frames[2] = {
+    {"upper_rod", "shoulder", 0, 2, 0, 1, 0, 1, /* 0 */
+     {0, -1, 0, 0, 0, 1, -1, 0, 0},
+     {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},
+     {RBD_C(0.1), 0, 0, RBD_C(0.1), 0, RBD_C(0.001)},
+     0, 0, 10, 50},
+    {"lower_rod", "elbow", 1, 2, 1, 1, 1, 1, /* 1 */
+     {0, -1, 0, 0, 0, 1, -1, 0, 0},
+     {0, 0, 0}, 1, {0, 0, RBD_C(-0.3)},
+     {RBD_C(0.03), 0, 0, RBD_C(0.03), 0, RBD_C(0.001)},
+     0, 0, 10, 50},
+};
+
+static const rbd_model double_pendulum_model = {
+    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
+    2, 0, 0, 0, 3, /* links, blocks, slots, mimics, packed entries */
+    {0, 0, RBD_C(-9.81)},
+    double_pendulum_links, NULL, double_pendulum_dofs, NULL, double_pendulum_frames,
+};
+
+#endif

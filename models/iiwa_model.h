@@ -1,0 +1,114 @@
+/* iiwa_model.h - the built model of iiwa.h, for flash: include rbd.h before, pass &iiwa_model.
+   SPDX-License-Identifier: MIT. Written by write_model.c: change iiwa.h instead.
+   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+#ifndef IIWA_MODEL_H
+#define IIWA_MODEL_H
+
+#if RBD_MODEL_VERSION != 1
+#error "iiwa_model.h was written for another version of rbd.h: write it again"
+#endif
+
+/* clang-format off */
+
+/* Bytes for rbd_work_init, exactly. */
+#define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28, 0)
+
+/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
+static const rbdi_link iiwa_links[7] = {
+    {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, 290, /* 0: lbr_iiwa_link_1 */
+     RBD_C(3.141592653589793), -1, 0, 1, 0, 1, 0,
+     {0, 0, RBD_C(0.36)}, 0, 1, 0,
+     {RBD_C(0.0049999999999999906), 0, 0, RBD_C(0.037656), RBD_C(-0.009900000000000003), 0},
+     {0, RBD_C(-0.048000000000000015), 0}, 0, 0},
+    {0, 1, 1, -1, -1, 1, 7, RBDI_REVOLUTE, 131, /* 1: lbr_iiwa_link_2 */
+     0, 1, 0, 0, -1, -1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.006000359999999998), RBD_C(7.079999999999999e-05), RBD_C(-5.04e-05), RBD_C(1.60669475), RBD_C(-0.009912), 0},
+     {RBD_C(-0.0012), RBD_C(-3.9695), 0}, 0, 0},
+    {1, 2, 2, -1, -1, 2, 7, RBDI_REVOLUTE, 132, /* 2: lbr_iiwa_link_3 */
+     0, 1, 0, 0, 1, 1, 0,
+     {0, 0, 0}, RBD_C(0.42), 1, 0,
+     {RBD_C(0.0025000000000000022), 0, 0, RBD_C(0.01882120000000001), RBD_C(-0.007694999999999999), 0},
+     {0, RBD_C(-0.00180000000000001), 0}, 0, 0},
+    {2, 3, 3, -1, -1, 3, 7, RBDI_REVOLUTE, 131, /* 3: lbr_iiwa_link_4 */
+     0, 1, 0, 0, -1, -1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.004500000000000004), 0, 0, RBD_C(0.504482725), RBD_C(-0.006150600000000002), 0},
+     {0, RBD_C(-1.46375), 0}, 0, 0},
+    {3, 4, 4, -1, -1, 4, 7, RBDI_REVOLUTE, 132, /* 4: lbr_iiwa_link_5 */
+     0, 1, 0, 0, 1, 1, 0,
+     {0, 0, 0}, RBD_C(0.4), 1, 0,
+     {RBD_C(0.0015000169999999978), RBD_C(3.5700000000000005e-06), RBD_C(-2.3715000000000006e-05), RBD_C(0.006199987999999999), RBD_C(-0.004980150000000001), 0},
+     {RBD_C(0.00017), RBD_C(0.034980000000000004), 0}, 0, 0},
+    {4, 5, 5, -1, -1, 5, 7, RBDI_REVOLUTE, 131, /* 5: lbr_iiwa_link_6 */
+     0, 1, 0, 0, -1, -1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.0016499999999999996), 0, 0, RBD_C(0.006610947999999999), RBD_C(-4.32e-07), 0},
+     {0, RBD_C(-0.03138), 0}, 0, 0},
+    {5, 6, 6, -1, -1, 6, 7, RBDI_REVOLUTE, 128, /* 6: lbr_iiwa_link_7 */
+     0, 1, 0, 0, 1, 1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.0005), 0, 0, RBD_C(0.0005), 0, 0},
+     {0, 0, 0}, 0, 0},
+};
+
+/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+static const rbdi_dof iiwa_dofs[7] = {
+    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(5.224952845394229)},
+    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(4.925102845394229)},
+    {2, 1, 3, 2, 3, 0, 0, 0, RBD_C(1.268789184688816)},
+    {3, 2, 6, 3, 6, 0, 0, 0, RBD_C(1.022337684688816)},
+    {4, 3, 10, 4, 10, 0, 0, 0, RBD_C(0.14746010299999998)},
+    {5, 4, 15, 5, 15, 0, 0, 0, RBD_C(0.013179535999999999)},
+    {6, 5, 21, 6, 21, 0, 0, 0, RBD_C(0.0065286)},
+};
+
+/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+   inertia about the com | lower, upper, velocity, effort */
+static const rbdi_frame iiwa_frames[7] = {
+    {"lbr_iiwa_link_1", "lbr_iiwa_joint_1", 0, 1, 0, 1, 0, 1, /* 0 */
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+     {0, 0, RBD_C(-0.2025)}, 4, {0, RBD_C(-0.03), RBD_C(0.12)},
+     {RBD_C(0.1), 0, 0, RBD_C(0.09), 0, RBD_C(0.02)},
+     RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
+    {"lbr_iiwa_link_2", "lbr_iiwa_joint_2", 1, 1, 1, 1, 1, 1, /* 1 */
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+     {0, 0, 0}, 4, {RBD_C(0.0003), RBD_C(0.059), RBD_C(0.042)},
+     {RBD_C(0.05), 0, 0, RBD_C(0.018), 0, RBD_C(0.044)},
+     RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
+    {"lbr_iiwa_link_3", "lbr_iiwa_joint_3", 2, 1, 2, 1, 2, 1, /* 2 */
+     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {0, 0, RBD_C(-0.2155)}, 3, {0, RBD_C(0.03), RBD_C(0.13)},
+     {RBD_C(0.08), 0, 0, RBD_C(0.075), 0, RBD_C(0.01)},
+     RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
+    {"lbr_iiwa_link_4", "lbr_iiwa_joint_4", 3, 1, 3, 1, 3, 1, /* 3 */
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+     {0, 0, 0}, RBD_C(2.7), {0, RBD_C(0.067), RBD_C(0.034)},
+     {RBD_C(0.03), 0, 0, RBD_C(0.01), 0, RBD_C(0.029)},
+     RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
+    {"lbr_iiwa_link_5", "lbr_iiwa_joint_5", 4, 1, 4, 1, 4, 1, /* 4 */
+     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {0, 0, RBD_C(-0.2155)}, RBD_C(1.7), {RBD_C(0.0001), RBD_C(0.021), RBD_C(0.076)},
+     {RBD_C(0.02), 0, 0, RBD_C(0.018), 0, RBD_C(0.005)},
+     RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
+    {"lbr_iiwa_link_6", "lbr_iiwa_joint_6", 5, 1, 5, 1, 5, 1, /* 5 */
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+     {0, 0, 0}, RBD_C(1.8), {0, RBD_C(0.0006), RBD_C(0.0004)},
+     {RBD_C(0.005), 0, 0, RBD_C(0.0036), 0, RBD_C(0.0047)},
+     RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
+    {"lbr_iiwa_link_7", "lbr_iiwa_joint_7", 6, 1, 6, 1, 6, 1, /* 6 */
+     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {0, 0, RBD_C(0.081)}, RBD_C(0.3), {0, 0, RBD_C(0.02)},
+     {RBD_C(0.001), 0, 0, RBD_C(0.001), 0, RBD_C(0.001)},
+     RBD_C(-3.05432619099), RBD_C(3.05432619099), 10, 300},
+};
+
+static const rbd_model iiwa_model = {
+    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
+    7, 0, 0, 0, 28, /* links, blocks, slots, mimics, packed entries */
+    {0, 0, RBD_C(-9.81)},
+    iiwa_links, NULL, iiwa_dofs, NULL, iiwa_frames,
+};
+
+#endif

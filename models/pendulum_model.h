@@ -1,0 +1,48 @@
+/* pendulum_model.h - the built model of pendulum.h, for flash: include rbd.h before, pass &pendulum_model.
+   SPDX-License-Identifier: MIT. Written by write_model.c: change pendulum.h instead.
+   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+#ifndef PENDULUM_MODEL_H
+#define PENDULUM_MODEL_H
+
+#if RBD_MODEL_VERSION != 1
+#error "pendulum_model.h was written for another version of rbd.h: write it again"
+#endif
+
+/* clang-format off */
+
+/* Bytes for rbd_work_init, exactly. */
+#define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1, 0)
+
+/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
+static const rbdi_link pendulum_links[1] = {
+    {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, 160, /* 0: rod */
+     0, 1, 0, 0, -1, 1, 0,
+     {0, 0, 0}, 0, 1, 0,
+     {RBD_C(0.0005000000000000004), 0, 0, RBD_C(0.39949999999999997), 0, 0},
+     {0, RBD_C(0.6), 0}, 0, 0},
+};
+
+/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+static const rbdi_dof pendulum_dofs[1] = {
+    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(0.40049999999999997)},
+};
+
+/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+   inertia about the com | lower, upper, velocity, effort */
+static const rbdi_frame pendulum_frames[1] = {
+    {"rod", "hinge", 0, 2, 0, 1, 0, 1, /* 0 */
+     {1, 0, 0, 0, 0, 1, 0, -1, 0},
+     {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},
+     {RBD_C(0.1), 0, 0, RBD_C(0.1), 0, RBD_C(0.001)},
+     0, 0, 10, 50},
+};
+
+static const rbd_model pendulum_model = {
+    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
+    1, 0, 0, 0, 1, /* links, blocks, slots, mimics, packed entries */
+    {0, 0, RBD_C(-9.81)},
+    pendulum_links, NULL, pendulum_dofs, NULL, pendulum_frames,
+};
+
+#endif
