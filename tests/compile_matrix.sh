@@ -1,0 +1,63 @@
+#!/bin/sh
+# Compiles rbd.h alone with every compiler found, as every standard, with all warnings as errors:
+# declarations only, with the implementation, with RBD_STATIC; for double and float; at -O0, and with
+# the first standard also at -O2, where the compiler sees more.
+# usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
+set -u
+
+root=${1:?usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]}
+shift
+[ $# -gt 0 ] || set -- gcc g++ clang clang++ clang-16 clang++-16 clang-19 clang++-19
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
+failures=0
+combinations=0
+
+# The three ways to include, as C and as C++ file.
+for suffix in c cpp; do
+    echo '#include "rbd.h"' >"$scratch/declarations.$suffix"
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/implementation.$suffix"
+    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/static.$suffix"
+done
+
+# compile COMPILER STANDARD SUFFIX INCLUDED SCALAR LEVEL
+compile() {
+    # shellcheck disable=SC2086 # words wanted
+    if "$1" -std="$2" $warnings "$6" -DRBD_REAL="$5" -I"$root" -c "$scratch/$4.$3" \
+        -o "$scratch/out.o" >"$scratch/messages" 2>&1; then
+        result=ok
+    else
+        result=FAILED
+        failures=$((failures + 1))
+    fi
+    combinations=$((combinations + 1))
+    printf '%-12s %-6s %-15s %-7s %s  %s\n' "$1" "$2" "$4" "$5" "$6" "$result"
+    [ "$result" = ok ] || sed -n '1,20p' "$scratch/messages"
+}
+
+# all COMPILER SUFFIX STANDARD...
+all() {
+    compiler=$1 suffix=$2 level=-O2
+    shift 2
+    for standard; do
+        for scalar in double float; do
+            compile "$compiler" "$standard" "$suffix" declarations "$scalar" -O0
+            compile "$compiler" "$standard" "$suffix" static "$scalar" -O0
+            compile "$compiler" "$standard" "$suffix" implementation "$scalar" -O0
+            [ -z "$level" ] || compile "$compiler" "$standard" "$suffix" implementation "$scalar" "$level"
+        done
+        level=
+    done
+}
+
+for compiler; do
+    command -v "$compiler" >/dev/null 2>&1 || continue
+    case $compiler in
+    *++*) all "$compiler" cpp c++11 c++14 c++17 c++20 ;;
+    *) all "$compiler" c c99 c11 c17 ;;
+    esac
+done
+
+echo "$combinations combinations, $failures failed"
+[ "$combinations" -gt 0 ] && [ "$failures" -eq 0 ]

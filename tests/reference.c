@@ -1,0 +1,11 @@
+/* reference.c - the one object file that holds the reference data. */
+#include "rbd.h"
+
+#include "data/reference_models.h"
+#include "reference.h"
+
+const int reference_count = REF_MODELS;
+
+const ref_model *reference_model(int index) {
+    return ref_models[index];
+}

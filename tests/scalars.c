@@ -1,0 +1,309 @@
+/* scalars.c - the library with another scalar against the reference. One source for all scalars:
+       -DSCALAR_FLOAT, -DSCALAR_QUAD, -DRBD_LANES=4, -DRBD_LANES=8, nothing (double);
+   test_class.cpp includes it with a C++ class. In a build of n lanes each lane has a state of its own. */
+#if defined SCALAR_FLOAT
+#define RBD_REAL float
+#define SCALAR_NAME "float"
+#define SCALAR_EPSILON 6e-8
+#elif defined SCALAR_QUAD
+#define RBD_REAL __float128
+#define SCALAR_NAME "__float128"
+#define SCALAR_EPSILON 1e-34
+#elif !defined SCALAR_NAME
+#define SCALAR_NAME "double"
+#endif
+#ifndef SCALAR_EPSILON
+#define SCALAR_EPSILON 1.1e-16
+#endif
+
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+
+#include "reference.h"
+
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Bounds of relative errors, stated in rounding units of the scalar; the reference has 17 digits.
+   DIRECT: what needs no inverse. INVERSE: times the condition number; the round trip likewise. */
+#define FLOOR 1e-14
+#define DIRECT (100 * SCALAR_EPSILON)
+#define INVERSE(condition) (DIRECT + 100 * SCALAR_EPSILON * (condition))
+/* What may vanish by cancellation: iiwa's neutral state has hardly any gravity torque and bias. */
+#define CANCELLED (1e-12 + 1000 * DIRECT)
+
+enum { MAX_B = 40, MAX_V = 64, MAX_Q = 80, MAX_M = MAX_V * MAX_V };
+
+/* ---- lanes ---- */
+
+#ifdef RBD_LANES
+enum { LANES = RBD_LANES };
+static void put(rbd_real *x, int lane, double value) {
+    (*x)[lane] = value;
+}
+static double get(rbd_real x, int lane) {
+    return x[lane];
+}
+#else
+enum { LANES = 1 };
+static void put(rbd_real *x, int lane, double value) {
+    (void)lane;
+    *x = (rbd_real)value;
+}
+#ifndef SCALAR_GET
+#define SCALAR_GET(x) ((double)(x))
+#endif
+static double get(rbd_real x, int lane) {
+    (void)lane;
+    return SCALAR_GET(x);
+}
+#endif
+
+/* ---- a model in this scalar, and a state in each lane ---- */
+
+static const ref_model *reference;
+static const ref_state *lane_state[LANES]; /* all with the same gravity: the even ones */
+static const rbd_model *model;
+static rbd_work *work;
+static rbd_real q[MAX_Q], v[MAX_V], a[MAX_V], tau[MAX_V], f_ext[6 * MAX_B], found[MAX_M];
+
+static void succeed(const char *what, rbd_status status) {
+    ck_assert_msg(status == RBD_OK, "%s, %s: %s", SCALAR_NAME, what, rbd_status_string(status));
+}
+#define RUN(call) succeed(#call, call)
+
+static void load(const ref_state *s, int lane) {
+    for (int i = 0; i < reference->nq; i++)
+        put(&q[i], lane, s->q[i]);
+    for (int i = 0; i < reference->nv; i++) {
+        put(&v[i], lane, s->v[i]);
+        put(&a[i], lane, s->vdot[i]);
+        put(&tau[i], lane, s->tau[i]);
+    }
+    for (int i = 0; i < 6 * reference->nb; i++)
+        put(&f_ext[i], lane, s->f_ext[i]);
+}
+
+static void load_lanes(int first) {
+    const int even = (reference->nstates + 1) / 2;
+    rbd_const gravity[3];
+    for (int lane = 0; lane < LANES; lane++) {
+        lane_state[lane] = &reference->states[2 * ((first + lane) % even)];
+        load(lane_state[lane], lane);
+    }
+    for (int k = 0; k < 3; k++)
+        gravity[k] = (rbd_const)lane_state[0]->gravity[k];
+    RUN(rbd_set_gravity(work, gravity));
+}
+
+/* Runs check for every model and its states. */
+static void for_models(void (*check)(void)) {
+    for (int i = 0; i < reference_count; i++) {
+        reference = reference_model(i);
+        const size_t size = rbd_model_size(reference->bodies, reference->nb);
+        void *model_memory = malloc(size);
+        RUN(rbd_model_build(reference->bodies, reference->nb, model_memory, size, &model, NULL));
+        void *work_memory = malloc(rbd_work_size(model));
+        RUN(rbd_work_init(model, work_memory, rbd_work_size(model), &work));
+        for (int first = 0; first < (reference->nstates + 1) / 2; first++) {
+            load_lanes(first);
+            check();
+        }
+        free(model_memory);
+        free(work_memory);
+    }
+}
+
+/* ---- comparison ---- */
+
+static void judge(const char *what, int lane, double error, double bound) {
+    const int number = (int)(lane_state[lane] - reference->states);
+    bound = fmax(bound, FLOOR);
+    ck_assert_msg(error <= bound, "%s, %s: %s, state %d, lane %d: error %.3g exceeds %.3g", SCALAR_NAME, what,
+                  reference->name, number, lane, error, bound);
+}
+
+/* One lane of x against n numbers of the reference. */
+static void compare(const char *what, int lane, const rbd_real *x, const double *expected, int n,
+                    double bound) {
+    double difference = 0, size = 1e-3;
+    for (int i = 0; i < n; i++) {
+        const double value = get(x[i], lane);
+        difference = isfinite(value) ? fmax(difference, fabs(value - expected[i])) : HUGE_VAL;
+        size = fmax(size, fabs(expected[i]));
+    }
+    judge(what, lane, difference / size, bound);
+}
+
+#define EACH_LANE for (int lane = 0; lane < LANES; lane++)
+/* All lanes of x against a member of their states. */
+#define COMPARE(what, x, member, n, bound)                                                                   \
+    EACH_LANE compare(what, lane, x, lane_state[lane]->member, n, bound)
+
+/* ---- checks ---- */
+
+static void check_inverse(void) {
+    const int nv = reference->nv;
+    RUN(rbd_rnea(model, work, q, v, a, NULL, found));
+    COMPARE("rnea", found, tau_rnea, nv, DIRECT);
+    RUN(rbd_rnea(model, work, q, v, a, f_ext, found));
+    COMPARE("rnea, wrenches", found, tau_rnea_ext, nv, DIRECT);
+    RUN(rbd_gravity(model, work, q, found));
+    COMPARE("gravity", found, g, nv, CANCELLED);
+    RUN(rbd_bias(model, work, q, v, NULL, found));
+    COMPARE("bias", found, c, nv, CANCELLED);
+    RUN(rbd_crba(model, work, q, found));
+    COMPARE("crba", found, M, nv * nv, DIRECT);
+}
+
+START_TEST(inverse_dynamics_and_mass_matrix_match_the_reference) {
+    for_models(check_inverse);
+}
+END_TEST
+
+static void check_forward(void) {
+    const int nv = reference->nv;
+    RUN(rbd_aba(model, work, q, v, tau, NULL, found));
+    COMPARE("aba", found, qdd, nv, INVERSE(lane_state[lane]->cond_M));
+    RUN(rbd_aba(model, work, q, v, tau, f_ext, found));
+    COMPARE("aba, wrenches", found, qdd_ext, nv, INVERSE(lane_state[lane]->cond_M));
+    RUN(rbd_fd_cholesky(model, work, q, v, tau, f_ext, found));
+    COMPARE("fd_cholesky, wrenches", found, qdd_ext, nv, INVERSE(lane_state[lane]->cond_M));
+}
+
+START_TEST(forward_dynamics_match_the_reference) {
+    for_models(check_forward);
+}
+END_TEST
+
+/* Compared in the scalar's own precision: shows that nothing on the way is rounded to double. */
+static void check_round_trip(void) {
+    const int nv = reference->nv;
+    static rbd_real torque[MAX_V], back[MAX_V];
+    RUN(rbd_rnea(model, work, q, v, a, f_ext, torque));
+    RUN(rbd_aba(model, work, q, v, torque, f_ext, back));
+    EACH_LANE {
+        double difference = 0, size = 1e-3;
+        for (int i = 0; i < nv; i++) {
+            difference = fmax(difference, fabs(get(back[i] - a[i], lane)));
+            size = fmax(size, fabs(get(a[i], lane)));
+        }
+        const double bound = INVERSE(lane_state[lane]->cond_M);
+        const int number = (int)(lane_state[lane] - reference->states);
+        ck_assert_msg(difference / size <= bound,
+                      "%s, round trip: %s, state %d, lane %d: error %.3g exceeds %.3g", SCALAR_NAME,
+                      reference->name, number, lane, difference / size, bound);
+    }
+}
+
+START_TEST(forward_undoes_inverse_dynamics_in_full_precision) {
+    for_models(check_round_trip);
+}
+END_TEST
+
+static void check_motion(void) {
+    static rbd_real R[9], p[3], velocity[6], acceleration[6], kinetic, potential, com[3], rate[3];
+    RUN(rbd_kinematics(model, work, q, v, a));
+    for (int i = 0; i < reference->nb; i++) {
+        RUN(rbd_body_pose(model, work, i, R, p));
+        RUN(rbd_body_velocity(model, work, i, velocity));
+        RUN(rbd_body_acceleration(model, work, i, acceleration));
+        COMPARE("R", R, body_R + 9 * i, 9, DIRECT);
+        COMPARE("p", p, body_p + 3 * i, 3, 100 * DIRECT);
+        COMPARE("velocity", velocity, body_vel + 6 * i, 6, 100 * DIRECT);
+        COMPARE("acceleration", acceleration, body_acc + 6 * i, 6, 100 * DIRECT);
+    }
+    RUN(rbd_energy(model, work, &kinetic, &potential));
+    EACH_LANE compare("kinetic energy", lane, &kinetic, &lane_state[lane]->kinetic, 1, DIRECT);
+    EACH_LANE compare("potential energy", lane, &potential, &lane_state[lane]->potential, 1, CANCELLED);
+    RUN(rbd_com(model, work, com, rate, NULL));
+    COMPARE("com", com, com, 3, DIRECT);
+    COMPARE("com velocity", rate, com_vel, 3, 10 * DIRECT);
+}
+
+START_TEST(kinematics_match_the_reference) {
+    for_models(check_motion);
+}
+END_TEST
+
+static void check_steps(void) {
+    static rbd_real next[MAX_Q], step[MAX_V], dt;
+    EACH_LANE put(&dt, lane, lane_state[lane]->dt);
+    RUN(rbd_integrate(model, q, v, dt, next));
+    COMPARE("integrate", next, q_next, reference->nq, DIRECT);
+    RUN(rbd_difference(model, q, next, step));
+    EACH_LANE {
+        double expected[MAX_V];
+        for (int k = 0; k < reference->nv; k++)
+            expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
+        compare("difference", lane, step, expected, reference->nv, 10 * DIRECT);
+    }
+}
+
+START_TEST(integrate_and_difference_match_the_reference) {
+    for_models(check_steps);
+}
+END_TEST
+
+#ifdef RBD_LANES
+/* A singular state in one lane: the call says so, and every number stays finite. */
+START_TEST(one_singular_lane_is_reported) {
+    rbd_body gimbal[1];
+    unsigned char *memory = (unsigned char *)calloc(2, RBD_MODEL_SIZE(1) + RBD_WORK_SIZE(1, 3));
+    for (size_t i = 0; i < sizeof gimbal; i++)
+        ((unsigned char *)gimbal)[i] = 0;
+    gimbal[0].parent = -1;
+    gimbal[0].type = RBD_EULER_ZYX;
+    gimbal[0].mass = gimbal[0].inertia[0] = gimbal[0].inertia[3] = gimbal[0].inertia[5] = 1;
+    RUN(rbd_model_build(gimbal, 1, memory, RBD_MODEL_SIZE(1), &model, NULL));
+    RUN(rbd_work_init(model, memory + RBD_MODEL_SIZE(1), RBD_WORK_SIZE(1, 3), &work));
+    for (int locked = -1; locked < LANES; locked++) {
+        EACH_LANE {
+            put(&q[0], lane, 0.1);
+            put(&q[1], lane, lane == locked ? 1.57079632679489661923 : 0.2);
+            put(&q[2], lane, 0.3);
+        }
+        const rbd_status status = rbd_aba(model, work, q, q, q, NULL, found);
+        ck_assert_int_eq(status, locked < 0 ? RBD_OK : RBD_ERR_SINGULAR);
+        ck_assert((rbd_singular_dof(work) >= 0) == (locked >= 0));
+        EACH_LANE for (int k = 0; k < 3; k++) ck_assert(isfinite(get(found[k], lane)));
+    }
+    free(memory);
+}
+END_TEST
+#endif
+
+static TCase *scalar_tests(void) {
+    TCase *c = tcase_create(SCALAR_NAME);
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, inverse_dynamics_and_mass_matrix_match_the_reference);
+    tcase_add_test(c, forward_dynamics_match_the_reference);
+    tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
+    tcase_add_test(c, kinematics_match_the_reference);
+    tcase_add_test(c, integrate_and_difference_match_the_reference);
+#ifdef RBD_LANES
+    tcase_add_test(c, one_singular_lane_is_reported);
+#endif
+    return c;
+}
+
+#ifndef SCALAR_CLASS
+static void add_more_tests(TCase *c) {
+    (void)c;
+}
+#else
+static void add_more_tests(TCase *c);
+#endif
+
+int main(void) {
+    Suite *suite = suite_create("scalars");
+    TCase *c = scalar_tests();
+    add_more_tests(c);
+    suite_add_tcase(suite, c);
+    SRunner *runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,15 @@
+/* suites.h - the suites that tests.c runs, one per file test_NAME.c. */
+#ifndef SUITES_H
+#define SUITES_H
+
+#include <check.h>
+
+/* In the order of rbd.h's sections; then what concerns all of them. */
+#define SUITES(x)                                                                                            \
+    x(status) x(build) x(work) x(rnea) x(crba) x(aba) x(cholesky) x(passive) x(kinematics) x(manifold)       \
+        x(lookup) x(joints) x(singular) x(simulation) x(textbook)
+
+#define DECLARE_SUITE(name) Suite *name##_suite(void);
+SUITES(DECLARE_SUITE)
+
+#endif

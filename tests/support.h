@@ -1,0 +1,98 @@
+/* support.h - what the test files share: models in memory, random trees and states, comparison. */
+#ifndef SUPPORT_H
+#define SUPPORT_H
+
+#include <check.h>
+#include <stdlib.h>
+
+#include "rbd.h"
+
+#include "reference.h"
+#include "textbook.h"
+
+#define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
+
+enum { MAX_BODIES = TB_MAX_BODIES, MAX_V = 64, MAX_Q = 80 };
+
+extern const double earth[3]; /* gravity (0, 0, -9.81) */
+
+/* ---- models ---- */
+
+/* A built model with its work memory. */
+typedef struct robot {
+    const char *name;
+    const rbd_body *bodies;
+    int nb, nq, nv;
+    const rbd_model *m;
+    rbd_work *w;
+    void *memory[2];
+} robot;
+
+/* Builds and fails the test if the library refuses. The bodies must stay. */
+robot robot_build(const char *name, const rbd_body *bodies, int nb);
+void robot_free(robot *r);
+#define BUILD(bodies) robot_build(#bodies, bodies, LENGTH(bodies))
+
+/* ---- random numbers, states and trees ---- */
+
+double uniform(uint64_t *seed, double low, double high);
+int below(uint64_t *seed, int n); /* 0 ... n - 1 */
+
+/* A state; the arrays are large enough for every robot of the tests. */
+typedef struct state {
+    double gravity[3];
+    double q[MAX_Q], v[MAX_V], a[MAX_V], tau[MAX_V], f_ext[6 * MAX_BODIES];
+} state;
+
+/* Draws a state, all values of order one, and sets its gravity in the work structure. */
+void draw_state(const robot *r, uint64_t *seed, state *s);
+
+/* A random proper rotation; a random body that is physical; a random joint of this type, whose axes
+   and place are often degenerate: parallel to the parent's, antiparallel, crossing, coincident. */
+void random_rotation(uint64_t *seed, double R[9]);
+void random_mass(uint64_t *seed, rbd_body *b);
+void random_joint(uint64_t *seed, rbd_body *bodies, int index, rbd_joint_type type);
+
+/* nb bodies on random joints with random parents, at most MAX_V degrees of freedom, every leaf with
+   mass; now and then without mass between, with armature, or following another joint. */
+void random_tree(uint64_t *seed, rbd_body *bodies, int nb);
+
+/* ---- loops over models and states ---- */
+
+typedef void state_check(const robot *r, const state *s, int number);
+typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
+
+/* On every reference model, `count` random states. */
+void for_random_states(int count, state_check *check);
+/* On `trees` random trees of 1 to 25 bodies, two random states each. */
+void for_random_trees(int trees, state_check *check);
+/* On every state of every reference model, with its gravity set. */
+void for_reference_states(reference_check *check);
+
+/* ---- comparison ---- */
+
+/* Largest difference over max(largest entry of expected, 1e-3); infinite if anything is not finite. */
+double relative_error(const double *found, const double *expected, int n);
+
+/* Fails the test if the relative error exceeds the bound; the message says what, where and how much. */
+void expect_close(const char *what, const robot *r, int number, const double *found, const double *expected,
+                  int n, double bound);
+void expect_close_tb(const char *what, const robot *r, int number, const double *found,
+                     const tb_real *expected, int n, double bound);
+/* A single figure: absolute error. */
+void expect_small(const char *what, const robot *r, int number, double error, double bound);
+void expect_ok(const char *what, const robot *r, int number, rbd_status status);
+/* A call that must succeed, for functions that have `r` and `number`. */
+#define RUN(call) expect_ok(#call, r, number, call)
+
+/* Prints the largest error that was seen, per quantity and robot: `tests --errors`. */
+void print_errors(void);
+
+double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */
+double dot(const double *a, const double *b, int n);
+void multiply(const double *M, const double *x, int rows, int columns, double *out);
+
+/* The bound for what needs the inverse of a matrix of this condition number. */
+double inverse_bound(double condition);
+
+#endif

@@ -1,0 +1,327 @@
+/* test_manifold.c - [manifold]: neutral, integrate, difference, random configurations. */
+#include <math.h>
+#include <string.h>
+
+#include "suites.h"
+#include "support.h"
+
+static const double pi = 3.14159265358979323846;
+
+static void check_reference(const robot *r, const ref_model *model, const ref_state *s, int number) {
+    double q[MAX_Q], d[MAX_V], expected[MAX_V];
+    RUN(rbd_integrate(r->m, s->q, s->v, s->dt, q));
+    expect_close("integrate", r, number, q, s->q_next, model->nq, 1e-14);
+    RUN(rbd_difference(r->m, s->q, s->q_next, d));
+    for (int k = 0; k < model->nv; k++)
+        expected[k] = s->v[k] * s->dt;
+    expect_close("difference", r, number, d, expected, model->nv, 1e-13);
+}
+
+START_TEST(integrate_and_difference_match_the_reference) {
+    for_reference_states(check_reference);
+}
+END_TEST
+
+/* Steps of all sizes below half a turn, down to those that rounding nearly swallows. */
+static void check_round_trip(const robot *r, const state *s, int number) {
+    const double sizes[6] = {1, 0.3, 1e-3, 1e-6, 1e-9, 0};
+    for (int i = 0; i < 6; i++) {
+        double step[MAX_V], q[MAX_Q], d[MAX_V], again[MAX_Q];
+        for (int k = 0; k < r->nv; k++)
+            step[k] = sizes[i] * s->v[k] / 2; /* within (-1, 1): a rotation below 1.8 rad */
+        RUN(rbd_integrate(r->m, s->q, step, 1, q));
+        RUN(rbd_difference(r->m, s->q, q, d));
+        expect_close("difference undoes integrate", r, number, d, step, r->nv, 3e-12);
+        RUN(rbd_integrate(r->m, s->q, d, 1, again));
+        expect_close("integrate undoes difference", r, number, again, q, r->nq, 1e-14);
+    }
+}
+
+START_TEST(difference_undoes_integrate) {
+    for_random_states(10, check_round_trip);
+    for_random_trees(100, check_round_trip);
+}
+END_TEST
+
+/* Quaternions and (cos, sin) point the same way, other coordinates are equal. */
+static void expect_same_place(const char *what, const robot *r, int number, const double *a,
+                              const double *b) {
+    double d[MAX_V];
+    RUN(rbd_difference(r->m, a, b, d));
+    expect_small(what, r, number, largest(d, r->nv), 1e-13);
+}
+
+/* A constant velocity in body axes is a one-parameter group: two half steps are one whole step. */
+static void check_halves(const robot *r, const state *s, int number) {
+    double whole[MAX_Q], half[MAX_Q], back[MAX_Q];
+    RUN(rbd_integrate(r->m, s->q, s->v, 1, whole));
+    RUN(rbd_integrate(r->m, s->q, s->v, 0.5, half));
+    RUN(rbd_integrate(r->m, half, s->v, 0.5, half)); /* in place */
+    expect_same_place("two half steps", r, number, whole, half);
+    RUN(rbd_integrate(r->m, whole, s->v, -1, back));
+    expect_same_place("a step back", r, number, s->q, back);
+}
+
+START_TEST(steps_add_up) {
+    for_random_states(10, check_halves);
+    for_random_trees(100, check_halves);
+}
+END_TEST
+
+static void check_difference(const robot *r, const state *s, int number) {
+    uint64_t seed = 77 + (uint64_t)number;
+    state other;
+    double d[MAX_V], reached[MAX_Q];
+    draw_state(r, &seed, &other);
+    RUN(rbd_difference(r->m, s->q, other.q, d));
+    RUN(rbd_integrate(r->m, s->q, d, 1, reached));
+    expect_same_place("integrate(q0, q1 - q0) = q1", r, number, reached, other.q);
+    for (int i = 0; i < r->nb; i++) {
+        const rbd_joint_type type = r->bodies[i].type;
+        rbd_joint_info info;
+        RUN(rbd_joint(r->m, i, &info));
+        if (type == RBD_SPHERICAL || type == RBD_FLOATING) {
+            const double *w = d + info.iv;
+            ck_assert_msg(sqrt(dot(w, w, 3)) <= pi + 1e-12, "%s: not the shortest rotation", r->name);
+        } else if (type == RBD_CONTINUOUS_CS && info.nv == 1) {
+            ck_assert_msg(fabs(d[info.iv]) <= pi + 1e-12, "%s: not the shortest turn", r->name);
+        }
+    }
+}
+
+START_TEST(difference_leads_from_any_place_to_any_other) {
+    for_random_states(10, check_difference);
+    for_random_trees(100, check_difference);
+}
+END_TEST
+
+/* The pose after a small step moves with the body's velocity: integrate agrees with kinematics. */
+static void check_pose(const robot *r, const state *s, int number) {
+    const double h = 1e-5;
+    double ahead[MAX_Q], behind[MAX_Q], p[2][3], R[9], velocity[6], rate[3], expected[3];
+    RUN(rbd_integrate(r->m, s->q, s->v, h, ahead));
+    RUN(rbd_integrate(r->m, s->q, s->v, -h, behind));
+    for (int i = 0; i < r->nb; i++) {
+        RUN(rbd_kinematics(r->m, r->w, ahead, NULL, NULL));
+        RUN(rbd_body_pose(r->m, r->w, i, NULL, p[0]));
+        RUN(rbd_kinematics(r->m, r->w, behind, NULL, NULL));
+        RUN(rbd_body_pose(r->m, r->w, i, NULL, p[1]));
+        RUN(rbd_kinematics(r->m, r->w, s->q, s->v, NULL));
+        RUN(rbd_body_pose(r->m, r->w, i, R, NULL));
+        RUN(rbd_body_velocity(r->m, r->w, i, velocity));
+        multiply(R, velocity + 3, 3, 3, expected);
+        for (int k = 0; k < 3; k++)
+            rate[k] = (p[0][k] - p[1][k]) / (2 * h) - expected[k];
+        expect_small("origin velocity after a step", r, number, largest(rate, 3), 1e-7);
+    }
+}
+
+START_TEST(integrate_moves_bodies_by_their_velocity) {
+    for_random_states(2, check_pose);
+}
+END_TEST
+
+static const rbd_body one_of_each[] = {
+    {.joint = "floating", .parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+    {.joint = "spherical", .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+    {.joint = "cs", .parent = 1, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1},
+    {.joint = "planar", .parent = 2, .type = RBD_PLANAR, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+    {.joint = "hinge",
+     .parent = 3,
+     .type = RBD_REVOLUTE,
+     .axis = {1, 0, 0},
+     .mass = 1,
+     .inertia = {1, 0, 0, 1, 0, 1},
+     .lower = 0.5,
+     .upper = 0.75},
+    {.joint = "slide", .parent = 4, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1},
+};
+enum { FLOATING_Q = 0, SPHERICAL_Q = 7, CS_Q = 11, PLANAR_Q = 13, HINGE_Q = 16, SLIDE_Q = 17, EACH_NQ = 18 };
+
+START_TEST(neutral_is_zero_with_identity_rotations) {
+    const double expected[EACH_NQ] = {0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0};
+    double q[EACH_NQ];
+    robot r = BUILD(one_of_each);
+    ck_assert_int_eq(r.nq, EACH_NQ);
+    ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
+    expect_close("neutral", &r, 0, q, expected, EACH_NQ, 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* Only the direction of a quaternion counts, and q and -q are the same rotation. */
+START_TEST(difference_ignores_length_and_sign_of_quaternions) {
+    const double d0[14] = {0.1, -0.2, 0.3, 1, 2, 3, 0.5, 0.6, -0.4, 0.3, 0.2, 0.1, -0.3, 0.2};
+    double neutral[EACH_NQ], q[EACH_NQ], d[14];
+    robot r = BUILD(one_of_each);
+    ck_assert_int_eq(r.nv, 14 + 1);
+    double step[15] = {0};
+    memcpy(step, d0, sizeof d0);
+    ck_assert_int_eq(rbd_neutral(r.m, neutral), RBD_OK);
+    ck_assert_int_eq(rbd_integrate(r.m, neutral, step, 1, q), RBD_OK);
+    for (int k = 0; k < 4; k++) {
+        q[FLOATING_Q + 3 + k] *= -2;
+        q[SPHERICAL_Q + k] *= 0.125;
+    }
+    double all[15];
+    ck_assert_int_eq(rbd_difference(r.m, neutral, q, all), RBD_OK);
+    memcpy(d, all, sizeof d);
+    expect_close("difference of scaled quaternions", &r, 0, d, d0, 14, 1e-14);
+    robot_free(&r);
+}
+END_TEST
+
+/* Half a turn is where the shortest rotation changes side: the result stays a rotation by pi. */
+START_TEST(difference_holds_up_to_half_a_turn) {
+    const rbd_body ball[1] = {
+        {.parent = -1, .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}}};
+    robot r = BUILD(ball);
+    const double identity[4] = {0, 0, 0, 1}, u[3] = {2. / 3, -1. / 3, 2. / 3};
+    const double angles[6] = {3.14, 3.1415926, 3.14159265358979, 0.1, 1e-8, 1e-160};
+    for (int i = 0; i < 6; i++) {
+        double step[3], q[4], d[3];
+        for (int k = 0; k < 3; k++)
+            step[k] = angles[i] * u[k];
+        ck_assert_int_eq(rbd_integrate(r.m, identity, step, 1, q), RBD_OK);
+        ck_assert_int_eq(rbd_difference(r.m, identity, q, d), RBD_OK);
+        for (int k = 0; k < 3; k++)
+            d[k] /= angles[i];
+        expect_close("difference near half a turn", &r, i, d, u, 3, 1e-13);
+    }
+    const double half_turn[4] = {2. / 3, -1. / 3, 2. / 3, 0};
+    double d[3];
+    ck_assert_int_eq(rbd_difference(r.m, identity, half_turn, d), RBD_OK);
+    const double length = sqrt(dot(d, d, 3));
+    expect_close("half a turn", &r, 0, &length, &pi, 1, 1e-14);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(integrate_keeps_quaternions_of_unit_length) {
+    double q[EACH_NQ], v[15];
+    uint64_t seed = 5;
+    robot r = BUILD(one_of_each);
+    ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+    for (int i = 0; i < 10000; i++) {
+        for (int k = 0; k < 15; k++)
+            v[k] = uniform(&seed, -5, 5);
+        ck_assert_int_eq(rbd_integrate(r.m, q, v, 0.01, q), RBD_OK);
+    }
+    ck_assert(fabs(dot(q + FLOATING_Q + 3, q + FLOATING_Q + 3, 4) - 1) < 1e-12);
+    ck_assert(fabs(dot(q + SPHERICAL_Q, q + SPHERICAL_Q, 4) - 1) < 1e-12);
+    ck_assert(fabs(dot(q + CS_Q, q + CS_Q, 2) - 1) < 1e-12);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(random_stays_in_its_ranges_and_fills_them) {
+    double q[EACH_NQ], low[EACH_NQ], high[EACH_NQ];
+    uint64_t seed = 1;
+    robot r = BUILD(one_of_each);
+    for (int k = 0; k < EACH_NQ; k++) {
+        low[k] = 100;
+        high[k] = -100;
+    }
+    for (int i = 0; i < 3000; i++) {
+        ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+        ck_assert(fabs(dot(q + FLOATING_Q + 3, q + FLOATING_Q + 3, 4) - 1) < 1e-14);
+        ck_assert(fabs(dot(q + SPHERICAL_Q, q + SPHERICAL_Q, 4) - 1) < 1e-14);
+        ck_assert(fabs(dot(q + CS_Q, q + CS_Q, 2) - 1) < 1e-14);
+        for (int k = 0; k < EACH_NQ; k++) {
+            low[k] = fmin(low[k], q[k]);
+            high[k] = fmax(high[k], q[k]);
+        }
+    }
+    for (int k = 0; k < EACH_NQ; k++) {
+        const int angle = k == PLANAR_Q + 2;
+        const double from = k == HINGE_Q ? 0.5 : angle ? -pi : -1, to = k == HINGE_Q ? 0.75 : angle ? pi : 1;
+        ck_assert_msg(from <= low[k] && high[k] <= to, "q[%d] in (%g, %g)", k, low[k], high[k]);
+        ck_assert_msg(high[k] - low[k] > 0.95 * (to - from), "q[%d] only in (%g, %g)", k, low[k], high[k]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* Uniform orientation: each component of the quaternion has mean 0 and mean square 1/4. */
+START_TEST(random_orientations_are_uniform) {
+    const int count = 20000;
+    double q[EACH_NQ], mean[4] = {0}, square[4] = {0};
+    uint64_t seed = 42;
+    robot r = BUILD(one_of_each);
+    for (int i = 0; i < count; i++) {
+        ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+        for (int k = 0; k < 4; k++) {
+            mean[k] += q[SPHERICAL_Q + k] / count;
+            square[k] += q[SPHERICAL_Q + k] * q[SPHERICAL_Q + k] / count;
+        }
+    }
+    for (int k = 0; k < 4; k++) {
+        ck_assert_msg(fabs(mean[k]) < 0.02, "mean %g", mean[k]); /* 5 standard deviations: 0.018 */
+        ck_assert_msg(fabs(square[k] - 0.25) < 0.01, "mean square %g", square[k]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(random_is_repeatable_from_any_seed) {
+    const uint64_t seeds[4] = {0, 1, UINT64_MAX, UINT64_C(0x9e3779b97f4a7c15)};
+    robot r = BUILD(one_of_each);
+    double first[EACH_NQ], again[EACH_NQ], next[EACH_NQ], other[4][EACH_NQ];
+    for (int i = 0; i < 4; i++) {
+        uint64_t a = seeds[i], b = seeds[i];
+        ck_assert_int_eq(rbd_random(r.m, &a, first), RBD_OK);
+        ck_assert_int_eq(rbd_random(r.m, &b, again), RBD_OK);
+        ck_assert_mem_eq(first, again, sizeof first);
+        ck_assert(a == b && a != seeds[i]);
+        ck_assert_int_eq(rbd_random(r.m, &a, next), RBD_OK);
+        ck_assert(memcmp(first, next, sizeof first) != 0);
+        memcpy(other[i], first, sizeof first);
+        for (int k = 0; k < i; k++)
+            ck_assert(memcmp(other[k], first, sizeof first) != 0);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(null_arguments_are_refused) {
+    robot r = BUILD(one_of_each);
+    double q[EACH_NQ], v[15] = {0};
+    uint64_t seed = 1;
+    ck_assert_int_eq(rbd_neutral(NULL, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_neutral(r.m, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
+    ck_assert_int_eq(rbd_integrate(NULL, q, v, 1, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_integrate(r.m, NULL, v, 1, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_integrate(r.m, q, NULL, 1, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_integrate(r.m, q, v, 1, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_difference(NULL, q, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_difference(r.m, NULL, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_difference(r.m, q, NULL, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_difference(r.m, q, q, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_random(NULL, &seed, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_random(r.m, NULL, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_random(r.m, &seed, NULL), RBD_ERR_NULL);
+    robot_free(&r);
+}
+END_TEST
+
+Suite *manifold_suite(void) {
+    Suite *suite = suite_create("manifold");
+    TCase *c = tcase_create("manifold");
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, integrate_and_difference_match_the_reference);
+    tcase_add_test(c, difference_undoes_integrate);
+    tcase_add_test(c, steps_add_up);
+    tcase_add_test(c, difference_leads_from_any_place_to_any_other);
+    tcase_add_test(c, integrate_moves_bodies_by_their_velocity);
+    tcase_add_test(c, neutral_is_zero_with_identity_rotations);
+    tcase_add_test(c, difference_ignores_length_and_sign_of_quaternions);
+    tcase_add_test(c, difference_holds_up_to_half_a_turn);
+    tcase_add_test(c, integrate_keeps_quaternions_of_unit_length);
+    tcase_add_test(c, random_stays_in_its_ranges_and_fills_them);
+    tcase_add_test(c, random_orientations_are_uniform);
+    tcase_add_test(c, random_is_repeatable_from_any_seed);
+    tcase_add_test(c, null_arguments_are_refused);
+    suite_add_tcase(suite, c);
+    return suite;
+}

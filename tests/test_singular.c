@@ -1,0 +1,248 @@
+/* test_singular.c - systems without an acceleration: an error that names the degree of freedom. */
+#include <math.h>
+#include <string.h>
+
+#include "suites.h"
+#include "support.h"
+
+#define BOX .mass = 1, .com = {0.1, -0.2, 0.15}, .inertia = {0.2, 0.01, -0.02, 0.25, 0.03, 0.3}
+
+/* Both forward dynamics and the factorisation refuse, name a degree of freedom from first to last,
+   and leave finite numbers. */
+static void expect_singular(const char *what, const robot *r, const double *q, int first, int last) {
+    double v[MAX_V], tau[MAX_V], a[3][MAX_V] = {{0}}, L[MAX_V * MAX_V], M[MAX_V * MAX_V];
+    for (int k = 0; k < r->nv; k++) {
+        v[k] = 0.5 + k;
+        tau[k] = 1 - k;
+    }
+    rbd_status status[4];
+    int dof[4];
+    status[0] = rbd_aba(r->m, r->w, q, v, tau, NULL, a[0]);
+    dof[0] = rbd_singular_dof(r->w);
+    status[1] = rbd_fd_cholesky(r->m, r->w, q, v, tau, NULL, a[1]);
+    dof[1] = rbd_singular_dof(r->w);
+    ck_assert_int_eq(rbd_crba(r->m, r->w, q, M), RBD_OK);
+    status[2] = rbd_cholesky_factor(r->m, r->w, M, L);
+    dof[2] = rbd_singular_dof(r->w);
+    ck_assert_msg(isfinite(largest(L, rbd_packed_size(r->m))), "%s: factor not finite", what);
+    ck_assert_int_eq(rbd_crba_packed(r->m, r->w, q, L), RBD_OK);
+    status[3] = rbd_cholesky_factor_packed(r->m, r->w, L);
+    dof[3] = rbd_singular_dof(r->w);
+    ck_assert_msg(isfinite(largest(L, rbd_packed_size(r->m))), "%s: packed factor not finite", what);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_msg(status[i] == RBD_ERR_SINGULAR, "%s: call %d gives %d", what, i, status[i]);
+        ck_assert_msg(first <= dof[i] && dof[i] <= last, "%s: call %d names dof %d", what, i, dof[i]);
+    }
+    for (int i = 0; i < 2; i++)
+        ck_assert_msg(isfinite(largest(a[i], r->nv)), "%s: call %d is not finite", what, i);
+}
+
+START_TEST(point_mass_on_the_axis_is_singular) {
+    const rbd_body bead[2] = {
+        {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, BOX},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {0, 0, 0.3}}};
+    robot r = BUILD(bead);
+    const double q[2] = {0.1, 0.2};
+    expect_singular("point mass on the axis", &r, q, 1, 1);
+    robot_free(&r);
+}
+END_TEST
+
+/* The same with an axis and a place that rounding cannot hold exactly. */
+START_TEST(point_mass_on_a_skew_axis_is_singular) {
+    uint64_t seed = 91;
+    for (int i = 0; i < 200; i++) {
+        rbd_body b[3];
+        state s;
+        for (int k = 0; k < 3; k++) {
+            random_joint(&seed, b, k, RBD_REVOLUTE);
+            random_mass(&seed, &b[k]);
+            b[k].parent = k - 1;
+        }
+        const double along = uniform(&seed, -1, 1) / sqrt(dot(b[2].axis, b[2].axis, 3));
+        memset(b[2].inertia, 0, sizeof b[2].inertia);
+        for (int k = 0; k < 3; k++)
+            b[2].com[k] = along * b[2].axis[k];
+        robot r = robot_build("point mass on a skew axis", b, 3);
+        draw_state(&r, &seed, &s);
+        expect_singular(r.name, &r, s.q, 2, 2);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+START_TEST(coincident_axes_with_nothing_between_are_singular) {
+    uint64_t seed = 92;
+    for (int i = 0; i < 200; i++) {
+        rbd_body b[4];
+        state s;
+        for (int k = 0; k < 4; k++) {
+            random_joint(&seed, b, k, RBD_REVOLUTE);
+            random_mass(&seed, &b[k]);
+            b[k].parent = k - 1;
+        }
+        b[1].mass = 0;
+        memset(b[1].inertia, 0, sizeof b[1].inertia);
+        memset(b[2].rotation, 0, sizeof b[2].rotation);
+        const double along = uniform(&seed, -1, 1), sign = i & 1 ? 1 : -1;
+        for (int k = 0; k < 3; k++) {
+            b[2].axis[k] = sign * b[1].axis[k];
+            b[2].position[k] = along * b[1].axis[k];
+        }
+        robot r = robot_build("coincident axes", b, 4);
+        draw_state(&r, &seed, &s);
+        expect_singular(r.name, &r, s.q, 1, 2);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+START_TEST(massless_chain_with_too_many_slides_is_singular) {
+    const rbd_body slides[4] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+                                {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 1, 0}},
+                                {.parent = 1, .type = RBD_PRISMATIC, .axis = {1, 1, 0}},
+                                {.parent = 2, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, BOX}};
+    robot r = BUILD(slides);
+    const double q[4] = {0.1, 0.2, 0.3, 0.4};
+    expect_singular("too many slides", &r, q, 0, 2);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(universal_joint_with_point_mass_at_its_centre_is_singular) {
+    const rbd_body bead[1] = {
+        {.parent = -1, .type = RBD_UNIVERSAL, .axis = {1, 0, 0}, .axis2 = {0, 1, 0}, .mass = 1}};
+    robot r = BUILD(bead);
+    const double q[2] = {0.1, 0.2};
+    expect_singular("bead in a universal joint", &r, q, 0, 1);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(ball_joint_with_a_rod_is_singular) {
+    const rbd_body rod[2] = {{.parent = -1,
+                              .type = RBD_SPHERICAL,
+                              .mass = 1,
+                              .com = {0, 0, 0.5},
+                              .inertia = {0.1, 0, 0, 0.1, 0, 0}},
+                             {.parent = -1, .type = RBD_FLOATING, .mass = 1}};
+    robot r = BUILD(rod);
+    const double q[11] = {0.5, -0.5, 0.5, 0.5, 1, 2, 3, 0.1, 0.2, 0.3, 0.4};
+    expect_singular("rod on a ball joint, free point mass", &r, q, 0, 8);
+    robot_free(&r);
+}
+END_TEST
+
+/* Gimbal lock: singular, or solved with finite numbers where rounding leaves a little. */
+START_TEST(gimbal_lock_gives_no_infinity) {
+    const rbd_joint_type types[4] = {RBD_EULER_ZYX, RBD_EULER_XYZ, RBD_EULER_YXZ, RBD_EULER_ZXY};
+    for (int i = 0; i < 4; i++) {
+        const rbd_body gimbal[1] = {{.parent = -1, .type = types[i], BOX}};
+        robot r = BUILD(gimbal);
+        const double q[3] = {0.3, 1.57079632679489661923, -0.4};
+        expect_singular("gimbal lock", &r, q, 0, 2);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* Mimic joints too: leader and follower cancel out. */
+START_TEST(mimic_that_undoes_its_leader_is_singular) {
+    const rbd_body pair[2] = {
+        {.joint = "a", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+        {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, BOX, .mimic = "a", .mimic_ratio = -1}};
+    robot r = BUILD(pair);
+    const double q[1] = {0.3};
+    expect_singular("mimic that undoes its leader", &r, q, 0, 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* The error is of that call alone: the next regular one is clean again. */
+START_TEST(regular_call_after_a_singular_one_is_clean) {
+    const rbd_body gimbal[1] = {{.parent = -1, .type = RBD_EULER_ZYX, BOX}};
+    robot r = BUILD(gimbal);
+    const double locked[3] = {0.3, 1.57079632679489661923, -0.4}, open[3] = {0.3, 0.2, -0.4},
+                 v[3] = {1, 2, 3};
+    double a[3], M[9];
+    ck_assert_int_eq(rbd_aba(r.m, r.w, locked, v, v, NULL, a), RBD_ERR_SINGULAR);
+    ck_assert_int_ge(rbd_singular_dof(r.w), 0);
+    ck_assert_int_eq(rbd_aba(r.m, r.w, open, v, v, NULL, a), RBD_OK);
+    ck_assert_int_eq(rbd_singular_dof(r.w), -1);
+    ck_assert_int_eq(rbd_fd_cholesky(r.m, r.w, locked, v, v, NULL, a), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_fd_cholesky(r.m, r.w, open, v, v, NULL, a), RBD_OK);
+    ck_assert_int_eq(rbd_singular_dof(r.w), -1);
+    ck_assert_int_eq(rbd_crba(r.m, r.w, locked, M), RBD_OK);
+    robot_free(&r);
+}
+END_TEST
+
+/* Small is not singular: a light robot, a tiny one, a heavy one still have an acceleration. */
+START_TEST(small_and_large_robots_are_not_singular) {
+    const double scales[4] = {1e-9, 1e-6, 1e6, 1e9};
+    for (int i = 0; i < 4; i++) {
+        rbd_body b[MAX_BODIES];
+        const ref_model *model = reference_model(2);
+        memcpy(b, model->bodies, (size_t)model->nb * sizeof *b);
+        for (int k = 0; k < model->nb; k++) {
+            b[k].mass *= scales[i];
+            for (int j = 0; j < 6; j++)
+                b[k].inertia[j] *= scales[i];
+        }
+        robot r = robot_build("scaled iiwa", b, model->nb);
+        const ref_state *s = &model->states[1];
+        double tau[MAX_V], a[MAX_V];
+        ck_assert_int_eq(rbd_rnea(r.m, r.w, s->q, s->v, s->vdot, NULL, tau), RBD_OK);
+        expect_ok("aba", &r, i, rbd_aba(r.m, r.w, s->q, s->v, tau, NULL, a));
+        expect_close("scaled robot, aba", &r, i, a, s->vdot, r.nv, inverse_bound(s->cond_M));
+        expect_ok("fd_cholesky", &r, i, rbd_fd_cholesky(r.m, r.w, s->q, s->v, tau, NULL, a));
+        expect_close("scaled robot, fd_cholesky", &r, i, a, s->vdot, r.nv, inverse_bound(s->cond_M));
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* A fingertip at the end of a heavy arm: the pivots span nine orders of magnitude. */
+START_TEST(light_link_on_a_heavy_one_is_not_singular) {
+    const rbd_body arm[2] = {{.parent = -1,
+                              .type = RBD_REVOLUTE,
+                              .axis = {0, 1, 0},
+                              .mass = 1000,
+                              .com = {1, 0, 0},
+                              .inertia = {100, 0, 0, 100, 0, 100}},
+                             {.parent = 0,
+                              .type = RBD_REVOLUTE,
+                              .axis = {0, 0, 1},
+                              .position = {2, 0, 0},
+                              .mass = 1e-3,
+                              .com = {0.01, 0, 0},
+                              .inertia = {1e-7, 0, 0, 1e-7, 0, 1e-7}}};
+    robot r = BUILD(arm);
+    const double q[2] = {0.1, 0.2}, v[2] = {1, 1}, expected[2] = {0.3, -0.7};
+    double tau[2], a[2];
+    ck_assert_int_eq(rbd_rnea(r.m, r.w, q, v, expected, NULL, tau), RBD_OK);
+    expect_ok("aba", &r, 0, rbd_aba(r.m, r.w, q, v, tau, NULL, a));
+    expect_close("light link, aba", &r, 0, a, expected, 2, 1e-9);
+    expect_ok("fd_cholesky", &r, 0, rbd_fd_cholesky(r.m, r.w, q, v, tau, NULL, a));
+    expect_close("light link, fd_cholesky", &r, 0, a, expected, 2, 1e-6);
+    robot_free(&r);
+}
+END_TEST
+
+Suite *singular_suite(void) {
+    Suite *suite = suite_create("singular");
+    TCase *c = tcase_create("singular");
+    tcase_add_test(c, point_mass_on_the_axis_is_singular);
+    tcase_add_test(c, point_mass_on_a_skew_axis_is_singular);
+    tcase_add_test(c, coincident_axes_with_nothing_between_are_singular);
+    tcase_add_test(c, massless_chain_with_too_many_slides_is_singular);
+    tcase_add_test(c, universal_joint_with_point_mass_at_its_centre_is_singular);
+    tcase_add_test(c, ball_joint_with_a_rod_is_singular);
+    tcase_add_test(c, gimbal_lock_gives_no_infinity);
+    tcase_add_test(c, mimic_that_undoes_its_leader_is_singular);
+    tcase_add_test(c, regular_call_after_a_singular_one_is_clean);
+    tcase_add_test(c, small_and_large_robots_are_not_singular);
+    tcase_add_test(c, light_link_on_a_heavy_one_is_not_singular);
+    suite_add_tcase(suite, c);
+    return suite;
+}

@@ -1,0 +1,142 @@
+/* test_work.c - [work]: memory of the algorithms, gravity. */
+#include <string.h>
+
+#include "suites.h"
+#include "support.h"
+
+START_TEST(memory_one_byte_too_small_is_refused) {
+    for (int i = 0; i < reference_count; i++) {
+        const ref_model *model = reference_model(i);
+        robot r = robot_build(model->name, model->bodies, model->nb);
+        rbd_work *w;
+        const size_t size = rbd_work_size(r.m);
+        ck_assert_uint_gt(size, 0);
+        ck_assert_msg(size <= RBD_WORK_SIZE((size_t)r.nb, (size_t)r.nv), "%s", r.name);
+        void *memory = malloc(size); /* exact, so that a sanitizer sees the byte beyond */
+        ck_assert_int_eq(rbd_work_init(r.m, memory, size - 1, &w), RBD_ERR_MEMORY);
+        ck_assert_int_eq(rbd_work_init(r.m, memory, 0, &w), RBD_ERR_MEMORY);
+        ck_assert_int_eq(rbd_work_init(r.m, memory, size, &w), RBD_OK);
+        free(memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+static void run_everything(const rbd_model *m, rbd_work *w, double *out) {
+    static double M[MAX_V * MAX_V];
+    double q[MAX_Q], v[MAX_V] = {0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7}, f_ext[6 * MAX_BODIES] = {1, 2, 3};
+    uint64_t seed = 3;
+    ck_assert_int_eq(rbd_random(m, &seed, q), RBD_OK);
+    ck_assert_int_eq(rbd_rnea(m, w, q, v, v, f_ext, out), RBD_OK);
+    ck_assert_int_eq(rbd_crba(m, w, q, M), RBD_OK);
+    ck_assert_int_eq(rbd_fd_cholesky(m, w, q, v, out, f_ext, out), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(m, w, q, v, v), RBD_OK);
+    ck_assert_int_eq(rbd_aba(m, w, q, v, v, f_ext, out), RBD_OK);
+}
+
+/* Memory of any alignment and any content; nothing is written outside it, nor into the model. */
+START_TEST(memory_of_any_alignment_and_content_suffices) {
+    const ref_model *model = reference_model(1);
+    robot r = robot_build(model->name, model->bodies, model->nb);
+    const size_t size = rbd_work_size(r.m), model_size = rbd_model_size(model->bodies, model->nb);
+    unsigned char *memory = malloc(size + 64), *before = malloc(model_size);
+    double first[MAX_V], out[MAX_V];
+    memcpy(before, r.memory[0], model_size);
+    run_everything(r.m, r.w, first);
+    for (size_t shift = 0; shift < 32; shift++) {
+        rbd_work *w;
+        memset(memory, 0xff, size + 64); /* as double: NaN */
+        ck_assert_int_eq(rbd_work_init(r.m, memory + shift, size, &w), RBD_OK);
+        run_everything(r.m, w, out);
+        ck_assert_int_eq(memcmp(out, first, (size_t)r.nv * sizeof(double)), 0);
+        for (size_t i = 0; i < size + 64; i++)
+            if (i < shift || i >= shift + size)
+                ck_assert_msg(memory[i] == 0xff, "byte %d is written", (int)i);
+    }
+    ck_assert_msg(memcmp(before, r.memory[0], model_size) == 0, "the model is written");
+    free(memory);
+    free(before);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(null_arguments_are_refused) {
+    robot r = robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb);
+    static unsigned char memory[RBD_WORK_SIZE(7, 7)];
+    rbd_work *w;
+    ck_assert_int_eq(rbd_work_init(NULL, memory, sizeof memory, &w), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_work_init(r.m, NULL, sizeof memory, &w), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_work_init(r.m, memory, sizeof memory, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_set_gravity(NULL, earth), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_set_gravity(r.w, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_singular_dof(NULL), -1);
+    ck_assert_int_eq(rbd_singular_dof(r.w), -1);
+    ck_assert_uint_eq(rbd_work_size(NULL), 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* Memory that was never built has no version. */
+START_TEST(what_is_not_a_model_is_refused) {
+    static const double nothing[RBD_MODEL_SIZE(1) / sizeof(double)] = {0};
+    static unsigned char memory[RBD_WORK_SIZE(1, 1)];
+    rbd_work *w;
+    ck_assert_int_eq(rbd_work_init((const rbd_model *)(const void *)nothing, memory, sizeof memory, &w),
+                     RBD_ERR_VERSION);
+}
+END_TEST
+
+START_TEST(gravity_is_earth_s_until_set) {
+    const ref_model *model = reference_model(0);
+    robot r = robot_build(model->name, model->bodies, model->nb);
+    const double moon[3] = {0.1, 0.2, -1.62};
+    double g[MAX_V], expected[MAX_V], lunar[MAX_V];
+    tb_real tb[TB_MAX_DOFS];
+    const double rest[MAX_V] = {0}, *q = model->states[1].q;
+    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, g), RBD_OK);
+    tb_rnea(r.bodies, r.nb, earth, q, rest, rest, NULL, tb, NULL);
+    expect_close_tb("gravity by default", &r, 1, g, tb, r.nv, 1e-13);
+    ck_assert_int_eq(rbd_set_gravity(r.w, moon), RBD_OK);
+    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, lunar), RBD_OK);
+    tb_rnea(r.bodies, r.nb, moon, q, rest, rest, NULL, tb, NULL);
+    expect_close_tb("gravity that was set", &r, 1, lunar, tb, r.nv, 1e-13);
+    ck_assert_int_eq(rbd_set_gravity(r.w, earth), RBD_OK);
+    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, expected), RBD_OK);
+    ck_assert_int_eq(memcmp(g, expected, (size_t)r.nv * sizeof *g), 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* Two threads' works on one model do not know of each other. */
+START_TEST(works_are_independent) {
+    const ref_model *model = reference_model(0);
+    robot r = robot_build(model->name, model->bodies, model->nb);
+    const double none[3] = {0, 0, 0}, *q = model->states[1].q;
+    double p[3], g[MAX_V];
+    void *memory = malloc(rbd_work_size(r.m));
+    rbd_work *other;
+    ck_assert_int_eq(rbd_work_init(r.m, memory, rbd_work_size(r.m), &other), RBD_OK);
+    ck_assert_int_eq(rbd_set_gravity(other, none), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(r.m, other, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, NULL, p), RBD_ERR_ORDER);
+    ck_assert_int_eq(rbd_gravity(r.m, other, q, g), RBD_OK);
+    ck_assert(!(largest(g, r.nv) > 0));
+    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, g), RBD_OK);
+    ck_assert(largest(g, r.nv) > 1);
+    free(memory);
+    robot_free(&r);
+}
+END_TEST
+
+Suite *work_suite(void) {
+    Suite *suite = suite_create("work");
+    TCase *c = tcase_create("work");
+    tcase_add_test(c, memory_one_byte_too_small_is_refused);
+    tcase_add_test(c, memory_of_any_alignment_and_content_suffices);
+    tcase_add_test(c, null_arguments_are_refused);
+    tcase_add_test(c, what_is_not_a_model_is_refused);
+    tcase_add_test(c, gravity_is_earth_s_until_set);
+    tcase_add_test(c, works_are_independent);
+    suite_add_tcase(suite, c);
+    return suite;
+}
