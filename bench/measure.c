@@ -1,0 +1,60 @@
+/* Timing. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "bench.h"
+#include <math.h>
+#include <time.h>
+
+/* Calls before each experiment that are not timed: the row before has left caches and branch
+   predictors to another robot. */
+enum { WARM_UP_CALLS = 1000 };
+
+static double now_ns(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+/* One experiment: sets *ns to the time of a call, mean of all samples. */
+static rbd_status experiment(const struct row *row, int samples, double *ns) {
+    const struct robot *r = row->robot;
+    const struct algorithm *a = &algorithms[row->algorithm];
+    rbd_status status = a->run(r, &r->states, 0, samples < WARM_UP_CALLS ? samples : WARM_UP_CALLS, r->out);
+    if (status != RBD_OK)
+        return status;
+    double start = now_ns();
+    status = a->run(r, &r->states, 0, samples, r->out);
+    *ns = (now_ns() - start) / samples;
+    return status;
+}
+
+/* Takes one more time into the row; n: how many it has with this one. Until summarise, stddev holds
+   the sum of the squared deviations (Welford's method). */
+static void take_time(struct row *row, int n, double ns) {
+    double deviation = ns - row->mean;
+    row->mean += deviation / n;
+    row->stddev += deviation * (ns - row->mean);
+    row->min = n == 1 || ns < row->min ? ns : row->min;
+}
+
+int measure(struct row *rows, int n, int samples, int experiments) {
+    for (int i = 0; i < n; i++)
+        rows[i].mean = rows[i].stddev = rows[i].min = 0;
+    for (int e = 1; e <= experiments; e++) {
+        for (int i = 0; i < n; i++) {
+            const char *robot = rows[i].robot->title, *algorithm = algorithms[rows[i].algorithm].title;
+            progress("experiment %d of %d: %s, %s", e, experiments, robot, algorithm);
+            double ns = 0;
+            rbd_status status = experiment(&rows[i], samples, &ns);
+            if (status != RBD_OK) {
+                progress("");
+                fprintf(stderr, "rbd-bench: %s, %s: %s\n", robot, algorithm, rbd_status_string(status));
+                return -1;
+            }
+            take_time(&rows[i], e, ns);
+        }
+    }
+    progress("");
+    for (int i = 0; i < n; i++)
+        rows[i].stddev = experiments > 1 ? sqrt(rows[i].stddev / (experiments - 1)) : 0;
+    return 0;
+}

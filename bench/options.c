@@ -1,0 +1,166 @@
+/* The command line. SPDX-License-Identifier: MIT */
+#include "bench.h"
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: rbd-bench [OPTION...]\n"
+    "Verifies rbd's inverse dynamics, mass matrix and forward dynamics, then times them.\n"
+    "\n"
+    "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
+    "  --algorithm NAME   id, mm, fd, fd_cholesky or all (default all)\n"
+    "  --samples N        random states per robot, a different one each call (default 100000)\n"
+    "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
+    "  --seed N           of the random states (default 1)\n"
+    "  --gravity          with gravity (default without)\n"
+    "  --format FORMAT    table, csv or json (default table)\n"
+    "  --output FILE      write there instead of standard output\n"
+    "  --help             this text\n"
+    "  --version          version of rbd\n"
+    "\n"
+    "Exit status: 0 done, 1 a result is wrong or the run failed, 2 bad arguments.\n";
+
+enum { MAX_COUNT = 1000000000 };
+
+int usage_error(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("rbd-bench: ", stderr);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputs("; try --help\n", stderr);
+    return EXIT_USAGE;
+}
+
+/* ---- values: each reader takes the option's name for its message ---- */
+
+/* Sets *index to the place of value among the names; a leading "all" is number ALL. */
+static int read_name(const char *option, const char *value, const char *const *names, int *index) {
+    int first = strcmp(names[0], "all") == 0 ? ALL : 0;
+    char known[256] = "";
+    for (int i = 0; names[i]; i++) {
+        if (strcmp(value, names[i]) == 0) {
+            *index = i + first;
+            return 0;
+        }
+        size_t length = strlen(known);
+        snprintf(known + length, sizeof known - length, "%s%s", i > 0 ? ", " : "", names[i]);
+    }
+    return usage_error("%s: unknown '%s' (known: %s)", option, value, known);
+}
+
+static int read_count(const char *option, const char *value, int *count) {
+    char *end;
+    errno = 0;
+    long number = strtol(value, &end, 10);
+    if (end == value || *end || errno || number < 1 || number > MAX_COUNT)
+        return usage_error("%s: '%s' is not a positive number (up to %d)", option, value, MAX_COUNT);
+    *count = (int)number;
+    return 0;
+}
+
+/* ---- options with a value: each returns 0, or the exit status after a message ---- */
+
+static int read_robot(struct options *o, const char *option, const char *value) {
+    const char *names[MAX_ROBOTS + 2] = {"all"};
+    for (int i = 0; i < MAX_ROBOTS && robot_names[i]; i++)
+        names[i + 1] = robot_names[i];
+    return read_name(option, value, names, &o->robot);
+}
+
+static int read_algorithm(struct options *o, const char *option, const char *value) {
+    const char *names[ALGORITHMS + 2] = {"all"};
+    for (int i = 0; i < ALGORITHMS; i++)
+        names[i + 1] = algorithms[i].name;
+    return read_name(option, value, names, &o->algorithm);
+}
+
+static int read_format(struct options *o, const char *option, const char *value) {
+    static const char *const names[] = {
+        [FORMAT_TABLE] = "table", [FORMAT_CSV] = "csv", [FORMAT_JSON] = "json", NULL};
+    int index = FORMAT_TABLE;
+    int status = read_name(option, value, names, &index);
+    o->format = (enum format)index;
+    return status;
+}
+
+static int read_samples(struct options *o, const char *option, const char *value) {
+    return read_count(option, value, &o->samples);
+}
+
+static int read_experiments(struct options *o, const char *option, const char *value) {
+    return read_count(option, value, &o->experiments);
+}
+
+static int read_seed(struct options *o, const char *option, const char *value) {
+    char *end;
+    errno = 0;
+    unsigned long long number = strtoull(value, &end, 10);
+    if (value[0] < '0' || value[0] > '9' || *end || errno || number > UINT64_MAX)
+        return usage_error("%s: '%s' is not a whole number from 0 to 2^64 - 1", option, value);
+    o->seed = number;
+    return 0;
+}
+
+static int read_output(struct options *o, const char *option, const char *value) {
+    if (!*value)
+        return usage_error("%s: the file name is empty", option);
+    o->output = value;
+    return 0;
+}
+
+/* ---- the command line ---- */
+
+struct option {
+    const char *name;
+    int (*read)(struct options *o, const char *option, const char *value);
+};
+
+static const struct option with_value[] = {
+    {"--robot", read_robot},   {"--algorithm", read_algorithm},     {"--samples", read_samples},
+    {"--seed", read_seed},     {"--experiments", read_experiments}, {"--format", read_format},
+    {"--output", read_output},
+};
+
+/* The option that the argument, "--name" or "--name=value", begins with. */
+static const struct option *find_option(const char *argument) {
+    size_t length = strcspn(argument, "=");
+    for (size_t i = 0; i < sizeof with_value / sizeof *with_value; i++)
+        if (strlen(with_value[i].name) == length && strncmp(argument, with_value[i].name, length) == 0)
+            return &with_value[i];
+    return NULL;
+}
+
+/* Reads argument number *i, and its value, which may be the next one. Returns -1 to go on. */
+static int read_argument(struct options *o, char **argv, int *i) {
+    const char *argument = argv[*i];
+    const struct option *option = find_option(argument);
+    if (option) {
+        const char *equals = strchr(argument, '=');
+        const char *value = equals ? equals + 1 : argv[++*i];
+        int status = value ? option->read(o, option->name, value)
+                           : usage_error("%s: its value is missing", option->name);
+        return status == 0 ? -1 : status;
+    }
+    if (strcmp(argument, "--gravity") == 0) {
+        o->gravity = true;
+        return -1;
+    }
+    if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)
+        return fputs(help, stdout) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+    if (strcmp(argument, "--version") == 0)
+        return puts("rbd-bench " RBD_VERSION) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+    return usage_error("unknown %s '%s'", argument[0] == '-' ? "option" : "argument", argument);
+}
+
+int options_read(struct options *o, int argc, char **argv) {
+    *o = (struct options){.robot = ALL, .algorithm = ALL, .samples = 100000, .experiments = 10, .seed = 1};
+    for (int i = 1; i < argc; i++) {
+        int status = read_argument(o, argv, &i);
+        if (status >= 0)
+            return status;
+    }
+    return -1;
+}

@@ -1,0 +1,209 @@
+/* What the user sees: the progress line and the report. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "bench.h"
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define TEXT(x) TEXT_OF(x)
+#define TEXT_OF(x) #x
+
+#define LIBRARY "rbd"
+#define SCALAR TEXT(RBD_REAL)
+#if defined __clang__
+#define COMPILER "clang " TEXT(__clang_major__) "." TEXT(__clang_minor__) "." TEXT(__clang_patchlevel__)
+#elif defined __GNUC__
+#define COMPILER "gcc " TEXT(__GNUC__) "." TEXT(__GNUC_MINOR__) "." TEXT(__GNUC_PATCHLEVEL__)
+#else
+#define COMPILER "unknown"
+#endif
+#ifndef BENCH_FLAGS /* what the compiler was given; the build says it */
+#define BENCH_FLAGS ""
+#endif
+
+/* ---- progress ---- */
+
+void progress(const char *format, ...) {
+    if (!isatty(STDERR_FILENO))
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("\r\033[K", stderr); /* start of the line, erase it */
+    vfprintf(stderr, format, arguments);
+    fflush(stderr);
+    va_end(arguments);
+}
+
+/* ---- facts ---- */
+
+/* The processor as Linux names it, or "unknown". */
+static const char *cpu_name(char *text, int size) {
+    FILE *f = fopen("/proc/cpuinfo", "r");
+    while (f && fgets(text, size, f)) {
+        char *value = strchr(text, ':');
+        if (strncmp(text, "model name", 10) == 0 && value) {
+            fclose(f);
+            value[strcspn(value, "\n")] = 0;
+            return value + 1 + strspn(value + 1, " ");
+        }
+    }
+    if (f)
+        fclose(f);
+    return "unknown";
+}
+
+static const char *date_utc(char *text, size_t size) {
+    time_t now = time(NULL);
+    struct tm utc;
+    if (!gmtime_r(&now, &utc) || strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc) == 0)
+        return "unknown";
+    return text;
+}
+
+/* ---- table ---- */
+
+static void write_table(FILE *f, const struct options *o, const struct row *rows, int n) {
+    char cpu[256];
+    fprintf(f, "rbd %s, %s, %s%s%s\n", RBD_VERSION, SCALAR, COMPILER, *BENCH_FLAGS ? " " : "", BENCH_FLAGS);
+    fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
+    fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per call\n\n", o->samples,
+            (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
+    fprintf(f, "%-7s %-29s %10s %9s %10s %11s\n", "robot", "algorithm", "mean", "std dev", "min",
+            "max error");
+    const struct robot *previous = NULL;
+    for (int i = 0; i < n; i++) {
+        const struct row *row = &rows[i];
+        bool grouped = row->robot == previous;
+        if (previous && !grouped)
+            fputc('\n', f);
+        fprintf(f, "%-7s %-29s %10.1f %9.1f %10.1f %11.1e\n", grouped ? "" : row->robot->title,
+                algorithms[row->algorithm].title, row->mean, row->stddev, row->min, row->max_error);
+        previous = row->robot;
+    }
+}
+
+/* ---- CSV and JSON ---- */
+
+static void write_csv(FILE *f, const struct options *o, const struct row *rows, int n) {
+    fputs("library,version,compiler,scalar,robot,algorithm,samples,experiments,"
+          "mean_ns,stddev_ns,min_ns,max_error\n",
+          f);
+    for (int i = 0; i < n; i++) {
+        const struct row *row = &rows[i];
+        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e\n", LIBRARY, RBD_VERSION, COMPILER, SCALAR,
+                row->robot->name, algorithms[row->algorithm].name, o->samples, o->experiments, row->mean,
+                row->stddev, row->min, row->max_error);
+    }
+}
+
+static void write_json_string(FILE *f, const char *text) {
+    fputc('"', f);
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\')
+            fputc('\\', f);
+        if ((unsigned char)*text >= ' ')
+            fputc(*text, f);
+    }
+    fputc('"', f);
+}
+
+static void write_json_fact(FILE *f, const char *key, const char *value) {
+    fprintf(f, "    \"%s\": ", key);
+    write_json_string(f, value);
+    fputs(",\n", f);
+}
+
+static void write_json_row(FILE *f, const struct options *o, const struct row *row) {
+    fprintf(f,
+            "    {\"library\": \"%s\", \"version\": \"%s\", \"compiler\": \"%s\", \"scalar\": \"%s\", "
+            "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
+            "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e}",
+            LIBRARY, RBD_VERSION, COMPILER, SCALAR, row->robot->name, algorithms[row->algorithm].name,
+            o->samples, o->experiments, row->mean, row->stddev, row->min, row->max_error);
+}
+
+static void write_json(FILE *f, const struct options *o, const struct row *rows, int n) {
+    char cpu[256], date[32];
+    fputs("{\n  \"machine\": {\n", f);
+    write_json_fact(f, "cpu", cpu_name(cpu, sizeof cpu));
+    write_json_fact(f, "compiler", COMPILER);
+    write_json_fact(f, "flags", BENCH_FLAGS);
+    write_json_fact(f, "date", date_utc(date, sizeof date));
+    fprintf(f, "    \"seed\": %llu,\n    \"gravity\": %s\n  },\n  \"rows\": [\n", (unsigned long long)o->seed,
+            o->gravity ? "true" : "false");
+    for (int i = 0; i < n; i++) {
+        write_json_row(f, o, &rows[i]);
+        fputs(i + 1 < n ? ",\n" : "\n", f);
+    }
+    fputs("  ]\n}\n", f);
+}
+
+static void write_report(FILE *f, const struct options *o, const struct row *rows, int n) {
+    static void (*const write[])(FILE *, const struct options *, const struct row *, int) = {
+        [FORMAT_TABLE] = write_table, [FORMAT_CSV] = write_csv, [FORMAT_JSON] = write_json};
+    write[o->format](f, o, rows, n);
+}
+
+/* ---- the file: a regular one is written beside its place and then renamed into it ---- */
+
+struct target {
+    const char *name;
+    char *temporary; /* NULL: written in place, as a device, pipe or link must be */
+};
+
+static int output_error(const char *output) {
+    usage_error("--output: cannot write '%s': %s", output, strerror(errno));
+    return -1;
+}
+
+static FILE *target_open(struct target *t, const char *output, const char *mode) {
+    struct stat info;
+    *t = (struct target){output, NULL};
+    if (lstat(output, &info) == 0 && !S_ISREG(info.st_mode))
+        return fopen(output, mode);
+    size_t size = strlen(output) + 32;
+    t->temporary = malloc(size);
+    if (!t->temporary)
+        return NULL;
+    snprintf(t->temporary, size, "%s.%ld.tmp", output, (long)getpid());
+    return fopen(t->temporary, mode);
+}
+
+/* Closes the file and puts it in its place, or removes it. f: as target_open gave it, even NULL. */
+static int target_close(struct target *t, FILE *f, bool keep) {
+    bool failed = !f || ferror(f);
+    if (f && fclose(f) != 0)
+        failed = true;
+    if (!failed && keep && t->temporary)
+        failed = rename(t->temporary, t->name) != 0;
+    int status = failed ? output_error(t->name) : 0;
+    if (f && t->temporary && (failed || !keep))
+        remove(t->temporary);
+    free(t->temporary);
+    return status;
+}
+
+int report_check_output(const char *output) {
+    struct target t;
+    FILE *f = target_open(&t, output, "a");
+    return target_close(&t, f, false);
+}
+
+int report_write(const struct options *o, const struct row *rows, int n) {
+    if (!o->output) {
+        write_report(stdout, o, rows, n);
+        if (fflush(stdout) == 0 && !ferror(stdout))
+            return 0;
+        perror("rbd-bench: standard output");
+        return -1;
+    }
+    struct target t;
+    FILE *f = target_open(&t, o->output, "w");
+    if (f)
+        write_report(f, o, rows, n);
+    return target_close(&t, f, true);
+}
