@@ -1299,15 +1299,14 @@ static void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE) {
             w->angle[i] = q[l->iq] + l->gamma;
-            continue;
-        }
-        plain = 0;
-        w->angle[i] = rbdi_zero();
-        if (l->kind == RBDI_BLOCK)
+        } else if (l->kind == RBDI_BLOCK) {
+            w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
-        if (l->kind == RBDI_SCREW) {
-            w->d[i] = q[l->iq] * l->kappa + l->d;
-            if (l->rho > 0) w->angle[i] = q[l->iq] + l->gamma;
+        } else {
+            plain = 0;
+            w->angle[i] = rbdi_zero();
+            if (l->rho > 0 && l->kind == RBDI_SCREW) w->angle[i] = q[l->iq] + l->gamma;
+            if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
     rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
@@ -1334,27 +1333,30 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 }
 
 /* Runs the statement with f = the link's flags: for the common forms, a revolute link without armature in
-   Denavit-Hartenberg form at a right angle or parallel to its parent, f is known to the compiler. */
-#if defined __OPTIMIZE_SIZE__ || !defined __OPTIMIZE__
-#define RBDI_BY_FORM(link, statement) \
-    do { \
-        const int f = (link)->flags; \
-        statement; \
-    } while (0)
-#else
+   Denavit-Hartenberg form at a right angle or parallel to its parent, f is known to the compiler but for
+   RBDI_OFFSET. The empty assembly keeps clang from concluding that f is flags_, and forgetting the rest. */
+#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RBDI_BY_FORM(link, statement) \
     do { \
         const int flags_ = (link)->flags; \
+        int offset_ = flags_; \
+        __asm__("" : "+r"(offset_)); \
         if ((flags_ & ~RBDI_OFFSET) == RBDI_QUARTER) { \
-            const int f = RBDI_QUARTER | (flags_ & RBDI_OFFSET); \
+            const int f = RBDI_QUARTER | (offset_ & RBDI_OFFSET); \
             statement; \
         } else if ((flags_ & ~RBDI_OFFSET) == RBDI_STRAIGHT) { \
-            const int f = RBDI_STRAIGHT | (flags_ & RBDI_OFFSET); \
+            const int f = RBDI_STRAIGHT | (offset_ & RBDI_OFFSET); \
             statement; \
         } else { \
             const int f = flags_; \
             statement; \
         } \
+    } while (0)
+#else
+#define RBDI_BY_FORM(link, statement) \
+    do { \
+        const int f = (link)->flags; \
+        statement; \
     } while (0)
 #endif
 
@@ -1364,18 +1366,6 @@ RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int f, rbdi_trig t, rbdi_v3 v)
     if (f & RBDI_BETA) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
     v = rbdi_uncycle(rbdi_turn_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
     return rbdi_turn_z(0, t.c, t.s, v);
-}
-
-/* M r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_mul_shift(const rbdi_link *l, int f, rbdi_mat A)
-{
-    rbdi_v3 y = rbdi_vec(A.xx * l->r.x, A.yx * l->r.x, A.zx * l->r.x);
-    if (f & RBDI_GENERAL) {
-        y.x = y.x + (A.xy * l->r.y + A.xz * l->r.z);
-        y.y = y.y + (A.yy * l->r.y + A.yz * l->r.z);
-        y.z = y.z + (A.zy * l->r.y + A.zz * l->r.z);
-    }
-    return y;
 }
 
 /* w x r, for the parent-side shift r. */
@@ -1502,30 +1492,39 @@ RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 w, rbdi_motion J)
     return c;
 }
 
-/* Velocity and acceleration of a link from its parent's (p, with its Omega in O; *O becomes the
-   link's). Classical accelerations: the linear velocity never appears. */
-RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int f, rbdi_trig t, rbdi_state p, rbd_real qd,
-                                         rbd_real qdd, rbdi_mat *O)
+/* Acceleration, relative to the parent's origin, of the point r where the joint sits: Omega r. */
+RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int f, rbdi_state p)
 {
-    const int screw = f & RBDI_SCREWS, root = f & RBDI_ROOT;
+    const rbdi_mat O = rbdi_omega(p.w, p.wd);
+    if (f & RBDI_GENERAL) return rbdi_mul(O, rbdi_vec_c(l->r));
+    return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
+}
+
+/* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
+   never appears. */
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int f, rbdi_trig t, rbdi_state p, rbd_real qd,
+                                         rbd_real qdd)
+{
+    const int screw = f & RBDI_SCREWS;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
-    rbdi_v3 w = root ? rbdi_vec0() : rbdi_down(l, f, t, p.w), acc = p.acc;
+    rbdi_v3 w = rbdi_vec0();
     rbdi_state s;
-    if (root) {
+    if (f & RBDI_ROOT) {
         s.w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.wd = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        acc = rbdi_add(acc, rbdi_mul_shift(l, f, *O));
+        w = rbdi_down(l, f, t, p.w);
         s.wd = rbdi_down(l, f, t, p.wd);
         s.wd = rbdi_vec(s.wd.x + turn * w.y, s.wd.y - turn * w.x, s.wd.z + turn_rate);
         s.w = rbdi_vec(w.x, w.y, w.z + turn);
+        p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, f, p));
     }
-    *O = rbdi_omega(s.w, s.wd);
-    s.acc = rbdi_down(l, f, t, acc);
+    s.acc = rbdi_down(l, f, t, p.acc);
     if (f & RBDI_OFFSET) { /* points of the axis belong to both bodies */
-        s.acc.x = s.acc.x + t.d * O->xz;
-        s.acc.y = s.acc.y + t.d * O->yz;
-        s.acc.z = s.acc.z + t.d * O->zz;
+        const rbdi_mat O = rbdi_omega(s.w, s.wd);
+        s.acc.x = s.acc.x + t.d * O.xz;
+        s.acc.y = s.acc.y + t.d * O.yz;
+        s.acc.z = s.acc.z + t.d * O.zz;
     }
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
@@ -1537,7 +1536,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int f, rbdi_trig t,
 }
 
 RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                          rbdi_state p, const rbd_real *v, const rbd_real *a, rbdi_mat *O)
+                                          rbdi_state p, const rbd_real *v, const rbd_real *a)
 {
     rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
     rbdi_v3 w = rbdi_vec0(), acc = p.acc;
@@ -1546,13 +1545,12 @@ RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *
     if (l->parent >= 0) {
         w = rbdi_mul(X->E, p.w);
         s.wd = rbdi_mul(X->E, p.wd);
-        acc = rbdi_add(acc, rbdi_mul(*O, X->r));
+        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(p.w, p.wd), X->r));
     }
     c = rbdi_joint_product(w, J);
     s.w = rbdi_add(w, J.w);
     s.wd = rbdi_add(s.wd, rbdi_add(c.w, Jd.w));
     s.acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
-    *O = rbdi_omega(s.w, s.wd);
     return s;
 }
 
@@ -1565,20 +1563,57 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
     return s;
 }
 
-/* One step of the sweep root to leaf: state and Omega of link i from those of link i - 1, or from
-   where the parent's were kept. */
+/* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
+   A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_v3 w, rbdi_v3 wd, const rbdi_v3 *acc)
+{
+    const rbdi_mat O = rbdi_omega(w, wd);
+    const rbdi_csym S = l->S;
+    const rbdi_c3 h = l->h;
+    rbdi_force F;
+    F.f.x = O.xx * h.x + O.xy * h.y;
+    F.f.y = O.yx * h.x + O.yy * h.y;
+    F.f.z = O.zx * h.x + O.zy * h.y;
+    F.n.x = O.zx * S.xy + O.zy * S.yy + (O.zz - O.yy) * S.yz - O.yx * S.xz;
+    F.n.y = O.xy * S.yz + (O.xx - O.zz) * S.xz - O.zx * S.xx - O.zy * S.xy;
+    F.n.z = O.yx * S.xx + (O.yy - O.xx) * S.xy + O.yz * S.xz - O.xy * S.yy - O.xz * S.yz;
+    if (acc) {
+        F.n.x = F.n.x + acc->z * h.y;
+        F.n.y = F.n.y - acc->z * h.x;
+        F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
+    }
+    if (f & RBDI_FULL) {
+        F.f.x = F.f.x + O.xz * h.z;
+        F.f.y = F.f.y + O.yz * h.z;
+        F.f.z = F.f.z + O.zz * h.z;
+        F.n.x = F.n.x - O.yz * S.zz;
+        F.n.y = F.n.y + O.xz * S.zz;
+        if (acc) {
+            F.f.x = F.f.x + acc->x * l->m;
+            F.f.y = F.f.y + acc->y * l->m;
+            F.f.z = F.f.z + acc->z * l->m;
+            F.n.x = F.n.x - acc->y * h.z;
+            F.n.y = F.n.y + acc->x * h.z;
+        }
+    }
+    return F;
+}
+
+/* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
+   parent's was kept; with it the wrench that moves the link, if wanted. */
 RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
-                                         const rbd_real *v, const rbd_real *a, rbdi_state s, rbdi_mat *O)
+                                         const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench)
 {
     const rbdi_link *l = &m->link[i];
-    if (l->parent != i - 1) {
-        s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-        *O = rbdi_omega(s.w, s.wd);
+    rbdi_force *F = &w->link[i].f;
+    if (l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
+    if (l->kind == RBDI_BLOCK) {
+        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
+        if (wrench) *F = rbdi_wrench(l, RBDI_FULL, s.w, s.wd, &s.acc);
+    } else {
+        RBDI_BY_FORM(l, s = rbdi_forward_axis(l, f, rbdi_trig_of(m, w, i, f), s, v[l->iv], a[l->iv]);
+                     if (wrench) *F = rbdi_wrench(l, f, s.w, s.wd, &s.acc));
     }
-    if (l->kind == RBDI_BLOCK)
-        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv], O);
-    else
-        RBDI_BY_FORM(l, s = rbdi_forward_axis(l, f, rbdi_trig_of(m, w, i, f), s, v[l->iv], a[l->iv], O));
     if (l->slot >= 0) w->slot[l->slot].state = s;
     return s;
 }
@@ -1610,41 +1645,6 @@ static void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *ta
 }
 
 /* ---- rnea [rnea] ---- */
-
-/* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
-   A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_mat O, const rbdi_v3 *acc)
-{
-    const rbdi_csym S = l->S;
-    const rbdi_c3 h = l->h;
-    rbdi_force F;
-    F.f.x = O.xx * h.x + O.xy * h.y;
-    F.f.y = O.yx * h.x + O.yy * h.y;
-    F.f.z = O.zx * h.x + O.zy * h.y;
-    F.n.x = O.zx * S.xy + O.zy * S.yy + (O.zz - O.yy) * S.yz - O.yx * S.xz;
-    F.n.y = O.xy * S.yz + (O.xx - O.zz) * S.xz - O.zx * S.xx - O.zy * S.xy;
-    F.n.z = O.yx * S.xx + (O.yy - O.xx) * S.xy + O.yz * S.xz - O.xy * S.yy - O.xz * S.yz;
-    if (acc) {
-        F.n.x = F.n.x + acc->z * h.y;
-        F.n.y = F.n.y - acc->z * h.x;
-        F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
-    }
-    if (f & RBDI_FULL) {
-        F.f.x = F.f.x + O.xz * h.z;
-        F.f.y = F.f.y + O.yz * h.z;
-        F.f.z = F.f.z + O.zz * h.z;
-        F.n.x = F.n.x - O.yz * S.zz;
-        F.n.y = F.n.y + O.xz * S.zz;
-        if (acc) {
-            F.f.x = F.f.x + acc->x * l->m;
-            F.f.y = F.f.y + acc->y * l->m;
-            F.f.z = F.f.z + acc->z * l->m;
-            F.n.x = F.n.x - acc->y * h.z;
-            F.n.y = F.n.y + acc->x * h.z;
-        }
-    }
-    return F;
-}
 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 static void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
@@ -1688,12 +1688,8 @@ static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const 
 {
     const rbdi_state world = rbdi_world_state(w->gravity);
     rbdi_state s = world;
-    rbdi_mat O = rbdi_omega(s.w, s.wd);
     rbdi_force carried = rbdi_force0();
-    for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, &O);
-        w->link[i].f = rbdi_wrench(&m->link[i], m->link[i].flags, O, &s.acc);
-    }
+    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
     rbdi_external(m, w, f_ext);
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
@@ -1829,11 +1825,11 @@ static void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C
         const rbdi_block *b = rbdi_block_of(m, l);
         for (int k = 0; k < b->n; ++k)
             rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, b->first + k));
-        for (int k = 0; k < b->n; ++k) {
-            const rbdi_dof *dof = &m->dof[l->iv + k];
-            const rbd_real *F = &w->F[stride * (b->first + k)];
-            for (int j = l->first + k; j < l->end; ++j) H[m->dof[j].row_here + dof->depth] = F[j];
-            H[dof->row + dof->depth] = H[dof->row + dof->depth] + dof->armature;
+        for (int j = l->first; j < l->end; ++j) {
+            rbd_real *row = &H[m->dof[j].row_here + m->dof[l->iv].depth];
+            const int own = j - l->first + 1, n = own < b->n ? own : b->n;
+            for (int k = 0; k < n; ++k) row[k] = w->F[stride * (b->first + k) + j];
+            if (own <= n) row[own - 1] = row[own - 1] + m->dof[l->iv + own - 1].armature;
         }
     } else {
         const rbdi_dof *dof = &m->dof[l->iv];
@@ -1883,23 +1879,25 @@ static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
     }
 }
 
+/* x = 0, a batch at a time: a call of memset costs more than it stores. */
+static void rbdi_clear(rbd_real *x, int n)
+{
+    int k = 0;
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&x[k] = zero;
+#endif
+    for (; k < n; ++k) x[k] = rbdi_zero();
+}
+
 /* Full matrix, both triangles, from packed rows. */
 static void rbdi_unpack(const rbd_model *m, const rbd_real *H, rbd_real *M)
 {
     const int n = m->nv;
+    if (m->nh < n * (n + 1) / 2) rbdi_clear(M, n * n);
     for (int i = 0; i < n; ++i) {
-        const rbdi_dof *dof = &m->dof[i];
-        const rbd_real *h = &H[dof->row + dof->depth];
-        int next = dof->lambda;
-        M[i * n + i] = *h;
-        for (int j = i - 1; j >= 0; --j) {
-            rbd_real x = rbdi_zero();
-            if (j == next) {
-                x = *--h;
-                next = m->dof[j].lambda;
-            }
-            M[i * n + j] = M[j * n + i] = x;
-        }
+        const rbd_real *h = &H[m->dof[i].row + m->dof[i].depth];
+        for (int j = i; j >= 0; j = m->dof[j].lambda, --h) M[i * n + j] = M[j * n + i] = *h;
     }
 }
 
@@ -1907,7 +1905,7 @@ static void rbdi_unpack(const rbd_model *m, const rbd_real *H, rbd_real *M)
 static void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
 {
     const int n = m->nv + m->nmimic;
-    for (int k = 0; k < m->nv * (m->nv + 1) / 2; ++k) H[k] = rbdi_zero();
+    rbdi_clear(H, m->nv * (m->nv + 1) / 2);
     for (int i = 0; i < n; ++i) {
         const rbd_real *h = &Hx[m->dof[i].row + m->dof[i].depth];
         int a = i < m->nv ? i : m->mimic[i - m->nv].source_v;
@@ -2022,10 +2020,10 @@ static void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
         if (l->kind == RBDI_BLOCK) {
             w->link[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
                                                    &omega);
-            w->link[i].f = rbdi_wrench(l, RBDI_FULL, rbdi_omega(omega, rbdi_vec0()), NULL);
+            w->link[i].f = rbdi_wrench(l, RBDI_FULL, omega, rbdi_vec0(), NULL);
         } else {
             RBDI_BY_FORM(l, w->link[i].c = rbdi_aba_velocity(l, f, rbdi_trig_of(m, w, i, f), v[l->iv], &omega);
-                         w->link[i].f = rbdi_wrench(l, f, rbdi_omega(omega, rbdi_vec0()), NULL));
+                         w->link[i].f = rbdi_wrench(l, f, omega, rbdi_vec0(), NULL));
         }
         if (l->slot >= 0) {
             w->slot[l->slot].state.w = omega;
@@ -2115,8 +2113,30 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
     return X;
 }
 
-/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its
-   own without a body between; so the pivots are those of M = L'DL. */
+/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
+   without a body between; so the pivots are those of M = L'DL. Of a floating base (keep = 0) only what the
+   axes before it still need is kept up: the lower triangle. */
+RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, int first, int n, int keep,
+                                        const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
+                                        rbdi_block_work *bw, rbd_real *pivot, rbdi_mask *bad)
+{
+    for (int k = n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const int s = first + k, end = keep ? 6 : s;
+        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
+        pivot[l->iv + k] = D;
+        bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < 6; ++i) {
+            U[i] = i < end ? A[s][i] : rbdi_zero();
+            bw->U[k][i] = U[i] * inverse;
+        }
+        if (!keep) bw->U[k][s] = A[s][s] * inverse;
+        for (int i = 0; i < end; ++i) {
+            for (int j = 0; j < (keep ? 6 : i + 1); ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
+            P[i] = P[i] + U[i] * bw->u[k];
+        }
+    }
+}
 static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
                               rbdi_force *p, rbdi_mask *bad)
 {
@@ -2126,23 +2146,13 @@ static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const
     rbd_real A[6][6], P[6], C[6];
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_FULL, *X), A);
     rbdi_force_to_array(*p, P);
-    rbdi_motion_to_array(w->link[i_link].c, C);
-    for (int k = b->n - 1; k >= 0; --k) {
-        const rbdi_dof *dof = &m->dof[l->iv + k];
-        int s = b->first + k;
-        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
-        w->pivot[l->iv + k] = D;
-        for (int i = 0; i < 6; ++i) {
-            U[i] = A[i][s];
-            bw->U[k][i] = U[i] * inverse;
-        }
-        bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
-        for (int i = 0; i < 6; ++i) {
-            for (int j = 0; j < 6; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
-            P[i] = P[i] + U[i] * bw->u[k];
-        }
+    if (l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE)) {
+        rbdi_aba_release_block(m, l, 0, 6, 0, tau, A, P, bw, w->pivot, bad);
+        return;
     }
+    rbdi_aba_release_block(m, l, b->first, b->n, 1, tau, A, P, bw, w->pivot, bad);
     if (l->parent < 0) return;
+    rbdi_motion_to_array(w->link[i_link].c, C);
     for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
     *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
@@ -2499,13 +2509,12 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
-    rbdi_mat O = rbdi_omega(s.w, s.wd);
     if (!m || !w || !q) return RBD_ERR_NULL;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, &O);
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
         w->kin[i].state = s;
         rbdi_kin_link(m, w, i, v);
     }
@@ -3554,7 +3563,7 @@ static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3])
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_clear(rbdi_draft *l)
+static void rbdi_draft_clear(rbdi_draft *l)
 {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
@@ -3582,7 +3591,7 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     }
     for (int k = 0; k < links; ++k) {
         rbdi_draft *l = &draft[*nl];
-        rbdi_clear(l);
+        rbdi_draft_clear(l);
         l->parent = parent, l->type = type, l->body = i;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
         l->favourite = -1;
@@ -3717,9 +3726,8 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
     rbdi_w_product(Z, l->B, l->B);
 }
 
-/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), snapped: of the two choices the one with the smaller beta,
-   or gamma where the parent's frame will be turned to beta = 0. E is rebuilt from them so that everything that
-   follows, pose and dynamics, works with one model. */
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
+   everything that follows, pose and dynamics, works with one model. */
 static void rbdi_draft_angles(rbdi_draft *l)
 {
     rbdi_wide *E = l->E, Z[9], sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
@@ -3728,16 +3736,13 @@ static void rbdi_draft_angles(rbdi_draft *l)
     if (sigma > RBDI_SNAP) {
         l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
         l->ca = E[8], l->sa = sigma;
+        if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
         rbdi_w_snap(&l->ca, &l->sa);
         rbdi_w_snap(&l->cb, &l->sb);
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
     rbdi_w_snap(&l->cg, &l->sg);
-    if (sigma > RBDI_SNAP && (l->dh ? l->cg < 0 || (l->cg <= 0 && l->sg < 0) : l->cb < 0)) {
-        l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa; /* the same rotation */
-        l->cg = -l->cg, l->sg = -l->sg;
-    }
     rbdi_w_turn_z(l->cg, l->sg, E);
     rbdi_w_turn_x(l->ca, l->sa, Z);
     rbdi_w_product(E, Z, E);
@@ -3759,25 +3764,24 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         return;
     }
     f = &draft[l->favourite];
-    f->dh = 1;
+    rbdi_draft_angles(l);
     rbdi_draft_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
+        if (l->cg * f->cb - l->sg * f->sb < 0) /* beta or beta + 180 degrees: keep the link's gamma small */
+            f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);
         rbdi_w_apply(Z, f->r, r);
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) {
-            f->dh = 0;
-            return;
-        }
+        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
         t = f->r[2];
         rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
     }
-    rbdi_draft_angles(f);
+    f->dh = 1;
     f->r[0] = a, f->r[1] = f->r[2] = 0;
     f->d = d;
 }
