@@ -53,7 +53,8 @@
      a = dv/dt component by component (floating: the spatial acceleration in body axes).
 
    [configuration] Define before including; the same in every file that includes.
-     RBD_REAL         scalar of states and results: double (default), float, __float128
+     RBD_REAL         scalar of states and results, one of these words: double (default), float,
+                      __float128
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
      RBD_REAL_CUSTOM  RBD_REAL is a C++ class with + - * / unary -, < and a constructor from
                       RBD_CONST; sin, cos, sqrt are found by argument-dependent lookup
@@ -122,6 +123,15 @@ extern "C" {
 #define RBDI_EXTERN_C_END
 #endif
 
+/* One symbol carries the scalar, so that files which differ in it do not link. */
+#define RBDI_PASTE_OF(a, b) a##_##b
+#define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
+#ifdef RBD_LANES
+#define rbd_work_init RBDI_PASTE(RBDI_PASTE(rbd_work_init, RBD_REAL), RBD_LANES)
+#else
+#define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
+#endif
+
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
 /* ---- types [types] ---- */
@@ -148,7 +158,7 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), axis where the joint has one, and mass. */
+   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, and mass. */
 typedef struct rbd_body {
     const char *name;     /* of the link; unique, NULL = nameless */
     const char *joint;    /* name of the joint; unique, NULL = nameless */
@@ -162,7 +172,8 @@ typedef struct rbd_body {
     double mass;          /* kg */
     double com[3];        /* centre of mass, link frame */
     double inertia[6];    /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
-    double armature[6];   /* per degree of freedom: rotor inertia seen at the joint; in M, rnea, fd */
+    double armature[6];   /* per degree of freedom (what lies beyond is ignored): rotor inertia seen at
+                             the joint; in M, rnea, fd */
     double damping[6];    /* per degree of freedom: see rbd_passive */
     double friction[6];   /* per degree of freedom: see rbd_passive */
     double lower, upper;  /* limits of a one-dof joint; none if lower >= upper */
@@ -184,7 +195,7 @@ typedef enum rbd_status {
     RBD_ERR_NULL = -1,     /* a required pointer is NULL */
     RBD_ERR_MEMORY = -2,   /* the memory given is too small */
     RBD_ERR_VERSION = -3,  /* the built model is of another version or scalar */
-    RBD_ERR_INDEX = -4,    /* no such body or degree of freedom */
+    RBD_ERR_INDEX = -4,    /* no such body */
     RBD_ERR_ORDER = -5,    /* rbd_kinematics must be called first */
     RBD_ERR_SINGULAR = -6, /* the mass matrix is singular: rbd_singular_dof says where */
     RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES */
@@ -208,7 +219,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
+    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
+    RBD_WARN_FIXED = 5             /* a fixed joint with an axis: is its type missing? */
 } rbd_status;
 
 /* One sentence for a status, English, static. */
@@ -256,8 +268,9 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread.
-   memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices
+/* Prepares the memory that the algorithms work in; one per thread and model.
+   memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
+            RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
    Errors: RBD_ERR_NULL, _MEMORY, _VERSION. */
 RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
@@ -402,7 +415,7 @@ RBD_API const char *rbd_joint_name(const rbd_model *m, int body);
 /* Where the joint of a body lies in q and in v, and how much of them it has. */
 typedef struct rbd_joint_info {
     rbd_joint_type type;
-    int iq, nq, iv, nv;     /* a mimic joint has nq = nv = 0 */
+    int iq, nq, iv, nv;     /* a mimic or fixed joint has nq = nv = 0, iq = iv = -1 */
     rbd_const lower, upper; /* none if lower >= upper */
     rbd_const velocity, effort;
 } rbd_joint_info;
@@ -437,6 +450,7 @@ typedef struct rbdi_draft {
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
     rbdi_wide trace, moment, mass, mc; /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide scale;                   /* of the pivot */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
@@ -507,7 +521,8 @@ typedef struct rbdi_dof {
     int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5) */
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
     int16_t depth;  /* number of dofs before it towards the root */
-    int32_t row_here; /* row of the dof that stands here in the solver's order, depth first */
+    int16_t here;     /* the dof that stands at this index in the solver's order, depth first */
+    int32_t row_here; /* and its row */
     rbd_const armature, damping, friction;
     rbd_const scale; /* inertia of what it moves: a pivot below RBDI_NOISE times this counts as zero */
 } rbdi_dof;
@@ -637,7 +652,7 @@ struct rbd_work {
 };
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
-#define RBDI_ALIGN ((size_t)64)
+#define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
@@ -681,8 +696,8 @@ RBDI_EXTERN_C_END
 #if defined RBD_IMPLEMENTATION && !defined RBDI_IMPLEMENTED
 #define RBDI_IMPLEMENTED
 
-#ifdef __FAST_MATH__
-#error "rbd: -ffast-math reassociates the sine's argument reduction and voids the pivot checks; \
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids the pivot checks; \
 use -O3 -ffp-contract=fast instead"
 #endif
 
@@ -874,6 +889,9 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi
    r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
 RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 {
+#ifdef __clang__ /* which does not tell by a macro that it may reassociate */
+#pragma clang fp reassociate(off)
+#endif
 #if RBDI_REAL_KIND == 1
     const rbd_const magic = 6755399441055744.0;
     rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
@@ -913,8 +931,10 @@ RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_re
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
     const rbdi_batch *bx = (const rbdi_batch *)x;
     rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
-    rbdi_bits beyond = rbdi_beyond(bx[0] * bx[0], limit);
+    rbdi_bits beyond;
     rbdi_bit any = 0;
+    if (n <= 0) return;
+    beyond = rbdi_beyond(bx[0] * bx[0], limit);
     for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
         rbdi_sincos_batch(bx[i], &bs[i], &bc[i]);
@@ -1225,13 +1245,21 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     return &m->block[l->block];
 }
 
+/* 1 / (sum of n squares), or 0, with *bad set, where that is below 1e-30. */
+RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *bad)
+{
+    rbd_real sum = q[0] * q[0];
+    for (int k = 1; k < n; ++k) sum = sum + q[k] * q[k];
+    *bad = rbdi_less(sum, sum);
+    return rbdi_reciprocal(sum, RBD_C(1e-30), bad);
+}
+
 /* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
    length; zero gives the identity. */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 {
-    rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    rbdi_mask bad = rbdi_less(n, n);
-    rbd_real s = rbdi_reciprocal(n, RBD_C(1e-30), &bad), x, y, z;
+    rbdi_mask bad;
+    rbd_real s = rbdi_inverse_square(q, 4, &bad), x, y, z;
     rbdi_mat E;
     s = s + s;
     x = s * q[0], y = s * q[1], z = s * q[2];
@@ -1257,7 +1285,6 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
     case RBD_PLANAR: {
         rbd_real c, s;
         rbdi_sincos(q[2], &s, &c);
-        X.E = rbdi_mat_c(b->E);
         X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
         X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
         X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBD_C(1));
@@ -1284,9 +1311,8 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
 RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 {
-    rbd_real n = q[0] * q[0] + q[1] * q[1];
-    rbdi_mask bad = rbdi_less(n, n);
-    rbd_real k = rbdi_sqrt(rbdi_reciprocal(n, RBD_C(1e-30), &bad));
+    rbdi_mask bad;
+    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 2, &bad));
     *c = rbdi_select(bad, rbdi_set(RBD_C(1)), q[0] * k);
     *s = rbdi_select(bad, rbdi_zero(), q[1] * k);
 }
@@ -1380,12 +1406,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int f, rbdi_v3 w)
     return y;
 }
 
-/* Spatial vectors to and from six scalars. */
-RBDI_INLINE void rbdi_force_to_array(rbdi_force F, rbd_real *a)
-{
-    a[0] = F.n.x, a[1] = F.n.y, a[2] = F.n.z, a[3] = F.f.x, a[4] = F.f.y, a[5] = F.f.z;
-}
-/* The same with a stride between components. */
+/* Spatial vectors to and from six scalars, a stride apart. */
 RBDI_INLINE void rbdi_store_force(rbd_real *a, int stride, rbdi_force F)
 {
     a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
@@ -1396,13 +1417,6 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
     rbdi_force F;
     F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
     F.f = rbdi_vec(a[3 * stride], a[4 * stride], a[5 * stride]);
-    return F;
-}
-RBDI_INLINE rbdi_force rbdi_force_from_array(const rbd_real *a)
-{
-    rbdi_force F;
-    F.n = rbdi_vec(a[0], a[1], a[2]);
-    F.f = rbdi_vec(a[3], a[4], a[5]);
     return F;
 }
 /* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
@@ -1442,9 +1456,9 @@ RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_force F)
 {
     rbd_real x[6];
-    rbdi_force_to_array(F, x);
+    rbdi_store_force(x, 1, F);
     rbdi_array_up(l, f, t, x);
-    return rbdi_force_from_array(x);
+    return rbdi_load_force(x, 1);
 }
 
 /* The same of a block link. */
@@ -1657,7 +1671,7 @@ static void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext
         X.E = rbdi_mat_c(u->E);
         X.r = rbdi_vec_c(u->r);
         w->link[u->link].f = rbdi_force_sub(w->link[u->link].f,
-                                            rbdi_force_up_block(&X, rbdi_force_from_array(f_ext + 6 * b)));
+                                            rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
     }
 }
 
@@ -1676,7 +1690,7 @@ static rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, cons
 {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    rbdi_force_to_array(F, all);
+    rbdi_store_force(all, 1, F);
     for (int k = 0; k < b->n; ++k)
         tau[l->iv + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
@@ -1708,6 +1722,21 @@ static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const 
 }
 
 /* ---- crba [crba] ---- */
+
+/* x = 0, a batch at a time: a call of memset costs more than it stores. */
+static void rbdi_clear(rbd_real *x, int n)
+{
+    int k = 0;
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)&x[k];
+        __asm__("" : "+r"(p)); /* or the compiler sees through it */
+        *p = zero;
+    }
+#endif
+    for (; k < n; ++k) x[k] = rbdi_zero();
+}
 
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C)
 {
@@ -1815,43 +1844,59 @@ static void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi
         rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
 }
 
-/* Wrenches that unit accelerations of link i's own dofs take, and the entries of H that the link's dofs
-   and those of its subtree make: S' F. */
-static void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H)
+/* Entry of the solver's dof j and its ancestor dof c, which stands at place depth of packed rows: into the
+   packed matrix H, or twice into the full one, M. */
+RBDI_INLINE void rbdi_crba_put(const rbd_model *m, int j, int c, int depth, rbd_real x, rbd_real *H, rbd_real *M)
 {
-    const rbdi_link *l = &m->link[i];
-    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
-    if (l->kind == RBDI_BLOCK) {
-        const rbdi_block *b = rbdi_block_of(m, l);
-        for (int k = 0; k < b->n; ++k)
-            rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, b->first + k));
-        for (int j = l->first; j < l->end; ++j) {
-            rbd_real *row = &H[m->dof[j].row_here + m->dof[l->iv].depth];
-            const int own = j - l->first + 1, n = own < b->n ? own : b->n;
-            for (int k = 0; k < n; ++k) row[k] = w->F[stride * (b->first + k) + j];
-            if (own <= n) row[own - 1] = row[own - 1] + m->dof[l->iv + own - 1].armature;
-        }
+    if (M) {
+        const int i = m->dof[j].here;
+        M[i * m->nv + c] = M[c * m->nv + i] = x;
     } else {
-        const rbdi_dof *dof = &m->dof[l->iv];
-        const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-        rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
-        if (l->kind == RBDI_SCREW) {
-            rbdi_force slide = rbdi_rbi_column(C, l->mc, 5);
-            own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
-            own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
-        }
-        rbdi_store_force(&w->F[l->first], stride, own);
-        for (int j = l->first; j < l->end; ++j) {
-            rbd_real x = N[j];
-            if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
-            H[m->dof[j].row_here + dof->depth] = x;
-        }
-        H[dof->row + dof->depth] = H[dof->row + dof->depth] + dof->armature;
+        H[m->dof[j].row_here + depth] = x;
     }
 }
 
-/* RBDA table 6.2, into the packed tree matrix. */
-static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
+/* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
+   those of its subtree make: S' F. */
+RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
+                                         rbdi_rbi C, rbd_real *H, rbd_real *M)
+{
+    const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
+    const rbd_real *F = &w->F[stride * first];
+    for (int k = 0; k < n; ++k)
+        rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, first + k));
+    for (int k = 0; k < n; ++k) {
+        rbd_real *own = &w->F[stride * (first + k) + l->first + k];
+        *own = *own + m->dof[iv + k].armature;
+        for (int j = k; j < n; ++j)
+            rbdi_crba_put(m, l->first + j, iv + k, depth + k, F[stride * k + l->first + j], H, M);
+        *own = *own - m->dof[iv + k].armature;
+    }
+    for (int j = l->first + n; j < l->end; ++j)
+        for (int k = 0; k < n; ++k) rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
+}
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
+{
+    const rbdi_link *l = &m->link[i];
+    const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
+    const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
+    rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
+    if (l->kind == RBDI_SCREW) {
+        rbdi_force slide = rbdi_rbi_column(C, l->mc, 5);
+        own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
+        own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
+    }
+    rbdi_store_force(&w->F[l->first], stride, own);
+    rbdi_crba_put(m, l->first, iv, depth, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature, H, M);
+    for (int j = l->first + 1; j < l->end; ++j) {
+        rbd_real x = N[j];
+        if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
+        rbdi_crba_put(m, j, iv, depth, x, H, M);
+    }
+}
+
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before. */
+RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M)
 {
     rbdi_rbi carried = rbdi_rbi_zero();
     for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
@@ -1861,7 +1906,12 @@ static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
         C.S = rbdi_sym_add(C.S, rbdi_sym_c(l->S));
         C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-        rbdi_crba_entries(m, w, i, C, H);
+        if (l->kind != RBDI_BLOCK)
+            rbdi_crba_entries(m, w, i, C, H, M);
+        else if (rbdi_block_of(m, l)->n == 6)
+            rbdi_crba_entries_block(m, w, l, 0, 6, C, H, M);
+        else
+            rbdi_crba_entries_block(m, w, l, rbdi_block_of(m, l)->first, rbdi_block_of(m, l)->n, C, H, M);
         if (l->parent < 0) {
             carried = rbdi_rbi_zero();
             continue;
@@ -1876,28 +1926,6 @@ static void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H)
         if (l->parent == i - 1) continue;
         w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
         carried = rbdi_rbi_zero();
-    }
-}
-
-/* x = 0, a batch at a time: a call of memset costs more than it stores. */
-static void rbdi_clear(rbd_real *x, int n)
-{
-    int k = 0;
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&x[k] = zero;
-#endif
-    for (; k < n; ++k) x[k] = rbdi_zero();
-}
-
-/* Full matrix, both triangles, from packed rows. */
-static void rbdi_unpack(const rbd_model *m, const rbd_real *H, rbd_real *M)
-{
-    const int n = m->nv;
-    if (m->nh < n * (n + 1) / 2) rbdi_clear(M, n * n);
-    for (int i = 0; i < n; ++i) {
-        const rbd_real *h = &H[m->dof[i].row + m->dof[i].depth];
-        for (int j = i; j >= 0; j = m->dof[j].lambda, --h) M[i * n + j] = M[j * n + i] = *h;
     }
 }
 
@@ -2145,7 +2173,7 @@ static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const
     rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6], C[6];
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_FULL, *X), A);
-    rbdi_force_to_array(*p, P);
+    rbdi_store_force(P, 1, *p);
     if (l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE)) {
         rbdi_aba_release_block(m, l, 0, 6, 0, tau, A, P, bw, w->pivot, bad);
         return;
@@ -2156,7 +2184,7 @@ static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const
     for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
     *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
-    *p = rbdi_force_up_block(&bw->X, rbdi_force_from_array(P));
+    *p = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
 
 /* Pass 2, one-axis link: X and p, those of the children summed, become what the parent feels. */
@@ -2348,23 +2376,23 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
 {
     if (!m || !w || !q || !H) return RBD_ERR_NULL;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_crba(m, w, m->nmimic ? w->Hx : H);
+    rbdi_crba(m, w, m->nmimic ? w->Hx : H, NULL);
     if (m->nmimic) rbdi_reduce_H(m, w->Hx, H);
     return RBD_OK;
 }
 
 RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
 {
-    rbd_status status;
-    if (!m || !w || !M) return RBD_ERR_NULL;
-    status = rbd_crba_packed(m, w, q, w->H);
-    if (status) return status;
-    if (!m->nmimic) {
-        rbdi_unpack(m, w->H, M);
+    if (!m || !w || !q || !M) return RBD_ERR_NULL;
+    if (m->nmimic) {
+        rbd_crba_packed(m, w, q, w->H);
+        for (int i = 0; i < m->nv; ++i)
+            for (int j = 0; j <= i; ++j) M[i * m->nv + j] = M[j * m->nv + i] = w->H[i * (i + 1) / 2 + j];
         return RBD_OK;
     }
-    for (int i = 0; i < m->nv; ++i)
-        for (int j = 0; j <= i; ++j) M[i * m->nv + j] = M[j * m->nv + i] = w->H[i * (i + 1) / 2 + j];
+    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
+    rbdi_joints(m, w, q);
+    rbdi_crba(m, w, NULL, M);
     return RBD_OK;
 }
 
@@ -2754,9 +2782,8 @@ static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c)
 /* Unit quaternion of the same direction; identity for zero. */
 static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
 {
-    rbd_real n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k;
-    rbdi_mask bad = rbdi_less(n, n);
-    k = rbdi_sqrt(rbdi_reciprocal(n, RBD_C(1e-30), &bad));
+    rbdi_mask bad;
+    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, &bad));
     for (int i = 0; i < 3; ++i) u[i] = q[i] * k;
     u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), q[3] * k);
 }
@@ -2918,13 +2945,13 @@ RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q)
     return RBD_OK;
 }
 
-/* Uniform in [0, 1), 32 bits, by splitmix64. */
+/* Uniform in [0, 1), 24 bits so that any scalar holds them, by splitmix64. */
 static rbd_const rbdi_uniform(uint64_t *seed)
 {
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (rbd_const)(int32_t)(z >> 33) * RBD_C(4.656612873077392578125e-10);
+    return (rbd_const)(int32_t)(z >> 40) * RBD_C(5.9604644775390625e-8);
 }
 
 /* Uniform between two bounds; each lane draws its own. */
@@ -2932,10 +2959,14 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper)
 {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
-    for (int i = 0; i < RBD_LANES; ++i) x[i] = lower + (upper - lower) * rbdi_uniform(seed);
+    for (int i = 0; i < RBD_LANES; ++i) {
+        const rbd_const u = rbdi_uniform(seed);
+        x[i] = lower * (1 - u) + upper * u;
+    }
     return x;
 #else
-    return rbdi_set(lower + (upper - lower) * rbdi_uniform(seed));
+    const rbd_const u = rbdi_uniform(seed);
+    return rbdi_set(lower * (1 - u) + upper * u);
 #endif
 }
 
@@ -2958,7 +2989,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
         const rbdi_frame *u = &m->frame[b];
         rbd_real *x = &q[u->iq];
         const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-        int shifts = 0; /* coordinates that are lengths come first, but for cylindrical joints */
+        int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
         if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
             x[0] = rbdi_draw(seed, u->lower, u->upper);
@@ -2966,8 +2997,9 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
         }
         if (u->type == RBD_PRISMATIC) shifts = 1;
         if (u->type == RBD_PLANAR) shifts = 2;
-        if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = 3;
-        for (int k = 0; k < u->nv && k < u->nq; ++k)
+        if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
+        if (u->type == RBD_SPHERICAL) angles = 0;
+        for (int k = 0; k < angles; ++k)
             x[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
         if (u->type == RBD_CYLINDRICAL) x[1] = rbdi_draw(seed, -one, one);
         if (u->type == RBD_CONTINUOUS_CS) {
@@ -3098,8 +3130,9 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     u = &m->frame[body];
     info->type = (rbd_joint_type)u->type;
-    info->iq = u->iq, info->nq = u->nq;
-    info->iv = u->iv, info->nv = u->nv;
+    info->nq = u->nq, info->nv = u->nv;
+    info->iq = u->nv > 0 ? u->iq : -1;
+    info->iv = u->nv > 0 ? u->iv : -1;
     info->lower = u->lower, info->upper = u->upper;
     info->velocity = u->velocity, info->effort = u->effort;
     return RBD_OK;
@@ -3115,7 +3148,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
-    case RBD_ERR_MEMORY: return "the memory given is too small";
+    case RBD_ERR_MEMORY: return "the memory given is too small: rbd_model_size or rbd_work_size has the figure";
     case RBD_ERR_VERSION: return "the built model is of another version or scalar than this rbd.h";
     case RBD_ERR_INDEX: return "no such body";
     case RBD_ERR_ORDER: return "rbd_kinematics must be called first";
@@ -3124,7 +3157,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_NAME: return "the name stands twice";
     case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
     case RBD_ERR_TYPE: return "unknown joint type";
-    case RBD_ERR_AXIS: return "zero, not finite, or parallel to the other axis";
+    case RBD_ERR_AXIS: return "zero or not finite; axis2 of a universal joint also if parallel to axis";
     case RBD_ERR_PITCH: return "not finite";
     case RBD_ERR_POSITION: return "not finite";
     case RBD_ERR_ROTATION: return "not finite, or not an orthonormal right-handed matrix";
@@ -3132,14 +3165,15 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_COM: return "not finite";
     case RBD_ERR_INERTIA: return "not finite";
     case RBD_ERR_LEAF: return "a movable leaf needs mass, inertia or armature: forward dynamics would be singular";
-    case RBD_ERR_ARMATURE: return "negative or not finite";
-    case RBD_ERR_DAMPING: return "negative or not finite";
+    case RBD_ERR_ARMATURE:
+    case RBD_ERR_DAMPING:
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC: return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or mimics too";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE: return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
+    case RBD_WARN_FIXED: return "the joint is fixed but has an axis: is its type missing?";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
     }
     return "unknown status";
@@ -3347,6 +3381,7 @@ static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_
 
 /* -- the checks -- */
 
+/* Finite, and in the model's scalar too. */
 static int rbdi_finite(const double *x, int n)
 {
     for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
@@ -3354,7 +3389,7 @@ static int rbdi_finite(const double *x, int n)
             double x;
             uint64_t bits;
         } u;
-        u.x = x[k];
+        u.x = (double)RBD_C(x[k]);
         if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
     }
     return 1;
@@ -3484,6 +3519,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
+    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3)) rbdi_warn(report, RBD_WARN_FIXED, i, b->name, "type");
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -3516,7 +3552,7 @@ static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place
 {
     const rbd_body *b = &bodies[i];
     if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
-    if (b->mimic || (rbdi_joint_facts((int)b->type)->nv > 0 && !rbdi_all_zero(b->armature, 6))) return 1;
+    if (b->mimic || !rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) return 1;
     for (int j = 0; j < nb; ++j) {
         if (j > i && bodies[j].parent == i && bodies[j].type != RBD_FIXED) return 1; /* not a leaf */
         if (rbdi_same(bodies[j].mimic, b->joint)) return 1;
@@ -3569,6 +3605,18 @@ static void rbdi_draft_clear(rbdi_draft *l)
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
+/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
+static void rbdi_orthonormalise(rbdi_wide R[9])
+{
+    rbdi_wide along;
+    rbdi_unit(&R[0], &R[0]);
+    along = rbdi_w_dot(&R[0], &R[3]);
+    for (int k = 0; k < 3; ++k) R[3 + k] -= along * R[k];
+    rbdi_unit(&R[3], &R[3]);
+    for (int k = 0; k < 3; ++k)
+        R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
+}
+
 /* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
    cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
 static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl)
@@ -3580,6 +3628,7 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     int parent = -1;
     rbdi_widen(b->rotation, 9, R);
     if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
+    rbdi_orthonormalise(R);
     rbdi_w_transpose(R, E);
     rbdi_widen(b->position, 3, r);
     if (b->parent >= 0) {
@@ -3792,13 +3841,17 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
-/* Step 6, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever
-   the configuration: the size of the numbers of which a pivot is the difference. */
+/* Step 6, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
+   configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia
+   only what is about the axis counts, and the rounding of its change of frame, for a thin rod may well
+   turn about itself. */
 static void rbdi_draft_scale(rbdi_draft *draft, int i)
 {
+    const rbdi_wide noise = (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_NOISE;
     rbdi_draft *l = &draft[i], *up;
-    rbdi_wide r[3], distance;
-    l->trace += l->S[0] + l->S[3] + l->S[5] + l->m * rbdi_w_dot(l->b, l->b);
+    rbdi_wide r[3], distance, trace = l->S[0] + l->S[3] + l->S[5] + l->m * rbdi_w_dot(l->b, l->b);
+    l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->S[0] + l->S[3] + 16 * noise * trace);
+    l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     l->mass += l->m;
     if (l->parent < 0) return;
@@ -3916,8 +3969,8 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q) ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->trace + l->kappa * l->kappa * l->mass
-                                : first + k < 3       ? l->trace
+        const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->scale + l->kappa * l->kappa * l->mass
+                                : first + k < 3       ? l->scale
                                                       : l->mass;
         d->body = (int16_t)l->body;
         d->lambda = -1;
@@ -4039,7 +4092,10 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
     for (int p = 0; p < n.nl; ++p) {
         const int dofs = link[p].block < 0 ? 1 : block[link[p].block].n;
         link[p].first = (int16_t)next;
-        for (int k = 0; k < dofs; ++k) dof[next++].row_here = dof[link[p].iv + k].row;
+        for (int k = 0; k < dofs; ++k, ++next) {
+            dof[next].here = (int16_t)(link[p].iv + k);
+            dof[next].row_here = dof[link[p].iv + k].row;
+        }
     }
     for (int p = 0; p < n.nl; ++p) {
         const int behind = p + draft[draft[p].order].size;

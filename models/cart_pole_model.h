@@ -28,10 +28,10 @@ static const rbdi_link cart_pole_links[2] = {
      {RBD_C(0.15), 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof cart_pole_dofs[2] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
-    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.0605)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.1205)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

@@ -28,10 +28,10 @@ static const rbdi_link double_pendulum_links[2] = {
      {RBD_C(0.3), 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof double_pendulum_dofs[2] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(2.121)},
-    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.1205)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(2.521)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.2405)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

@@ -53,15 +53,15 @@ static const rbdi_link iiwa_links[7] = {
      {0, 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof iiwa_dofs[7] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(5.224952845394229)},
-    {1, 0, 1, 1, 1, 0, 0, 0, RBD_C(4.925102845394229)},
-    {2, 1, 3, 2, 3, 0, 0, 0, RBD_C(1.268789184688816)},
-    {3, 2, 6, 3, 6, 0, 0, 0, RBD_C(1.022337684688816)},
-    {4, 3, 10, 4, 10, 0, 0, 0, RBD_C(0.14746010299999998)},
-    {5, 4, 15, 5, 15, 0, 0, 0, RBD_C(0.013179535999999999)},
-    {6, 5, 21, 6, 21, 0, 0, 0, RBD_C(0.0065286)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(5.248552845394229)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(4.983027205394229)},
+    {2, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(1.281489184688816)},
+    {3, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(1.063457984688816)},
+    {4, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(0.15320981999999997)},
+    {5, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(0.017880183999999997)},
+    {6, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.0075286)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

@@ -23,9 +23,9 @@ static const rbdi_link pendulum_links[1] = {
      {0, RBD_C(0.6), 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */
+/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof pendulum_dofs[1] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, RBD_C(0.40049999999999997)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(0.8005)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

@@ -150,12 +150,12 @@ static void write_blocks(const char *name, const rbd_model *m)
 
 static void write_dofs(const char *name, const rbd_model *m)
 {
-    printf("/* body, dof before it, row, depth, row at this solver position | armature, damping, friction | inertia of what it moves */\n");
+    printf("/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */\n");
     printf("static const rbdi_dof %s_dofs[%d] = {\n", name, m->nv + m->nmimic);
     for (int i = 0; i < m->nv + m->nmimic; ++i) {
         const rbdi_dof *d = &m->dof[i];
         const double passive[] = {d->armature, d->damping, d->friction};
-        printf("    {%d, %d, %d, %d, %d, ", d->body, d->lambda, d->row, d->depth, d->row_here);
+        printf("    {%d, %d, %d, %d, %d, %d, ", d->body, d->lambda, d->row, d->depth, d->here, d->row_here);
         list(passive, 3);
         putchar(' ');
         number(d->scale);
