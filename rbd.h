@@ -20,10 +20,10 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [guarantees] [limits]
-     [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup]
+     [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup] [batch]
      --- stop here if you only use it ---
-     [scalar] [spatial algebra] [joints] [model build] [state] [kinematics code] [rnea] [crba]
-     [aba] [cholesky] [manifold code] [licence]
+     [scalar] [spatial algebra] [joints] [state] [rnea] [crba] [kinematics code]
+     [aba] [cholesky] [manifold code] [model build] [batch code] [licence]
 
    [conventions]
      units             SI: m, kg, s, rad, N, N m
@@ -61,6 +61,7 @@
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
      RBD_STATIC       every function is static
+     RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
      RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only)
 
    [guarantees]
@@ -78,6 +79,11 @@
 */
 #ifndef RBD_H
 #define RBD_H
+
+#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the batch calls: another file has the rest */
+#define RBD_IMPLEMENTATION
+#define RBD_STATIC
+#endif
 
 #include <stddef.h>
 #include <stdint.h>
@@ -121,6 +127,16 @@ extern "C" {
 #define RBDI_EXTERN_C_END }
 #else
 #define RBDI_EXTERN_C_END
+#endif
+
+/* The batch calls are between files also where all else is static. */
+#define RBD_BATCH_API RBDI_EXTENSION extern
+#if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
+#define RBDI_EXTERN_C_BEGIN extern "C" {
+#define RBDI_EXTERN_C_CLOSE }
+#else
+#define RBDI_EXTERN_C_BEGIN
+#define RBDI_EXTERN_C_CLOSE
 #endif
 
 /* One symbol carries the scalar, so that files which differ in it do not link. */
@@ -423,6 +439,50 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
 
 /* The body whose joint has this degree of freedom, -1 if there is none. */
 RBD_API int rbd_dof_body(const rbd_model *m, int dof);
+
+/* ---- batches [batch] ----
+   Many states at once, RBD_LANES of them by each SIMD instruction, from and to ordinary arrays. A file of
+   its own implements them, compiled for the SIMD unit at hand:
+
+       #define RBD_LANES 8               (double: 8 with AVX-512, 4 with AVX, 2 else; float: twice that)
+       #define RBD_BATCH_IMPLEMENTATION
+       #include "rbd.h"
+
+   All other files include rbd.h as ever. In every call n states stand one after the other: q is n x nq,
+   v, a, tau n x nv, f_ext n x nb x 6 or NULL, M n x nv x nv, H n x rbd_packed_size(m); n may be any number.
+   Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
+   states' results stand, and rbd_batch_singular names the first that is singular. */
+
+typedef struct rbd_batch rbd_batch; /* scratch of one thread */
+
+RBDI_EXTERN_C_BEGIN
+RBD_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
+
+/* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
+RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m);
+RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
+RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
+
+/* As the calls without _batch, for n states. */
+RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                        RBD_REAL *tau);
+RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
+RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        RBD_REAL *M);
+RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               RBD_REAL *H);
+RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                       RBD_REAL *a);
+RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               const RBD_REAL *v, const RBD_REAL *tau,
+                                               const RBD_REAL *f_ext, RBD_REAL *a);
+
+/* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
+RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
+RBDI_EXTERN_C_CLOSE
 
 /* ---- the built model and the work, laid open for compile-time sizes and generated tables only ---- */
 
@@ -4170,6 +4230,239 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
 }
 
 #endif /* RBD_NO_BUILD */
+
+/* ---- batches [batch code] ---- */
+
+#ifdef RBD_BATCH_IMPLEMENTATION
+#ifndef RBD_LANES
+#error "RBD_BATCH_IMPLEMENTATION needs RBD_LANES"
+#endif
+
+RBDI_EXTERN_C_BEGIN
+
+struct rbd_batch {
+    rbd_work *w;
+    rbd_real *q, *v, *a, *f, *out; /* inputs and output of the states at hand, a lane each */
+    int state, dof;                /* first singular state of the last call, -1 = none */
+};
+
+/* Largest output of a call: M. */
+static int rbdi_batch_output(const rbd_model *m) { return m->nv * m->nv > m->nv ? m->nv * m->nv : m->nv; }
+
+/* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
+#if defined __has_builtin
+#if __has_builtin(__builtin_shufflevector) && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
+#define RBDI_EXCHANGE(x, step) \
+    for (int i = 0; i < RBD_LANES; ++i) \
+        if (!(i & (step))) { \
+            const rbd_real a = x[i], b = x[i + (step)]; \
+            x[i] = RBDI_SHUFFLE_LOW_##step(a, b); \
+            x[i + (step)] = RBDI_SHUFFLE_HIGH_##step(a, b); \
+        }
+#if RBD_LANES == 2
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 2)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 3)
+#elif RBD_LANES == 4
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 4, 2, 6)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
+#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5)
+#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 6, 7)
+#else
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15)
+#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
+#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
+#define RBDI_SHUFFLE_LOW_4(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
+#define RBDI_SHUFFLE_HIGH_4(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
+#endif
+#endif
+#endif
+#ifdef RBDI_SHUFFLE_LOW_1
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
+{
+    RBDI_EXCHANGE(x, 1)
+#if RBD_LANES >= 4
+    RBDI_EXCHANGE(x, 2)
+#endif
+#if RBD_LANES >= 8
+    RBDI_EXCHANGE(x, 4)
+#endif
+}
+#else
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
+{
+    for (int i = 0; i < RBD_LANES; ++i)
+        for (int j = 0; j < i; ++j) {
+            const RBD_REAL t = x[i][j];
+            x[i][j] = x[j][i];
+            x[j][i] = t;
+        }
+}
+#endif
+
+typedef RBD_REAL rbdi_lane_row __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
+
+/* x[k] lane s = column k of row s, for rows of the given width; lanes beyond count repeat the last row.
+   Blocks of RBD_LANES columns; the last may overlap the one before. */
+static void rbdi_gather(const RBD_REAL *rows, int width, int count, rbd_real *x)
+{
+    if (width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
+        return;
+    }
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s)
+            block[s] = *(const rbdi_lane_row *)&rows[(s < count ? s : count - 1) * width + at];
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
+    }
+}
+
+/* The reverse, into the first count rows. */
+static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows)
+{
+    if (width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
+        return;
+    }
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s) block[s] = x[at + s];
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < count; ++s) *(rbdi_lane_row *)&rows[s * width + at] = block[s];
+    }
+}
+
+/* The calls, told apart by a constant so that each wrapper keeps its own alone. */
+enum { RBDI_CALL_RNEA, RBDI_CALL_CRBA, RBDI_CALL_CRBA_PACKED, RBDI_CALL_ABA, RBDI_CALL_FD_CHOLESKY };
+
+/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea NULL is zero. */
+RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                      const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                      RBD_REAL *out)
+{
+    const size_t nq = (size_t)rbd_nq(m), nv = (size_t)rbd_nv(m), nf = 6 * (size_t)rbd_nb(m);
+    const int full = call == RBDI_CALL_CRBA, packed = call == RBDI_CALL_CRBA_PACKED;
+    size_t width;
+    rbd_status result = RBD_OK;
+    if (!m || !b || !q || !out) return RBD_ERR_NULL;
+    width = full ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
+    b->state = b->dof = -1;
+    for (int s = 0; s < n; s += RBD_LANES) {
+        const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
+        const size_t at = (size_t)s;
+        rbd_status status = RBD_OK;
+        rbdi_gather(q + at * nq, (int)nq, count, b->q);
+        if (v) rbdi_gather(v + at * nv, (int)nv, count, b->v);
+        if (a) rbdi_gather(a + at * nv, (int)nv, count, b->a);
+        if (f_ext) rbdi_gather(f_ext + at * nf, (int)nf, count, b->f);
+        if (call == RBDI_CALL_RNEA)
+            status = rbd_rnea(m, b->w, b->q, v ? b->v : b->w->zero, a ? b->a : b->w->zero,
+                              f_ext ? b->f : NULL, b->out);
+        if (full) status = rbd_crba(m, b->w, b->q, b->out);
+        if (packed) status = rbd_crba_packed(m, b->w, b->q, b->out);
+        if (call == RBDI_CALL_ABA)
+            status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
+        if (call == RBDI_CALL_FD_CHOLESKY)
+            status = rbd_fd_cholesky(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
+        if (status == RBD_ERR_SINGULAR && b->state < 0) {
+            b->dof = rbd_singular_dof(b->w);
+            for (int i = count - 1; i >= 0; --i)
+                if (!(b->w->pivot[b->dof][i] > m->dof[b->dof].scale * RBDI_NOISE)) b->state = s + i;
+        }
+        if (status) result = status;
+        rbdi_scatter(b->out, (int)width, count, out + at * width);
+    }
+    return result;
+}
+
+RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
+
+RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m)
+{
+    if (!m) return 0;
+    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
+           sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
+}
+
+RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch)
+{
+    unsigned char *p;
+    rbd_batch *b;
+    if (!m || !memory || !batch) return RBD_ERR_NULL;
+    if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
+    p = rbdi_aligned(memory);
+    b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
+    b->q = (rbd_real *)rbdi_take(&p, m->nq, sizeof(rbd_real));
+    b->v = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->a = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->f = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
+    b->out = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
+    b->state = b->dof = -1;
+    *batch = b;
+    return rbd_work_init(m, p, rbd_work_size(m), &b->w);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3])
+{
+    return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
+}
+
+RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                        RBD_REAL *tau)
+{
+    if (!v || !a) return RBD_ERR_NULL;
+    return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, a, f_ext, tau);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c)
+{
+    if (!v) return RBD_ERR_NULL;
+    return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, NULL, f_ext, c);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q, RBD_REAL *M)
+{
+    return rbdi_batch_run(RBDI_CALL_CRBA, m, b, n, q, NULL, NULL, NULL, M);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               RBD_REAL *H)
+{
+    return rbdi_batch_run(RBDI_CALL_CRBA_PACKED, m, b, n, q, NULL, NULL, NULL, H);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                       RBD_REAL *a)
+{
+    if (!v || !tau) return RBD_ERR_NULL;
+    return rbdi_batch_run(RBDI_CALL_ABA, m, b, n, q, v, tau, f_ext, a);
+}
+
+RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               const RBD_REAL *v, const RBD_REAL *tau,
+                                               const RBD_REAL *f_ext, RBD_REAL *a)
+{
+    if (!v || !tau) return RBD_ERR_NULL;
+    return rbdi_batch_run(RBDI_CALL_FD_CHOLESKY, m, b, n, q, v, tau, f_ext, a);
+}
+
+RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof)
+{
+    if (dof) *dof = b ? b->dof : -1;
+    return b ? b->state : -1;
+}
+
+RBDI_EXTERN_C_CLOSE
+#endif /* RBD_BATCH_IMPLEMENTATION */
 
 #endif /* RBD_IMPLEMENTATION */
 
