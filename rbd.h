@@ -61,6 +61,8 @@
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
      RBD_STATIC       every function is static
+     RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
+                      straight-line code for that robot: see RBD_LOCAL_WORK
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
      RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only)
 
@@ -103,7 +105,11 @@
 #endif
 
 #ifdef RBD_STATIC
+#ifdef RBD_SPECIALISE
+#define RBD_API static inline __attribute__((always_inline, unused))
+#else
 #define RBD_API static RBDI_UNUSED
+#endif
 #else
 #define RBD_API extern
 #endif
@@ -293,6 +299,29 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
 
 /* Bytes that rbd_work_init needs for this model. */
 RBD_API size_t rbd_work_size(const rbd_model *m);
+
+/* A work on the stack of a function: for straight-line code of one robot, in a file of its own, built with
+   -O3 -fno-signed-zeros -ffinite-math-only (both: else x + 0 and x * 0 must be computed) and the
+   machine's -march; GCC gains by it in rnea and crba, clang in all (README, Measured):
+
+       #define RBD_STATIC
+       #define RBD_SPECIALISE
+       #define RBD_IMPLEMENTATION
+       #include "rbd.h"
+       #include "models/iiwa_model.h"
+       rbd_status iiwa_rnea(const double *q, const double *v, const double *a, double *tau)
+       {
+           RBD_LOCAL_WORK(w, iiwa_model, IIWA_WORK_SIZE);
+           return rbd_rnea(&iiwa_model, w, q, v, a, NULL, tau);
+       }
+   */
+#define RBD_LOCAL_WORK(w, model, size)                                                                   \
+    union {                                                                                              \
+        double align;                                                                                    \
+        unsigned char bytes[size];                                                                       \
+    } w##_memory __attribute__((aligned(64)));                                                           \
+    rbd_work *w;                                                                                         \
+    rbd_work_init(&(model), w##_memory.bytes, sizeof w##_memory.bytes, &w)
 
 /* Sets gravity, 3 components in the world frame, for the calls that follow. */
 RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
@@ -816,6 +845,18 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #else
 #define RBDI_INLINE static inline RBDI_UNUSED
 #endif
+#ifdef RBD_SPECIALISE
+#define RBDI_PART RBDI_INLINE
+#ifdef __clang__
+#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define RBDI_UNROLL _Pragma("GCC unroll 64")
+#endif
+#else
+#define RBDI_PART static RBDI_UNUSED
+#define RBDI_UNROLL
+#endif
+
 /* pi to quad precision, from doubles: a long literal would be cut to double. */
 #define RBDI_PI(type) \
     ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type)-2.9947698097183397e-33)
@@ -995,7 +1036,7 @@ RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_re
     rbdi_bit any = 0;
     if (n <= 0) return;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
-    for (int i = 0; i * RBDI_BATCH < n; ++i) {
+    RBDI_UNROLL for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
         rbdi_sincos_batch(bx[i], &bs[i], &bc[i]);
     }
@@ -1309,7 +1350,7 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *bad)
 {
     rbd_real sum = q[0] * q[0];
-    for (int k = 1; k < n; ++k) sum = sum + q[k] * q[k];
+    RBDI_UNROLL for (int k = 1; k < n; ++k) sum = sum + q[k] * q[k];
     *bad = rbdi_less(sum, sum);
     return rbdi_reciprocal(sum, RBD_C(1e-30), bad);
 }
@@ -1378,10 +1419,10 @@ RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 }
 
 /* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
-static void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
+RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 {
     int plain = 1;
-    for (int i = 0; i < m->nl; ++i) {
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE) {
             w->angle[i] = q[l->iq] + l->gamma;
@@ -1396,7 +1437,7 @@ static void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
         }
     }
     rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
-    for (int i = 0; !plain && i < m->nl; ++i) {
+    RBDI_UNROLL for (int i = 0; !plain && i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
@@ -1421,7 +1462,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 /* Runs the statement with f = the link's flags: for the common forms, a revolute link without armature in
    Denavit-Hartenberg form at a right angle or parallel to its parent, f is known to the compiler but for
    RBDI_OFFSET. The empty assembly keeps clang from concluding that f is flags_, and forgetting the rest. */
-#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__ && !defined RBD_SPECIALISE
 #define RBDI_BY_FORM(link, statement) \
     do { \
         const int flags_ = (link)->flags; \
@@ -1495,7 +1536,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
-        for (int k = 0; k < 6; k += 3) { \
+        RBDI_UNROLL for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
             name##_turn(f, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
             if (f & RBDI_BETA) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
@@ -1549,8 +1590,8 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a)
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v)
 {
     rbd_real a[6];
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
+    RBDI_UNROLL for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
 }
 
@@ -1694,7 +1735,7 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
-static const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q)
+RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q)
 {
     if (m->nmimic == 0) return q;
     for (int k = 0; k < m->nq; ++k) w->qx[k] = q[k];
@@ -1702,7 +1743,7 @@ static const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
-static const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx)
+RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx)
 {
     if (m->nmimic == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
@@ -1710,7 +1751,7 @@ static const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_
     return vx;
 }
 /* tau = G' tau_x, for v_x = G v. */
-static void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau)
+RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau)
 {
     if (m->nmimic == 0) return;
     for (int k = 0; k < m->nv; ++k) tau[k] = tx[k];
@@ -1721,9 +1762,10 @@ static void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *ta
 /* ---- rnea [rnea] ---- */
 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
-static void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
+RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
 {
     if (!f_ext) return;
+    RBDI_UNROLL
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_pose X;
@@ -1745,27 +1787,27 @@ RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i
     tau[l->iv] = t;
     return f & RBDI_ROOT ? F : rbdi_force_up(l, f, rbdi_trig_of(m, w, i, f), F);
 }
-static rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, rbdi_force F,
+RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, rbdi_force F,
                                      const rbd_real *a, rbd_real *tau)
 {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
-    for (int k = 0; k < b->n; ++k)
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
         tau[l->iv + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
-static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
+RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                       const rbd_real *f_ext, rbd_real *tau)
 {
     const rbdi_state world = rbdi_world_state(w->gravity);
     rbdi_state s = world;
     rbdi_force carried = rbdi_force0();
-    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
     rbdi_external(m, w, f_ext);
-    for (int i = m->nl - 1; i >= 0; --i) {
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         rbdi_force F = rbdi_force_add(w->link[i].f, carried);
         if (l->kind == RBDI_BLOCK)
@@ -1784,7 +1826,7 @@ static void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const 
 /* ---- crba [crba] ---- */
 
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
-static void rbdi_clear(rbd_real *x, int n)
+RBDI_PART void rbdi_clear(rbd_real *x, int n)
 {
     int k = 0;
 #if RBDI_BATCH > 1
@@ -1877,6 +1919,11 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
     return F;
 }
 
+#ifdef RBD_SPECIALISE
+#define RBDI_CRBA_BATCH 1
+#else
+#define RBDI_CRBA_BATCH RBDI_BATCH
+#endif
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
    that a batch of them moves at once; batches count from the last dof down and may reach below the first:
    what lies there is not set yet. */
@@ -1885,22 +1932,22 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, f);
     const int stride = m->nv + m->nmimic + RBDI_CHUNK;
-    for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
-#if RBDI_BATCH > 1
+    RBDI_UNROLL for (int k = l->end - RBDI_CRBA_BATCH; k > l->first - RBDI_CRBA_BATCH; k -= RBDI_CRBA_BATCH) {
+#if RBDI_CRBA_BATCH > 1
         rbdi_batch x[6];
-        for (int j = 0; j < 6; ++j) x[j] = *(const rbdi_batch *)&w->F[j * stride + k];
+        RBDI_UNROLL for (int j = 0; j < 6; ++j) x[j] = *(const rbdi_batch *)&w->F[j * stride + k];
         rbdi_batch_up(l, f, t, x);
-        for (int j = 0; j < 6; ++j) *(rbdi_batch *)&w->F[j * stride + k] = x[j];
+        RBDI_UNROLL for (int j = 0; j < 6; ++j) *(rbdi_batch *)&w->F[j * stride + k] = x[j];
 #else
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, f, t, rbdi_load_force(&w->F[k], stride)));
 #endif
     }
 }
-static void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
+RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
 {
     const rbdi_pose *X = &w->block[l->block].X;
     const int stride = m->nv + m->nmimic + RBDI_CHUNK;
-    for (int k = l->first; k < l->end; ++k)
+    RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
 }
 
@@ -1923,17 +1970,17 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
 {
     const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
     const rbd_real *F = &w->F[stride * first];
-    for (int k = 0; k < n; ++k)
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
         rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, first + k));
-    for (int k = 0; k < n; ++k) {
+    RBDI_UNROLL for (int k = 0; k < n; ++k) {
         rbd_real *own = &w->F[stride * (first + k) + l->first + k];
         *own = *own + m->dof[iv + k].armature;
-        for (int j = k; j < n; ++j)
+        RBDI_UNROLL for (int j = k; j < n; ++j)
             rbdi_crba_put(m, l->first + j, iv + k, depth + k, F[stride * k + l->first + j], H, M);
         *own = *own - m->dof[iv + k].armature;
     }
-    for (int j = l->first + n; j < l->end; ++j)
-        for (int k = 0; k < n; ++k) rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
+    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j)
+        RBDI_UNROLL for (int k = 0; k < n; ++k) rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
 }
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
@@ -1948,7 +1995,7 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
     }
     rbdi_store_force(&w->F[l->first], stride, own);
     rbdi_crba_put(m, l->first, iv, depth, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature, H, M);
-    for (int j = l->first + 1; j < l->end; ++j) {
+    RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
         if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(m, j, iv, depth, x, H, M);
@@ -1959,8 +2006,8 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M)
 {
     rbdi_rbi carried = rbdi_rbi_zero();
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
-    for (int i = m->nl - 1; i >= 0; --i) {
+    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         rbdi_rbi C = carried;
         C.S = rbdi_sym_add(C.S, rbdi_sym_c(l->S));
@@ -1990,7 +2037,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
 }
 
 /* With mimic joints: dense packed lower triangle of G' H_x G. */
-static void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
+RBDI_PART void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
 {
     const int n = m->nv + m->nmimic;
     rbdi_clear(H, m->nv * (m->nv + 1) / 2);
@@ -2099,10 +2146,10 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
     return c;
 }
 
-static void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
+RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
 {
     rbdi_v3 omega = rbdi_vec0();
-    for (int i = 0; i < m->nl; ++i) {
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.w;
         if (l->kind == RBDI_BLOCK) {
@@ -2186,8 +2233,8 @@ RBDI_INLINE void rbdi_abi_to_array(rbdi_abi X, rbd_real A[6][6])
     A[3][3] = X.M.xx, A[3][4] = X.M.xy, A[3][5] = X.M.xz;
     A[4][4] = X.M.yy, A[4][5] = X.M.yz;
     A[5][5] = X.M.zz;
-    for (int i = 1; i < 6; ++i)
-        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+    RBDI_UNROLL for (int i = 1; i < 6; ++i)
+        RBDI_UNROLL for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
 }
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
 {
@@ -2208,24 +2255,24 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, 
                                         const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
                                         rbdi_block_work *bw, rbd_real *pivot, rbdi_mask *bad)
 {
-    for (int k = n - 1; k >= 0; --k) {
+    RBDI_UNROLL for (int k = n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const int s = first + k, end = keep ? 6 : s;
         rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
         pivot[l->iv + k] = D;
         bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
-        for (int i = 0; i < 6; ++i) {
+        RBDI_UNROLL for (int i = 0; i < 6; ++i) {
             U[i] = i < end ? A[s][i] : rbdi_zero();
             bw->U[k][i] = U[i] * inverse;
         }
         if (!keep) bw->U[k][s] = A[s][s] * inverse;
-        for (int i = 0; i < end; ++i) {
-            for (int j = 0; j < (keep ? 6 : i + 1); ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
+        RBDI_UNROLL for (int i = 0; i < end; ++i) {
+            RBDI_UNROLL for (int j = 0; j < (keep ? 6 : i + 1); ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
             P[i] = P[i] + U[i] * bw->u[k];
         }
     }
 }
-static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
                               rbdi_force *p, rbdi_mask *bad)
 {
     const rbdi_link *l = &m->link[i_link];
@@ -2241,8 +2288,8 @@ static void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const
     rbdi_aba_release_block(m, l, b->first, b->n, 1, tau, A, P, bw, w->pivot, bad);
     if (l->parent < 0) return;
     rbdi_motion_to_array(w->link[i_link].c, C);
-    for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
+    RBDI_UNROLL for (int i = 0; i < 6; ++i)
+        RBDI_UNROLL for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
     *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
     *p = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
@@ -2260,12 +2307,12 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int f, cons
     *p = rbdi_force_up(l, f, t, *p);
 }
 
-static rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
+RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
 {
     rbdi_abi X = rbdi_abi_zero();
     rbdi_force p = rbdi_force0();
     rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int i = m->nl - 1; i >= 0; --i) {
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
         p = rbdi_force_add(p, w->link[i].f);
@@ -2314,7 +2361,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     a[l->iv] = qdd;
     return y;
 }
-static rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y, rbd_real *a)
+RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y, rbd_real *a)
 {
     const rbdi_link *l = &m->link[i];
     const rbdi_block_work *bw = &w->block[l->block];
@@ -2323,21 +2370,21 @@ static rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, in
     y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.w, bw->X.r)));
     y.w = rbdi_mul(bw->X.E, y.w);
     rbdi_motion_to_array(rbdi_motion_add(y, w->link[i].c), all);
-    for (int k = 0; k < b->n; ++k) {
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u[k];
-        for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
+        RBDI_UNROLL for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
         all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
     return rbdi_motion_from_array(all);
 }
 
-static void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
 {
     rbdi_motion world = rbdi_motion0(), y;
     world.v = rbdi_world_state(w->gravity).acc;
     y = world;
-    for (int i = 0; i < m->nl; ++i) {
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
             y = world;
@@ -2352,11 +2399,11 @@ static void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
 }
 
 /* Finds the first pivot, in the order of elimination, that is not above its threshold. */
-static rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask bad)
+RBDI_PART rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask bad)
 {
     w->singular = -1;
     if (!rbdi_any(bad)) return RBD_OK;
-    for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
+    RBDI_UNROLL for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
         if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].scale * RBDI_NOISE), w->pivot[k])))) w->singular = k;
     return RBD_ERR_SINGULAR;
 }
@@ -2370,18 +2417,18 @@ RBDI_INLINE int rbdi_row(const rbd_model *m, int k) { return m->nmimic ? k * (k 
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
-static rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
 {
     rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int k = m->nv - 1; k >= 0; --k) {
+    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
         rbd_real *hk = &H[rbdi_row(m, k)];
         int d = rbdi_depth(m, k), i = rbdi_lambda(m, k);
         rbd_real inverse = rbdi_reciprocal(hk[d], m->dof[k].scale * RBDI_NOISE, &bad);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
-        for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, i)) {
+        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, i)) {
             rbd_real *hi = &H[rbdi_row(m, i)], x = hk[t] * inverse;
-            for (int j = 0; j <= t; ++j) hi[j] = hi[j] - x * hk[j];
+            RBDI_UNROLL for (int j = 0; j <= t; ++j) hi[j] = hi[j] - x * hk[j];
             hk[t] = x;
         }
     }
@@ -2389,19 +2436,19 @@ static rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
 }
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-static void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
+RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
 {
-    for (int k = m->nv - 1; k >= 0; --k) {
+    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[rbdi_row(m, k)];
         int d = rbdi_depth(m, k);
-        for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
+        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
             x[i] = x[i] - l[t] * x[k];
     }
-    for (int k = 0; k < m->nv; ++k) {
+    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[rbdi_row(m, k)];
         int d = rbdi_depth(m, k);
         rbd_real y = x[k] * l[d];
-        for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i)) y = y - l[t] * x[i];
+        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i)) y = y - l[t] * x[i];
         x[k] = y;
     }
 }
@@ -2496,7 +2543,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     bad = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
+    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w->H, a);
     return rbdi_singular(m, w, bad);
 }
@@ -3085,14 +3132,17 @@ RBD_API size_t rbd_work_size(const rbd_model *m)
 }
 
 /* Cuts count objects of size bytes off the front of the memory. */
-static void *rbdi_take(unsigned char **memory, int count, size_t size)
+RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size)
 {
     unsigned char *p = *memory;
     *memory += (size_t)count * size;
     return p;
 }
-static unsigned char *rbdi_aligned(void *memory)
+RBDI_PART unsigned char *rbdi_aligned(void *memory)
 {
+#ifdef RBD_SPECIALISE
+    return (unsigned char *)memory;
+#endif
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 
@@ -3132,9 +3182,9 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
         w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->Hx = (rbd_real *)rbdi_take(&p, m->nh, sizeof(rbd_real));
     }
-    for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
-    for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
-    for (unsigned char *a = (unsigned char *)w->angle; a < (unsigned char *)w->c; ++a) *a = 0; /* padding */
+    RBDI_UNROLL for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
+    RBDI_UNROLL for (unsigned char *a = (unsigned char *)w->angle; a < (unsigned char *)w->c; ++a) *a = 0; /* padding */
     *work = w;
     return RBD_OK;
 }
