@@ -145,13 +145,15 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
-/* One symbol carries the scalar, so that files which differ in it do not link. */
+/* One symbol carries the scalar, so that C files which differ in it do not link. */
+#ifndef RBD_REAL_CUSTOM
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 #ifdef RBD_LANES
 #define rbd_work_init RBDI_PASTE(RBDI_PASTE(rbd_work_init, RBD_REAL), RBD_LANES)
 #else
 #define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
+#endif
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
@@ -839,8 +841,9 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #endif
 #endif
 
-/* The small functions are inlined always, but where size is what counts. */
-#if defined __GNUC__ && !defined __OPTIMIZE_SIZE__
+/* The small functions are inlined always: vectors passed in memory would cost ten times as much at -Os,
+   to save a fifth of the code. */
+#if defined __GNUC__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
 #define RBDI_INLINE static inline RBDI_UNUSED
@@ -1437,7 +1440,9 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
         }
     }
     rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
-    RBDI_UNROLL for (int i = 0; !plain && i < m->nl; ++i) {
+    if (plain) return;
+    RBDI_UNROLL
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
@@ -2267,7 +2272,8 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, 
         }
         if (!keep) bw->U[k][s] = A[s][s] * inverse;
         RBDI_UNROLL for (int i = 0; i < end; ++i) {
-            RBDI_UNROLL for (int j = 0; j < (keep ? 6 : i + 1); ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
+            const int columns = keep ? 6 : i + 1;
+            RBDI_UNROLL for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
             P[i] = P[i] + U[i] * bw->u[k];
         }
     }
@@ -2403,7 +2409,7 @@ RBDI_PART rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask ba
 {
     w->singular = -1;
     if (!rbdi_any(bad)) return RBD_OK;
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
+    for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
         if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].scale * RBDI_NOISE), w->pivot[k])))) w->singular = k;
     return RBD_ERR_SINGULAR;
 }
@@ -3150,11 +3156,12 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
 {
     unsigned char *p;
     rbd_work *w;
-    int n;
+    int n, padded;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic;
+    padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     w->gravity = m->gravity;
@@ -3184,7 +3191,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     }
     RBDI_UNROLL for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
-    RBDI_UNROLL for (unsigned char *a = (unsigned char *)w->angle; a < (unsigned char *)w->c; ++a) *a = 0; /* padding */
+    RBDI_UNROLL for (int k = m->nl; k < padded; ++k) w->angle[k] = rbdi_zero();
     *work = w;
     return RBD_OK;
 }

@@ -6,7 +6,7 @@
 struct bench {
     struct robot robots[MAX_ROBOTS];
     int robot_count;
-    struct row rows[MAX_ROBOTS * ALGORITHMS];
+    struct row rows[MAX_ROBOTS * TIMED * ALGORITHMS];
     int row_count;
 };
 
@@ -15,7 +15,7 @@ static int open_robots(struct bench *b, const struct options *o) {
         if (o->robot != ALL && o->robot != i)
             continue;
         progress("drawing %d states: %s", o->samples, robot_names[i]);
-        if (robot_open(&b->robots[b->robot_count++], i, o->samples, o->seed) != 0)
+        if (robot_open(&b->robots[b->robot_count++], i, o->scalar, o->samples, o->seed) != 0)
             return -1;
     }
     return 0;
@@ -26,12 +26,18 @@ static void close_robots(struct bench *b) {
         robot_close(&b->robots[i]);
 }
 
-/* A row for each robot and algorithm that the options ask for. */
+static void make_rows_of(struct bench *b, const struct options *o, const struct instance *instance) {
+    for (int a = 0; a < ALGORITHMS; a++)
+        if (o->algorithm == ALL || o->algorithm == a)
+            b->rows[b->row_count++] = (struct row){.instance = instance, .algorithm = a};
+}
+
+/* A row for each robot, scalar and algorithm that the options ask for. */
 static void make_rows(struct bench *b, const struct options *o) {
     for (int i = 0; i < b->robot_count; i++)
-        for (int a = 0; a < ALGORITHMS; a++)
-            if (o->algorithm == ALL || o->algorithm == a)
-                b->rows[b->row_count++] = (struct row){.robot = &b->robots[i], .algorithm = a};
+        for (int l = 0; l < TIMED; l++)
+            if (o->scalar == ALL || o->scalar == l)
+                make_rows_of(b, o, &b->robots[i].instances[l]);
 }
 
 static int run(struct bench *b, const struct options *o) {
@@ -42,6 +48,7 @@ static int run(struct bench *b, const struct options *o) {
         return EXIT_FAILURE;
     make_rows(b, o);
     if (verify(b->rows, b->row_count, gravity, o->samples) != 0 ||
+        measure_accuracy(b->rows, b->row_count, o->samples) != 0 ||
         measure(b->rows, b->row_count, o->samples, o->experiments) != 0)
         return EXIT_FAILURE;
     return report_write(o, b->rows, b->row_count) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -16,13 +16,13 @@ static double now_ns(void) {
 
 /* One experiment: sets *ns to the time of a call, mean of all samples. */
 static rbd_status experiment(const struct row *row, int samples, double *ns) {
-    const struct robot *r = row->robot;
-    const struct algorithm *a = &algorithms[row->algorithm];
-    rbd_status status = a->run(r, &r->states, 0, samples < WARM_UP_CALLS ? samples : WARM_UP_CALLS, r->out);
+    const struct instance *r = row->instance;
+    const int warm_up = samples < WARM_UP_CALLS ? samples : WARM_UP_CALLS;
+    rbd_status status = algorithm_run(row->algorithm, r, &r->states, 0, warm_up, r->out);
     if (status != RBD_OK)
         return status;
     double start = now_ns();
-    status = a->run(r, &r->states, 0, samples, r->out);
+    status = algorithm_run(row->algorithm, r, &r->states, 0, samples, r->out);
     *ns = (now_ns() - start) / samples;
     return status;
 }
@@ -41,15 +41,13 @@ int measure(struct row *rows, int n, int samples, int experiments) {
         rows[i].mean = rows[i].stddev = rows[i].min = 0;
     for (int e = 1; e <= experiments; e++) {
         for (int i = 0; i < n; i++) {
-            const char *robot = rows[i].robot->title, *algorithm = algorithms[rows[i].algorithm].title;
-            progress("experiment %d of %d: %s, %s", e, experiments, robot, algorithm);
+            const struct instance *r = rows[i].instance;
+            progress("experiment %d of %d: %s, %s, %s", e, experiments, r->robot->title, r->library->scalar,
+                     algorithms[rows[i].algorithm].title);
             double ns = 0;
             rbd_status status = experiment(&rows[i], samples, &ns);
-            if (status != RBD_OK) {
-                progress("");
-                fprintf(stderr, "rbd-bench: %s, %s: %s\n", robot, algorithm, rbd_status_string(status));
-                return -1;
-            }
+            if (status != RBD_OK)
+                return row_error(&rows[i], "%s", rbd_status_string(status));
             take_time(&rows[i], e, ns);
         }
     }

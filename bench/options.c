@@ -11,6 +11,7 @@ static const char help[] =
     "\n"
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
     "  --algorithm NAME   id, mm, fd, fd_cholesky or all (default all)\n"
+    "  --scalar NAME      double, float or all (default double)\n"
     "  --samples N        random states per robot, a different one each call (default 100000)\n"
     "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
     "  --seed N           of the random states (default 1)\n"
@@ -77,6 +78,13 @@ static int read_algorithm(struct options *o, const char *option, const char *val
     return read_name(option, value, names, &o->algorithm);
 }
 
+static int read_scalar(struct options *o, const char *option, const char *value) {
+    const char *names[TIMED + 2] = {"all"};
+    for (int i = 0; i < TIMED; i++)
+        names[i + 1] = libraries[i]->scalar;
+    return read_name(option, value, names, &o->scalar);
+}
+
 static int read_format(struct options *o, const char *option, const char *value) {
     static const char *const names[] = {
         [FORMAT_TABLE] = "table", [FORMAT_CSV] = "csv", [FORMAT_JSON] = "json", NULL};
@@ -121,7 +129,7 @@ struct option {
 static const struct option with_value[] = {
     {"--robot", read_robot},   {"--algorithm", read_algorithm},     {"--samples", read_samples},
     {"--seed", read_seed},     {"--experiments", read_experiments}, {"--format", read_format},
-    {"--output", read_output},
+    {"--output", read_output}, {"--scalar", read_scalar},
 };
 
 /* The option that the argument, "--name" or "--name=value", begins with. */
@@ -156,7 +164,8 @@ static int read_argument(struct options *o, char **argv, int *i) {
 }
 
 int options_read(struct options *o, int argc, char **argv) {
-    *o = (struct options){.robot = ALL, .algorithm = ALL, .samples = 100000, .experiments = 10, .seed = 1};
+    *o = (struct options){
+        .robot = ALL, .algorithm = ALL, .scalar = DOUBLE, .samples = 100000, .experiments = 10, .seed = 1};
     for (int i = 1; i < argc; i++) {
         int status = read_argument(o, argv, &i);
         if (status >= 0)

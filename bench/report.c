@@ -9,11 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define TEXT(x) TEXT_OF(x)
-#define TEXT_OF(x) #x
-
 #define LIBRARY "rbd"
-#define SCALAR TEXT(RBD_REAL)
 #if defined __clang__
 #define COMPILER "clang " TEXT(__clang_major__) "." TEXT(__clang_minor__) "." TEXT(__clang_patchlevel__)
 #elif defined __GNUC__
@@ -36,6 +32,18 @@ void progress(const char *format, ...) {
     vfprintf(stderr, format, arguments);
     fflush(stderr);
     va_end(arguments);
+}
+
+int row_error(const struct row *row, const char *format, ...) {
+    va_list arguments;
+    progress("");
+    fprintf(stderr, "rbd-bench: %s, %s, %s: ", row->instance->robot->title, row->instance->library->scalar,
+            algorithms[row->algorithm].title);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return -1;
 }
 
 /* ---- facts ---- */
@@ -64,39 +72,53 @@ static const char *date_utc(char *text, size_t size) {
     return text;
 }
 
+/* The quad_error of a row in text: unknown, or the number. */
+static const char *quad_error(const struct row *row, const char *unknown, const char *format, char text[32]) {
+    if (row->quad_error < 0)
+        return unknown;
+    snprintf(text, 32, format, row->quad_error);
+    return text;
+}
+
 /* ---- table ---- */
+
+static void write_table_row(FILE *f, const struct row *row, const struct row *previous) {
+    char quad[32];
+    const struct instance *r = row->instance, *above = previous ? previous->instance : NULL;
+    if (above && above->robot != r->robot)
+        fputc('\n', f);
+    fprintf(f, "%-7s %-7s %-29s %10.1f %9.1f %10.1f %11.1e %11s\n",
+            above && above->robot == r->robot ? "" : r->robot->title, above == r ? "" : r->library->scalar,
+            algorithms[row->algorithm].title, row->mean, row->stddev, row->min, row->max_error,
+            quad_error(row, "", "%.1e", quad));
+}
 
 static void write_table(FILE *f, const struct options *o, const struct row *rows, int n) {
     char cpu[256];
-    fprintf(f, "rbd %s, %s, %s%s%s\n", RBD_VERSION, SCALAR, COMPILER, *BENCH_FLAGS ? " " : "", BENCH_FLAGS);
+    fprintf(f, "rbd %s, %s%s%s\n", RBD_VERSION, COMPILER, *BENCH_FLAGS ? " " : "", BENCH_FLAGS);
     fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
     fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per call\n\n", o->samples,
             (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
-    fprintf(f, "%-7s %-29s %10s %9s %10s %11s\n", "robot", "algorithm", "mean", "std dev", "min",
-            "max error");
-    const struct robot *previous = NULL;
-    for (int i = 0; i < n; i++) {
-        const struct row *row = &rows[i];
-        bool grouped = row->robot == previous;
-        if (previous && !grouped)
-            fputc('\n', f);
-        fprintf(f, "%-7s %-29s %10.1f %9.1f %10.1f %11.1e\n", grouped ? "" : row->robot->title,
-                algorithms[row->algorithm].title, row->mean, row->stddev, row->min, row->max_error);
-        previous = row->robot;
-    }
+    fprintf(f, "%-7s %-7s %-29s %10s %9s %10s %11s %11s\n", "robot", "scalar", "algorithm", "mean", "std dev",
+            "min", "max error", "quad error");
+    for (int i = 0; i < n; i++)
+        write_table_row(f, &rows[i], i > 0 ? &rows[i - 1] : NULL);
 }
 
 /* ---- CSV and JSON ---- */
 
 static void write_csv(FILE *f, const struct options *o, const struct row *rows, int n) {
     fputs("library,version,compiler,scalar,robot,algorithm,samples,experiments,"
-          "mean_ns,stddev_ns,min_ns,max_error\n",
+          "mean_ns,stddev_ns,min_ns,max_error,quad_error\n",
           f);
     for (int i = 0; i < n; i++) {
+        char quad[32];
         const struct row *row = &rows[i];
-        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e\n", LIBRARY, RBD_VERSION, COMPILER, SCALAR,
-                row->robot->name, algorithms[row->algorithm].name, o->samples, o->experiments, row->mean,
-                row->stddev, row->min, row->max_error);
+        const struct instance *r = row->instance;
+        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s\n", LIBRARY, RBD_VERSION, COMPILER,
+                r->library->scalar, r->robot->name, algorithms[row->algorithm].name, o->samples,
+                o->experiments, row->mean, row->stddev, row->min, row->max_error,
+                quad_error(row, "", "%.3e", quad));
     }
 }
 
@@ -118,12 +140,16 @@ static void write_json_fact(FILE *f, const char *key, const char *value) {
 }
 
 static void write_json_row(FILE *f, const struct options *o, const struct row *row) {
+    char quad[32];
+    const struct instance *r = row->instance;
     fprintf(f,
             "    {\"library\": \"%s\", \"version\": \"%s\", \"compiler\": \"%s\", \"scalar\": \"%s\", "
             "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
-            "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e}",
-            LIBRARY, RBD_VERSION, COMPILER, SCALAR, row->robot->name, algorithms[row->algorithm].name,
-            o->samples, o->experiments, row->mean, row->stddev, row->min, row->max_error);
+            "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e, "
+            "\"quad_error\": %s}",
+            LIBRARY, RBD_VERSION, COMPILER, r->library->scalar, r->robot->name,
+            algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
+            row->max_error, quad_error(row, "null", "%.3e", quad));
 }
 
 static void write_json(FILE *f, const struct options *o, const struct row *rows, int n) {

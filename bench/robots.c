@@ -23,32 +23,43 @@ static const struct description descriptions[] = {
     {"Atlas", atlas_bodies, ATLAS_NB, &ref_atlas},
 };
 
-/* ---- the model ---- */
+/* ---- model and work, in the scalar of a library ---- */
 
-static int build_model(struct robot *r, const struct description *d) {
+static int build_model(struct instance *r) {
+    const struct robot *robot = r->robot;
+    if (r->library == libraries[QUAD]) { /* it judges by the very constants of the double results */
+        r->model = robot->instances[DOUBLE].model;
+        return 0;
+    }
     rbd_report report;
-    size_t size = rbd_model_size(d->bodies, d->nb);
+    size_t size = r->library->model_size(robot->bodies, robot->nb);
     r->model_memory = malloc(size);
-    if (rbd_model_build(d->bodies, d->nb, r->model_memory, size, &r->model, &report) != RBD_OK) {
+    if (r->library->model_build(robot->bodies, robot->nb, r->model_memory, size, &r->model, &report) !=
+        RBD_OK) {
         char text[200];
-        fprintf(stderr, "rbd-bench: %s: %s\n", r->title, rbd_finding_text(&report.error, text, sizeof text));
+        fprintf(stderr, "rbd-bench: %s: %s\n", robot->title,
+                rbd_finding_text(&report.error, text, sizeof text));
         return -1;
     }
-    r->nq = rbd_nq(r->model);
-    r->nv = rbd_nv(r->model);
     return 0;
 }
 
-static int init_work(struct robot *r) {
-    size_t size = rbd_work_size(r->model);
+static int init_work(struct instance *r) {
+    size_t size = r->library->work_size(r->model);
     r->work_memory = malloc(size);
-    rbd_status status = rbd_work_init(r->model, r->work_memory, size, &r->work);
+    rbd_status status = r->library->work_init(r->model, r->work_memory, size, &r->work);
     if (status != RBD_OK)
-        fprintf(stderr, "rbd-bench: %s: %s\n", r->title, rbd_status_string(status));
+        fprintf(stderr, "rbd-bench: %s: %s\n", r->robot->title, rbd_status_string(status));
     return status == RBD_OK ? 0 : -1;
 }
 
-/* ---- random states ---- */
+void robot_set_gravity(const struct robot *r, const double gravity[3]) {
+    for (int i = 0; i < LIBRARIES; i++)
+        if (r->instances[i].library)
+            r->instances[i].library->set_gravity(r->instances[i].work, gravity);
+}
+
+/* ---- states ---- */
 
 /* Steele, Lea, Flood: Fast splittable pseudorandom number generators (2014). */
 static uint64_t splitmix64(uint64_t *state) {
@@ -63,45 +74,120 @@ static void fill_uniform(double *x, size_t n, double bound, uint64_t *state) {
         x[i] = bound * (2 * ((double)(splitmix64(state) >> 11) * 0x1p-53) - 1);
 }
 
+/* Numbers in a state. */
+static size_t state_length(const struct robot *r) {
+    return (size_t)r->nq + 3 * (size_t)r->nv;
+}
+
+/* Room for n states; all q come first, then all v, a and tau. */
+static void *make_states(const struct instance *r, size_t n, struct states *states) {
+    const size_t size = r->library->size;
+    const size_t q_size = n * (size_t)r->robot->nq * size, v_size = n * (size_t)r->robot->nv * size;
+    char *q = calloc(n, state_length(r->robot) * size);
+    if (q)
+        *states = (struct states){q, q + q_size, q + q_size + v_size, q + q_size + 2 * v_size};
+    return q;
+}
+
 /* q by rbd_random, the rest uniform in the ranges of the reference states. */
-static int draw_states(struct robot *r, int samples, uint64_t seed) {
-    const size_t n = (size_t)samples, nq = (size_t)r->nq, nv = (size_t)r->nv;
-    double *q = calloc(n, (nq + 3 * nv) * sizeof *q);
-    double *v = q + n * nq, *a = v + n * nv, *tau = a + n * nv;
-    r->out = calloc(nv * nv, sizeof *r->out);
-    r->state_memory = q;
-    if (!q || !r->out) {
-        fprintf(stderr, "rbd-bench: %s: not enough memory for %d states\n", r->title, samples);
-        return -1;
-    }
+static void draw_states(const struct instance *r, int samples, uint64_t seed) {
+    const size_t n = (size_t)samples, nq = (size_t)r->robot->nq, nv = (size_t)r->robot->nv;
+    double *q = r->state_memory, *v = q + n * nq, *a = v + n * nv, *tau = a + n * nv;
     uint64_t state_q = seed, state = ~seed; /* rbd_random's generator may be this one: give each its own */
     for (size_t k = 0; k < n; k++)
         rbd_random(r->model, &state_q, q + k * nq);
     fill_uniform(v, n * nv, 2, &state);
     fill_uniform(a, n * nv, 3, &state);
     fill_uniform(tau, n * nv, 20, &state);
-    r->states = (struct states){q, v, a, tau};
-    return 0;
+}
+
+void instance_take_sample(const struct instance *to, const struct instance *from, int k) {
+    const struct robot *robot = to->robot;
+    const struct states *s = &from->states;
+    const void *const source[4] = {s->q, s->v, s->a, s->tau};
+    char *target = to->input_memory;
+    for (int i = 0; i < 4; i++) {
+        const size_t n = (size_t)(i == 0 ? robot->nq : robot->nv);
+        const char *x = (const char *)source[i] + (size_t)k * n * from->library->size;
+        from->library->to_double(x, n, robot->numbers);
+        to->library->from_double(robot->numbers, n, target);
+        target += n * to->library->size;
+    }
 }
 
 /* ---- together ---- */
 
-int robot_open(struct robot *r, int index, int samples, uint64_t seed) {
-    const struct description *d = &descriptions[index];
-    *r = (struct robot){.name = robot_names[index], .title = d->title, .reference = d->reference};
-    if (build_model(r, d) != 0 || init_work(r) != 0)
+static int out_of_memory(const struct robot *r, int samples) {
+    fprintf(stderr, "rbd-bench: %s: not enough memory for %d states\n", r->title, samples);
+    return -1;
+}
+
+/* Model and work, and room for results and a state. */
+static int instance_open(struct instance *r, const struct robot *robot, const struct library *library) {
+    *r = (struct instance){.robot = robot, .library = library};
+    if (build_model(r) != 0 || init_work(r) != 0)
         return -1;
-    if (r->nq != d->reference->nq || r->nv != d->reference->nv) {
+    r->out = calloc((size_t)robot->nv * (size_t)robot->nv, library->size);
+    r->input_memory = make_states(r, 1, &r->input);
+    return r->out && r->input_memory ? 0 : out_of_memory(robot, 1);
+}
+
+static int open_double(struct robot *r, int samples, uint64_t seed) {
+    struct instance *d = &r->instances[DOUBLE];
+    const size_t nv = (size_t)r->nv;
+    r->numbers = calloc(nv * nv + state_length(r), sizeof *r->numbers);
+    if (!r->numbers)
+        return out_of_memory(r, 1);
+    if (instance_open(d, r, libraries[DOUBLE]) != 0)
+        return -1;
+    if (r->nq != rbd_nq(d->model) || r->nv != rbd_nv(d->model)) {
         fprintf(stderr, "rbd-bench: %s: the model has nq = %d, nv = %d, the reference %d, %d\n", r->title,
-                r->nq, r->nv, d->reference->nq, d->reference->nv);
+                rbd_nq(d->model), rbd_nv(d->model), r->nq, r->nv);
         return -1;
     }
-    return draw_states(r, samples, seed);
+    d->state_memory = make_states(d, (size_t)samples, &d->states);
+    if (!d->state_memory)
+        return out_of_memory(r, samples);
+    draw_states(d, samples, seed);
+    return 0;
+}
+
+/* Another scalar that is timed: the states are those of double, rounded. */
+static int open_other(struct robot *r, int library, int samples) {
+    const size_t n = (size_t)samples;
+    struct instance *other = &r->instances[library];
+    if (instance_open(other, r, libraries[library]) != 0)
+        return -1;
+    other->state_memory = make_states(other, n, &other->states);
+    if (!other->state_memory)
+        return out_of_memory(r, samples);
+    const double *drawn = r->instances[DOUBLE].state_memory;
+    other->library->from_double(drawn, n * state_length(r), other->state_memory);
+    return 0;
+}
+
+int robot_open(struct robot *r, int index, int library, int samples, uint64_t seed) {
+    const struct description *d = &descriptions[index];
+    *r = (struct robot){.name = robot_names[index], .title = d->title, .bodies = d->bodies, .nb = d->nb};
+    r->reference = d->reference;
+    r->nq = d->reference->nq;
+    r->nv = d->reference->nv;
+    if (open_double(r, samples, seed) != 0)
+        return -1;
+    for (int i = DOUBLE + 1; i < TIMED; i++)
+        if ((library == ALL || library == i) && open_other(r, i, samples) != 0)
+            return -1;
+    return libraries[QUAD] ? instance_open(&r->instances[QUAD], r, libraries[QUAD]) : 0;
 }
 
 void robot_close(struct robot *r) {
-    free(r->model_memory);
-    free(r->work_memory);
-    free(r->state_memory);
-    free(r->out);
+    for (int i = 0; i < LIBRARIES; i++) {
+        struct instance *instance = &r->instances[i];
+        free(instance->model_memory);
+        free(instance->work_memory);
+        free(instance->state_memory);
+        free(instance->input_memory);
+        free(instance->out);
+    }
+    free(r->numbers);
 }

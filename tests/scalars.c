@@ -5,6 +5,7 @@
 #define RBD_REAL float
 #define SCALAR_NAME "float"
 #define SCALAR_EPSILON 6e-8
+#define SCALAR_LARGEST FLT_MAX
 #elif defined SCALAR_QUAD
 #define RBD_REAL __float128
 #define SCALAR_NAME "__float128"
@@ -15,6 +16,9 @@
 #ifndef SCALAR_EPSILON
 #define SCALAR_EPSILON 1.1e-16
 #endif
+#ifndef SCALAR_LARGEST /* that a description can have */
+#define SCALAR_LARGEST DBL_MAX
+#endif
 
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
@@ -22,8 +26,10 @@
 #include "reference.h"
 
 #include <check.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Bounds of relative errors, stated in rounding units of the scalar; the reference has 17 digits.
    DIRECT: what needs no inverse. INVERSE: times the condition number; the round trip likewise. */
@@ -246,18 +252,144 @@ START_TEST(integrate_and_difference_match_the_reference) {
 }
 END_TEST
 
+/* ---- models of one body ---- */
+
+static rbd_body massive_body(rbd_joint_type type) {
+    rbd_body b;
+    memset(&b, 0, sizeof b);
+    b.parent = -1;
+    b.type = type;
+    b.axis[2] = 1;
+    b.mass = b.inertia[0] = b.inertia[3] = b.inertia[5] = 1;
+    return b;
+}
+
+static rbd_status build(const rbd_body *body) {
+    static unsigned char memory[RBD_MODEL_SIZE(1)];
+    return rbd_model_build(body, 1, memory, sizeof memory, &model, NULL);
+}
+
+static void load_body(const rbd_body *body) {
+    static unsigned char memory[RBD_WORK_SIZE(1, 6)];
+    RUN(build(body));
+    RUN(rbd_work_init(model, memory, sizeof memory, &work));
+}
+
+/* Axes along and across the coordinates. */
+static const double axes[4][3] = {{0, 0, 1}, {1, 0, 0}, {0.6, 0, -0.8}, {1. / 3, 2. / 3, 2. / 3}};
+
+/* A rod of 1 kg, 1 m and this radius that turns about its own axis. */
+static void load_rod(const double axis[3], double radius) {
+    rbd_body b = massive_body(RBD_REVOLUTE);
+    const double along = radius * radius / 2, across = (3 * radius * radius + 1) / 12;
+    int entry = 0;
+    for (int i = 0; i < 3; i++) {
+        b.axis[i] = axis[i];
+        b.com[i] = axis[i] / 2;
+        for (int j = i; j < 3; j++)
+            b.inertia[entry++] = (i == j ? across : 0) + (along - across) * axis[i] * axis[j];
+    }
+    load_body(&b);
+}
+
+static void check_rod(const char *what, rbd_status status, double expected) {
+    ck_assert_msg(status == RBD_OK, "%s, %s: %s", SCALAR_NAME, what, rbd_status_string(status));
+    EACH_LANE {
+        const double error = fabs(get(found[0], lane) / expected - 1);
+        ck_assert_msg(error <= DIRECT + 1e-8, "%s, %s: relative error %.3g", SCALAR_NAME, what, error);
+    }
+}
+
+/* About its axis the rod has 1 / 170000 of its inertia across: little, but no rounding of zero. */
+START_TEST(thin_rod_turns_about_its_axis) {
+    const double radius = 1e-3, torque = 1e-6, expected = torque / (radius * radius / 2);
+    for (int i = 0; i < 4; i++) {
+        load_rod(axes[i], radius);
+        EACH_LANE {
+            put(&q[0], lane, 0.3 + lane);
+            put(&v[0], lane, 1);
+            put(&tau[0], lane, torque);
+        }
+        check_rod("aba", rbd_aba(model, work, q, v, tau, NULL, found), expected);
+        check_rod("fd_cholesky", rbd_fd_cholesky(model, work, q, v, tau, NULL, found), expected);
+    }
+}
+END_TEST
+
+START_TEST(point_mass_on_the_axis_is_singular) {
+    for (int i = 0; i < 4; i++) {
+        rbd_body b = massive_body(RBD_REVOLUTE);
+        memset(b.inertia, 0, sizeof b.inertia);
+        for (int k = 0; k < 3; k++) {
+            b.axis[k] = axes[i][k];
+            b.com[k] = 0.7 * axes[i][k];
+        }
+        load_body(&b);
+        EACH_LANE {
+            put(&q[0], lane, 0.3 + lane);
+            put(&v[0], lane, 1);
+        }
+        ck_assert_int_eq(rbd_aba(model, work, q, v, v, NULL, found), RBD_ERR_SINGULAR);
+        ck_assert_int_eq(rbd_singular_dof(work), 0);
+        ck_assert_int_eq(rbd_fd_cholesky(model, work, q, v, v, NULL, found), RBD_ERR_SINGULAR);
+        ck_assert_int_eq(rbd_singular_dof(work), 0);
+    }
+}
+END_TEST
+
+/* Limits whose difference overflows still have configurations between them. */
+START_TEST(widest_limits_give_finite_configurations) {
+    rbd_body b = massive_body(RBD_REVOLUTE);
+    uint64_t seed = 5;
+    int negative = 0, positive = 0;
+    b.lower = -(double)SCALAR_LARGEST;
+    b.upper = (double)SCALAR_LARGEST;
+    load_body(&b);
+    for (int i = 0; i < 1000; i++) {
+        RUN(rbd_random(model, &seed, q));
+        EACH_LANE {
+            const double x = get(q[0], lane);
+            ck_assert(isfinite(x) && fabs(x) <= b.upper);
+            negative += x < 0;
+            positive += x > 0;
+        }
+    }
+    ck_assert_int_gt(negative, 300);
+    ck_assert_int_gt(positive, 300);
+}
+END_TEST
+
+#ifdef SCALAR_FLOAT
+#define REFUSES(status, field)                                                                               \
+    do {                                                                                                     \
+        rbd_body b = massive_body(RBD_HELICAL);                                                              \
+        b.field = 1e300;                                                                                     \
+        ck_assert_msg(build(&b) == status, "%s: %d", #field, build(&b));                                     \
+    } while (0)
+
+/* What is finite in the description but not in the model. */
+START_TEST(figures_beyond_the_scalar_are_refused) {
+    REFUSES(RBD_ERR_PITCH, pitch);
+    REFUSES(RBD_ERR_POSITION, position[0]);
+    REFUSES(RBD_ERR_MASS, mass);
+    REFUSES(RBD_ERR_COM, com[1]);
+    REFUSES(RBD_ERR_INERTIA, inertia[5]);
+    REFUSES(RBD_ERR_ARMATURE, armature[0]);
+    REFUSES(RBD_ERR_DAMPING, damping[0]);
+    REFUSES(RBD_ERR_FRICTION, friction[0]);
+    REFUSES(RBD_ERR_LIMITS, lower);
+    REFUSES(RBD_ERR_LIMITS, upper);
+    REFUSES(RBD_ERR_LIMITS, velocity);
+    REFUSES(RBD_ERR_LIMITS, effort);
+}
+END_TEST
+#endif
+
 #ifdef RBD_LANES
 /* A singular state in one lane: the call says so, and every number stays finite. */
 START_TEST(one_singular_lane_is_reported) {
-    rbd_body gimbal[1];
-    unsigned char *memory = (unsigned char *)calloc(2, RBD_MODEL_SIZE(1) + RBD_WORK_SIZE(1, 3));
-    for (size_t i = 0; i < sizeof gimbal; i++)
-        ((unsigned char *)gimbal)[i] = 0;
-    gimbal[0].parent = -1;
-    gimbal[0].type = RBD_EULER_ZYX;
-    gimbal[0].mass = gimbal[0].inertia[0] = gimbal[0].inertia[3] = gimbal[0].inertia[5] = 1;
-    RUN(rbd_model_build(gimbal, 1, memory, RBD_MODEL_SIZE(1), &model, NULL));
-    RUN(rbd_work_init(model, memory + RBD_MODEL_SIZE(1), RBD_WORK_SIZE(1, 3), &work));
+    const rbd_body gimbal = massive_body(RBD_EULER_ZYX);
+    load_body(&gimbal);
     for (int locked = -1; locked < LANES; locked++) {
         EACH_LANE {
             put(&q[0], lane, 0.1);
@@ -269,7 +401,6 @@ START_TEST(one_singular_lane_is_reported) {
         ck_assert((rbd_singular_dof(work) >= 0) == (locked >= 0));
         EACH_LANE for (int k = 0; k < 3; k++) ck_assert(isfinite(get(found[k], lane)));
     }
-    free(memory);
 }
 END_TEST
 #endif
@@ -282,6 +413,12 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);
+    tcase_add_test(c, thin_rod_turns_about_its_axis);
+    tcase_add_test(c, point_mass_on_the_axis_is_singular);
+    tcase_add_test(c, widest_limits_give_finite_configurations);
+#ifdef SCALAR_FLOAT
+    tcase_add_test(c, figures_beyond_the_scalar_are_refused);
+#endif
 #ifdef RBD_LANES
     tcase_add_test(c, one_singular_lane_is_reported);
 #endif

@@ -213,6 +213,17 @@ START_TEST(movable_leaf_without_mass_is_refused) {
 }
 END_TEST
 
+/* A revolute joint has one degree of freedom, a ball joint three: the rotors beyond turn nothing. */
+START_TEST(armature_beyond_the_joint_s_freedom_is_no_inertia) {
+    for (int k = 1; k < 6; k++)
+        REFUSES(RBD_ERR_LEAF, 3, "mass", b[3].mass = 0; memset(b[3].inertia, 0, sizeof b[3].inertia);
+                b[3].armature[k] = 1);
+    for (int k = 3; k < 6; k++)
+        REFUSES(RBD_ERR_LEAF, 3, "mass", b[3].mass = 0; memset(b[3].inertia, 0, sizeof b[3].inertia);
+                b[3].type = RBD_SPHERICAL; b[3].armature[k] = 1);
+}
+END_TEST
+
 /* What hangs on a movable body by fixed joints belongs to it, and a rotor is inertia enough. */
 START_TEST(leaf_with_fixed_mass_or_armature_is_welcome) {
     rbd_body b[NB];
@@ -316,6 +327,16 @@ START_TEST(impossible_inertias_are_warned_of) {
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 3, "inertia", INERTIA(3, 1, 0.9, 0, 1, 0, 0.1)); /* 1.9, 0.1, 0.1 */
     WARNS(RBD_WARN_INERTIA_ZERO, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 0));
     WARNS(RBD_WARN_MASS_ZERO, 1, "mass", b[1].mass = 0);
+}
+END_TEST
+
+/* Type 0 is fixed: whoever forgets the type but gives an axis should hear of it. */
+START_TEST(fixed_joints_with_an_axis_are_warned_of) {
+    for (int k = 0; k < 3; k++) {
+        WARNS(RBD_WARN_FIXED, 2, "type", b[2].axis[k] = 1);
+        WARNS(RBD_WARN_FIXED, 2, "type", b[2].axis[k] = -1e-3);
+    }
+    WARNS(RBD_WARN_FIXED, 1, "type", b[1].type = RBD_FIXED); /* the arm has its axis already */
 }
 END_TEST
 
@@ -450,6 +471,26 @@ START_TEST(largest_model_is_built) {
 }
 END_TEST
 
+/* No index for what has no coordinate: neither the next joint's nor, at the end, one out of range. */
+START_TEST(fixed_and_mimic_joints_have_no_place) {
+    rbd_body b[NB];
+    sound(b);
+    follow(&b[3], "elbow");
+    robot r = BUILD(b);
+    const int place[NB][2] = {{0, 0}, {7, 6}, {-1, -1}, {-1, -1}};
+    for (int i = 0; i < NB; i++) {
+        rbd_joint_info info;
+        ck_assert_int_eq(rbd_joint(r.m, i, &info), RBD_OK);
+        ck_assert_int_eq(info.type, b[i].type);
+        ck_assert_int_eq(info.iq, place[i][0]);
+        ck_assert_int_eq(info.iv, place[i][1]);
+        ck_assert_int_eq(info.nq > 0, place[i][0] >= 0);
+        ck_assert_int_eq(info.nv > 0, place[i][1] >= 0);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 /* Only the strings must outlive the build. */
 START_TEST(description_may_go_after_the_build) {
     rbd_body b[NB];
@@ -480,12 +521,14 @@ Suite *build_suite(void) {
     tcase_add_test(c, negative_and_nonfinite_masses_are_refused);
     tcase_add_test(c, nonfinite_com_and_inertia_are_refused);
     tcase_add_test(c, movable_leaf_without_mass_is_refused);
+    tcase_add_test(c, armature_beyond_the_joint_s_freedom_is_no_inertia);
     tcase_add_test(c, leaf_with_fixed_mass_or_armature_is_welcome);
     tcase_add_test(c, negative_and_nonfinite_joint_constants_are_refused);
     tcase_add_test(c, nonfinite_limits_and_negative_maxima_are_refused);
     tcase_add_test(c, wrong_mimic_joints_are_refused);
     tcase_add_test(c, joint_may_follow_a_later_one);
     tcase_add_test(c, impossible_inertias_are_warned_of);
+    tcase_add_test(c, fixed_joints_with_an_axis_are_warned_of);
     tcase_add_test(c, borderline_inertias_are_not_warned_of);
     tcase_add_test(c, reference_models_have_no_error);
     tcase_add_test(c, warnings_are_counted_beyond_what_is_kept);
@@ -494,6 +537,7 @@ Suite *build_suite(void) {
     tcase_add_test(c, memory_one_byte_too_small_is_refused);
     tcase_add_test(c, memory_of_any_alignment_suffices);
     tcase_add_test(c, largest_model_is_built);
+    tcase_add_test(c, fixed_and_mimic_joints_have_no_place);
     tcase_add_test(c, description_may_go_after_the_build);
     suite_add_tcase(suite, c);
     return suite;

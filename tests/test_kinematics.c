@@ -181,19 +181,114 @@ START_TEST(classical_acceleration_is_the_origin_s) {
 }
 END_TEST
 
-static void check_kinetic(const robot *r, const state *s, int number) {
+static void compare_kinetic(const robot *r, const state *s, int number, double bound) {
     double M[MAX_V * MAX_V], momentum[MAX_V], kinetic;
     RUN(rbd_crba(r->m, r->w, s->q, M));
     RUN(rbd_kinematics(r->m, r->w, s->q, s->v, NULL));
     RUN(rbd_energy(r->m, r->w, &kinetic, NULL));
     multiply(M, s->v, r->nv, r->nv, momentum);
     const double expected = dot(s->v, momentum, r->nv) / 2;
-    expect_close("kinetic = v' M v / 2", r, number, &kinetic, &expected, 1, 1e-13);
+    expect_close("kinetic = v' M v / 2", r, number, &kinetic, &expected, 1, bound);
+}
+
+static void check_kinetic(const robot *r, const state *s, int number) {
+    compare_kinetic(r, s, number, 1e-13);
 }
 
 START_TEST(kinetic_energy_is_that_of_the_mass_matrix) {
     for_random_states(5, check_kinetic);
     for_random_trees(50, check_kinetic);
+}
+END_TEST
+
+/* ---- rotations as files have them ---- */
+
+static double from_orthonormal(const double R[9]) {
+    double error = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            error = fmax(error, fabs(dot(R + 3 * i, R + 3 * j, 3) - (i == j)));
+    return error;
+}
+
+enum { ROUNDED_NB = 5 };
+
+/* A body on a joint of each kind, three of them on the world; body i has rotation i % count. */
+static void rounded_bodies(uint64_t *seed, double rotations[][9], int count, rbd_body b[ROUNDED_NB]) {
+    const rbd_joint_type types[ROUNDED_NB] = {RBD_FLOATING, RBD_SPHERICAL, RBD_FIXED, RBD_FIXED,
+                                              RBD_REVOLUTE};
+    const int parents[ROUNDED_NB] = {-1, -1, -1, 0, 1};
+    for (int i = 0; i < ROUNDED_NB; i++) {
+        random_joint(seed, b, i, types[i]);
+        random_mass(seed, &b[i]);
+        b[i].parent = parents[i];
+        memcpy(b[i].rotation, rotations[i % count], sizeof b[i].rotation);
+    }
+}
+
+/* All poses are rotations, and kinematics and dynamics have the same ones. */
+static void check_rounded(const char *name, const rbd_body *b, uint64_t *seed) {
+    robot r = robot_build(name, b, ROUNDED_NB);
+    double q[MAX_Q], R[9];
+    state s;
+    ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    for (int i = 0; i < ROUNDED_NB; i++) {
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, i, R, NULL), RBD_OK);
+        const double factors = b[i].parent < 0 ? 1 : 2;
+        expect_small("R R' = 1 for a rounded rotation", &r, i, from_orthonormal(R), factors * 1e-15);
+    }
+    for (int i = 0; i < 5; i++) {
+        draw_state(&r, seed, &s);
+        compare_kinetic(&r, &s, i, 1e-14);
+    }
+    robot_free(&r);
+}
+
+START_TEST(rounded_rotations_become_exact) {
+    const double h = 0.707107; /* six digits of the root of one half */
+    double eighths[3][9] = {
+        {h, -h, 0, h, h, 0, 0, 0, 1}, {1, 0, 0, 0, h, h, 0, -h, h}, {-h, 0, h, 0, -1, 0, h, 0, h}};
+    double turned[ROUNDED_NB][9];
+    rbd_body b[ROUNDED_NB];
+    uint64_t seed = 77;
+    for (int i = 0; i < 100; i++) {
+        rounded_bodies(&seed, eighths, 3, b);
+        check_rounded("six digits of 45 degrees", b, &seed);
+        for (int k = 0; k < ROUNDED_NB; k++) {
+            random_rotation(&seed, turned[k]);
+            for (int j = 0; j < 9; j++)
+                turned[k][j] = floor(turned[k][j] * 1e7 + 0.5) / 1e7;
+        }
+        rounded_bodies(&seed, turned, ROUNDED_NB, b);
+        check_rounded("seven decimals", b, &seed);
+    }
+}
+END_TEST
+
+/* A turn of the axes onto each other, by quarters, has no digit to lose. */
+START_TEST(exact_rotations_stay_as_they_are) {
+    int rotations = 0;
+    for (int code = 0; code < 48; code++) {
+        const int x = code % 3, y = (x + 1 + code / 3 % 2) % 3, z = 3 - x - y, sign = code / 6;
+        rbd_body b[1] = {{.parent = -1, .type = RBD_FIXED}};
+        b->rotation[x] = sign & 1 ? -1 : 1;
+        b->rotation[3 + y] = sign & 2 ? -1 : 1;
+        b->rotation[6 + z] = sign & 4 ? -1 : 1;
+        const int even = y == (x + 1) % 3;
+        if ((b->rotation[x] * b->rotation[3 + y] * b->rotation[6 + z] > 0) != even)
+            continue; /* a mirror */
+        robot r = BUILD(b);
+        const double none[1] = {0};
+        double R[9];
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, none, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, R, NULL), RBD_OK);
+        for (int k = 0; k < 9; k++)
+            ck_assert_double_eq(R[k], b->rotation[k]);
+        robot_free(&r);
+        rotations++;
+    }
+    ck_assert_int_eq(rotations, 24);
 }
 END_TEST
 
@@ -367,6 +462,8 @@ Suite *kinematics_suite(void) {
     tcase_add_test(c, velocities_and_accelerations_are_time_derivatives);
     tcase_add_test(c, classical_acceleration_is_the_origin_s);
     tcase_add_test(c, kinetic_energy_is_that_of_the_mass_matrix);
+    tcase_add_test(c, rounded_rotations_become_exact);
+    tcase_add_test(c, exact_rotations_stay_as_they_are);
     tcase_add_test(c, missing_rates_are_zero);
     tcase_add_test(c, results_stay_until_the_next_kinematics);
     tcase_add_test(c, reading_before_kinematics_is_refused);

@@ -22,6 +22,40 @@ START_TEST(memory_one_byte_too_small_is_refused) {
 }
 END_TEST
 
+/* The sizes for arrays suffice for the memory that the exact figures ask for. */
+static void expect_bounds(const robot *r) {
+    const size_t nb = (size_t)r->nb, nv = (size_t)r->nv, work = rbd_work_size(r->m);
+    int mimics = 0;
+    for (int i = 0; i < r->nb; i++)
+        mimics += r->bodies[i].mimic != NULL;
+    const size_t bound = mimics ? RBD_WORK_SIZE_MIMIC(nb, nv) : RBD_WORK_SIZE(nb, nv);
+    ck_assert_msg(work <= bound, "%s: work of %zu bytes, %zu promised", r->name, work, bound);
+    ck_assert_uint_le(work, RBD_WORK_SIZE_MIMIC(nb, nv));
+    ck_assert_uint_le(rbd_model_size(r->bodies, r->nb), RBD_MODEL_SIZE(nb));
+}
+
+static void check_bounds(const robot *r, const state *s, int number) {
+    (void)s, (void)number;
+    expect_bounds(r);
+}
+
+START_TEST(sizes_at_compile_time_suffice) {
+    for_random_trees(500, check_bounds);
+    for (int type = RBD_FIXED; type < RBD_JOINT_TYPES; type++) /* the dearest: all of one type */
+        for (int nb = 1; nb <= 10; nb++) {
+            uint64_t seed = 31;
+            rbd_body b[10];
+            for (int i = 0; i < nb; i++) {
+                random_joint(&seed, b, i, (rbd_joint_type)type);
+                random_mass(&seed, &b[i]);
+            }
+            robot r = robot_build("bodies on one type of joint", b, nb);
+            expect_bounds(&r);
+            robot_free(&r);
+        }
+}
+END_TEST
+
 static void run_everything(const rbd_model *m, rbd_work *w, double *out) {
     static double M[MAX_V * MAX_V];
     double q[MAX_Q], v[MAX_V] = {0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7}, f_ext[6 * MAX_BODIES] = {1, 2, 3};
@@ -72,6 +106,76 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_singular_dof(NULL), -1);
     ck_assert_int_eq(rbd_singular_dof(r.w), -1);
     ck_assert_uint_eq(rbd_work_size(NULL), 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- nothing moves: nv = 0 ---- */
+
+enum { STILL_NB = 3 };
+static const rbd_body still[STILL_NB] = {
+    {.name = "mast", .parent = -1, .position = {0, 0, 2}, .mass = 3, .inertia = {1, 0, 0, 1, 0, 1}},
+    {.name = "arm", .parent = 0, .position = {1, 0, 0}, .rotation = {0, -1, 0, 1, 0, 0, 0, 0, 1}, .mass = 1,
+     .inertia = {1, 0, 0, 1, 0, 1}},
+    {.name = "camera", .parent = 1, .position = {0, 0.5, 0}}};
+
+/* Coordinates: an array of none, so that a sanitizer sees any access. */
+static void still_dynamics(const robot *r, double *none, double *f_ext) {
+    const int number = 0;
+    RUN(rbd_rnea(r->m, r->w, none, none, none, NULL, none));
+    RUN(rbd_rnea(r->m, r->w, none, none, none, f_ext, none));
+    RUN(rbd_bias(r->m, r->w, none, none, f_ext, none));
+    RUN(rbd_gravity(r->m, r->w, none, none));
+    RUN(rbd_crba(r->m, r->w, none, none));
+    RUN(rbd_crba_packed(r->m, r->w, none, none));
+    RUN(rbd_aba(r->m, r->w, none, none, none, f_ext, none));
+    RUN(rbd_fd_cholesky(r->m, r->w, none, none, none, f_ext, none));
+    RUN(rbd_cholesky_factor(r->m, r->w, none, none));
+    RUN(rbd_cholesky_factor_packed(r->m, r->w, none));
+    RUN(rbd_cholesky_solve(r->m, r->w, none, none, none));
+    RUN(rbd_passive(r->m, r->w, none, none));
+    ck_assert_int_eq(rbd_singular_dof(r->w), -1);
+    ck_assert_int_eq(rbd_packed_size(r->m), 0);
+    ck_assert_int_eq(rbd_packed_index(r->m, 0, 0), -1);
+}
+
+static void still_kinematics(const robot *r, double *none) {
+    const int number = 0;
+    const double place[STILL_NB][3] = {{0, 0, 2}, {1, 0, 2}, {0.5, 0, 2}}, zero[9] = {0};
+    double p[3], x[6], energy[2], com[9];
+    RUN(rbd_kinematics(r->m, r->w, none, none, none));
+    RUN(rbd_kinematics(r->m, r->w, none, NULL, NULL));
+    for (int i = 0; i < STILL_NB; i++) {
+        RUN(rbd_body_pose(r->m, r->w, i, NULL, p));
+        expect_close("what is fixed: p", r, i, p, place[i], 3, 1e-15);
+        RUN(rbd_body_velocity(r->m, r->w, i, x));
+        ck_assert(!(largest(x, 6) > 0));
+        RUN(rbd_body_acceleration(r->m, r->w, i, x));
+        ck_assert(!(largest(x, 6) > 0));
+        RUN(rbd_body_acceleration_classical(r->m, r->w, i, x));
+        ck_assert(!(largest(x, 6) > 0));
+    }
+    RUN(rbd_energy(r->m, r->w, &energy[0], &energy[1])); /* of what a joint moves */
+    RUN(rbd_com(r->m, r->w, com, com + 3, com + 6));
+    expect_close("what is fixed: energy", r, 0, energy, zero, 2, 1e-15);
+    expect_close("what is fixed: com", r, 0, com, zero, 9, 1e-15);
+    ck_assert(!(rbd_mass(r->m) > 0));
+}
+
+START_TEST(fixed_bodies_alone_are_a_model) {
+    robot r = BUILD(still); /* whose work has exactly rbd_work_size bytes, not written before */
+    const int number = 0;
+    double edge[1] = {0}, f_ext[6 * STILL_NB] = {1, 2, 3, 4, 5, 6};
+    double *none = edge + 1;
+    uint64_t seed = 1;
+    ck_assert_int_eq(r.nq, 0);
+    ck_assert_int_eq(r.nv, 0);
+    still_dynamics(&r, none, f_ext);
+    still_kinematics(&r, none);
+    expect_ok("neutral", &r, number, rbd_neutral(r.m, none));
+    expect_ok("integrate", &r, number, rbd_integrate(r.m, none, none, 0.1, none));
+    expect_ok("difference", &r, number, rbd_difference(r.m, none, none, none));
+    expect_ok("random", &r, number, rbd_random(r.m, &seed, none));
     robot_free(&r);
 }
 END_TEST
@@ -132,8 +236,10 @@ Suite *work_suite(void) {
     Suite *suite = suite_create("work");
     TCase *c = tcase_create("work");
     tcase_add_test(c, memory_one_byte_too_small_is_refused);
+    tcase_add_test(c, sizes_at_compile_time_suffice);
     tcase_add_test(c, memory_of_any_alignment_and_content_suffices);
     tcase_add_test(c, null_arguments_are_refused);
+    tcase_add_test(c, fixed_bodies_alone_are_a_model);
     tcase_add_test(c, what_is_not_a_model_is_refused);
     tcase_add_test(c, gravity_is_earth_s_until_set);
     tcase_add_test(c, works_are_independent);

@@ -1,0 +1,67 @@
+/* batch.c - forward dynamics of the iiwa in 4096 random states by one batch call, and by single calls. */
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+
+#include "models/iiwa_model.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { STATES = 4096, NQ = 7, NV = 7 };
+
+static double q[STATES * NQ], v[STATES * NV], tau[STATES * NV], a[STATES * NV], a_single[STATES * NV];
+
+static void draw_states(void) {
+    uint64_t seed = 1;
+    for (int s = 0; s < STATES; s++)
+        rbd_random(&iiwa_model, &seed, q + s * NQ);
+    for (int i = 0; i < STATES * NV; i++) {
+        v[i] = sin(i);
+        tau[i] = 50 * cos(i);
+    }
+}
+
+static rbd_status by_batch(void) {
+    const size_t size = rbd_batch_size(&iiwa_model);
+    void *memory = malloc(size);
+    rbd_batch *b;
+    rbd_status status = rbd_batch_init(&iiwa_model, memory, size, &b);
+    if (status == RBD_OK)
+        status = rbd_batch_aba(&iiwa_model, b, STATES, q, v, tau, NULL, a);
+    free(memory);
+    return status;
+}
+
+static rbd_status by_single_calls(void) {
+    static unsigned char memory[IIWA_WORK_SIZE];
+    rbd_work *w;
+    rbd_status status = rbd_work_init(&iiwa_model, memory, sizeof memory, &w);
+    for (int s = 0; s < STATES && status == RBD_OK; s++)
+        status = rbd_aba(&iiwa_model, w, q + s * NQ, v + s * NV, tau + s * NV, NULL, a_single + s * NV);
+    return status;
+}
+
+/* Of the first joint, over all states. */
+static double mean_acceleration(const double *acceleration) {
+    double sum = 0;
+    for (int s = 0; s < STATES; s++)
+        sum += acceleration[s * NV];
+    return sum / STATES;
+}
+
+int main(void) {
+    draw_states();
+    rbd_status status = by_batch();
+    if (status == RBD_OK)
+        status = by_single_calls();
+    if (status != RBD_OK) {
+        printf("%s\n", rbd_status_string(status));
+        return EXIT_FAILURE;
+    }
+    const double mean = mean_acceleration(a), expected = mean_acceleration(a_single);
+    printf("%d states, %d at a time: mean acceleration of joint 1 is %.12f rad/s^2\n", STATES,
+           rbd_batch_lanes(), mean);
+    printf("single calls:                                            %.12f rad/s^2\n", expected);
+    return fabs(mean - expected) <= 1e-12 * fabs(expected) ? EXIT_SUCCESS : EXIT_FAILURE;
+}

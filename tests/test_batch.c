@@ -1,0 +1,660 @@
+/* test_batch.c - [batch]: the batch calls of batch.c against the single calls of rbd.c and the reference.
+   Built for several BATCH_LANES, with double and with -DRBD_REAL=float; each is a program of its own.
+   `batch_PROGRAM --errors` also prints the largest difference between batch and single calls. */
+#include <check.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rbd.h"
+
+#include "reference.h"
+
+enum { IS_FLOAT = sizeof(RBD_REAL) == sizeof(float) };
+
+/* Half the distance from 1 to the next number. */
+#define ROUNDING (0.5 * (IS_FLOAT ? (double)FLT_EPSILON : DBL_EPSILON))
+/* Batch against single calls, relative to the largest entry of a state's result. Where the compiler contracts
+   to FMA, it does so in other places with lanes: a few roundings, which forward dynamics multiply by the
+   condition number of M, up to some thousands. */
+#define FEW_ROUNDINGS (30 * ROUNDING)
+#define BOUND(call) ((call) < ABA ? FEW_ROUNDINGS : IS_FLOAT ? 2e-4 : 1e-12)
+/* Against the reference, as in scalars.c. */
+#define DIRECT fmax(100 * ROUNDING, 1e-14)
+#define INVERSE(condition) (DIRECT + 100 * ROUNDING * (condition))
+#define CANCELLED (1e-12 + 1000 * DIRECT)
+
+#define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
+#define BOX .mass = 1, .com = {0.1, -0.2, 0.15}, .inertia = {0.2, 0.01, -0.02, 0.25, 0.03, 0.3}
+#define HALF_PI 1.57079632679489661923
+
+enum { FEW = 2 * BATCH_LANES + 1, MANY = 131 }; /* states */
+
+static const RBD_REAL canary = (RBD_REAL)1234.5;
+
+/* ---- a robot with the memory of both kinds of calls, and states ---- */
+
+typedef struct robot {
+    const char *name;
+    int nb, nq, nv;
+    const rbd_model *m;
+    rbd_work *w;
+    rbd_batch *b;
+    void *memory[3];
+} robot;
+
+static void *allocate(size_t size) {
+    void *memory = malloc(size ? size : 1);
+    ck_assert_ptr_nonnull(memory);
+    return memory;
+}
+
+static RBD_REAL *numbers(int rows, int width) {
+    return (RBD_REAL *)allocate((size_t)rows * (size_t)width * sizeof(RBD_REAL));
+}
+
+static robot build(const char *name, const rbd_body *bodies, int nb) {
+    robot r = {name, nb, 0, 0, NULL, NULL, NULL, {NULL, NULL, NULL}};
+    size_t size = rbd_model_size(bodies, nb);
+    r.memory[0] = allocate(size);
+    ck_assert_int_eq(rbd_model_build(bodies, nb, r.memory[0], size, &r.m, NULL), RBD_OK);
+    r.nq = rbd_nq(r.m);
+    r.nv = rbd_nv(r.m);
+    size = rbd_work_size(r.m);
+    r.memory[1] = allocate(size);
+    ck_assert_int_eq(rbd_work_init(r.m, r.memory[1], size, &r.w), RBD_OK);
+    size = rbd_batch_size(r.m);
+    r.memory[2] = allocate(size);
+    ck_assert_int_eq(rbd_batch_init(r.m, r.memory[2], size, &r.b), RBD_OK);
+    return r;
+}
+
+static robot build_reference(const ref_model *model) {
+    return build(model->name, model->bodies, model->nb);
+}
+
+static void release(robot *r) {
+    for (int i = 0; i < LENGTH(r->memory); i++)
+        free(r->memory[i]);
+}
+
+static void set_gravity(const robot *r, const double gravity[3]) {
+    const rbd_const g[3] = {(rbd_const)gravity[0], (rbd_const)gravity[1], (rbd_const)gravity[2]};
+    ck_assert_int_eq(rbd_set_gravity(r->w, g), RBD_OK);
+    ck_assert_int_eq(rbd_batch_set_gravity(r->b, g), RBD_OK);
+}
+
+/* States one after the other; f_ext may be NULL. */
+typedef struct states {
+    RBD_REAL *q, *v, *a, *tau, *f_ext;
+} states;
+
+static states states_new(const robot *r, int n) {
+    const states x = {numbers(n, r->nq), numbers(n, r->nv), numbers(n, r->nv), numbers(n, r->nv),
+                      numbers(n, 6 * r->nb)};
+    return x;
+}
+
+static void states_free(states *x) {
+    free(x->q);
+    free(x->v);
+    free(x->a);
+    free(x->tau);
+    free(x->f_ext);
+}
+
+/* The states from s on. */
+static states states_from(const robot *r, const states *x, int s) {
+    const states from = {x->q + s * r->nq, x->v + s * r->nv, x->a + s * r->nv, x->tau + s * r->nv,
+                         x->f_ext ? x->f_ext + s * 6 * r->nb : NULL};
+    return from;
+}
+
+static RBD_REAL *copy_of(const RBD_REAL *x, int rows, int width) {
+    RBD_REAL *copy = numbers(rows, width);
+    memcpy(copy, x, (size_t)rows * (size_t)width * sizeof(RBD_REAL));
+    return copy;
+}
+
+/* The first n states in memory of that size: the sanitizer sees who reads on. */
+static states states_cut(const robot *r, const states *x, int n) {
+    const states cut = {copy_of(x->q, n, r->nq), copy_of(x->v, n, r->nv), copy_of(x->a, n, r->nv),
+                        copy_of(x->tau, n, r->nv), x->f_ext ? copy_of(x->f_ext, n, 6 * r->nb) : NULL};
+    return cut;
+}
+
+static void draw(uint64_t *seed, double size, RBD_REAL *x, int n) {
+    for (int i = 0; i < n; i++) {
+        *seed ^= *seed << 13; /* Marsaglia's xorshift */
+        *seed ^= *seed >> 7;
+        *seed ^= *seed << 17;
+        x[i] = (RBD_REAL)(size * ((double)(*seed >> 11) / 4503599627370496.0 - 1));
+    }
+}
+
+/* Random states within a step of size 1 from the neutral one: far from gimbal lock, singular in float. */
+static states states_draw(const robot *r, int n) {
+    states x = states_new(r, n);
+    RBD_REAL *neutral = numbers(1, r->nq), *step = numbers(1, r->nv);
+    uint64_t seed = 2027;
+    ck_assert_int_eq(rbd_neutral(r->m, neutral), RBD_OK);
+    for (int s = 0; s < n; s++) {
+        draw(&seed, 1, step, r->nv);
+        ck_assert_int_eq(rbd_integrate(r->m, neutral, step, 1, x.q + s * r->nq), RBD_OK);
+    }
+    draw(&seed, 2, x.v, n * r->nv);
+    draw(&seed, 3, x.a, n * r->nv);
+    draw(&seed, 20, x.tau, n * r->nv);
+    draw(&seed, 10, x.f_ext, n * 6 * r->nb);
+    free(neutral);
+    free(step);
+    return x;
+}
+
+/* ---- the calls by number ---- */
+
+typedef enum call { RNEA, BIAS, CRBA, CRBA_PACKED, ABA, FD_CHOLESKY, CALLS } call;
+
+static const char *const call_name[CALLS] = {"rnea", "bias", "crba", "crba_packed", "aba", "fd_cholesky"};
+
+static int width_of(const robot *r, call c) {
+    return c == CRBA ? r->nv * r->nv : c == CRBA_PACKED ? rbd_packed_size(r->m) : r->nv;
+}
+
+static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *out) {
+    switch (c) {
+    case RNEA: return rbd_rnea(r->m, r->w, x->q, x->v, x->a, x->f_ext, out);
+    case BIAS: return rbd_bias(r->m, r->w, x->q, x->v, x->f_ext, out);
+    case CRBA: return rbd_crba(r->m, r->w, x->q, out);
+    case CRBA_PACKED: return rbd_crba_packed(r->m, r->w, x->q, out);
+    case ABA: return rbd_aba(r->m, r->w, x->q, x->v, x->tau, x->f_ext, out);
+    default: return rbd_fd_cholesky(r->m, r->w, x->q, x->v, x->tau, x->f_ext, out);
+    }
+}
+
+static rbd_status run_batch(const robot *r, call c, int n, const states *x, RBD_REAL *out) {
+    switch (c) {
+    case RNEA: return rbd_batch_rnea(r->m, r->b, n, x->q, x->v, x->a, x->f_ext, out);
+    case BIAS: return rbd_batch_bias(r->m, r->b, n, x->q, x->v, x->f_ext, out);
+    case CRBA: return rbd_batch_crba(r->m, r->b, n, x->q, out);
+    case CRBA_PACKED: return rbd_batch_crba_packed(r->m, r->b, n, x->q, out);
+    case ABA: return rbd_batch_aba(r->m, r->b, n, x->q, x->v, x->tau, x->f_ext, out);
+    default: return rbd_batch_fd_cholesky(r->m, r->b, n, x->q, x->v, x->tau, x->f_ext, out);
+    }
+}
+
+/* ---- comparison ---- */
+
+static double largest_error[CALLS]; /* of batch against single calls */
+
+/* One state's result against another's; the error is relative to the largest entry, or to 1e-3. */
+static double expect_row(const char *what, const robot *r, int state, const RBD_REAL *found,
+                         const RBD_REAL *expected, int n, double bound) {
+    double difference = 0, size = 1e-3;
+    for (int i = 0; i < n; i++) {
+        const double x = (double)found[i], y = (double)expected[i];
+        difference = isfinite(x) ? fmax(difference, fabs(x - y)) : HUGE_VAL;
+        size = fmax(size, fabs(y));
+        if (!isfinite(difference))
+            break;
+    }
+    if (!(difference <= bound * size))
+        ck_abort_msg("%s: %s, state %d: error %.3g exceeds %.3g", what, r->name, state, difference / size,
+                     bound);
+    return difference / size;
+}
+
+/* The single calls' results of n states. */
+static RBD_REAL *single_results(const robot *r, call c, const states *x, int n) {
+    const int width = width_of(r, c);
+    RBD_REAL *out = numbers(n, width);
+    for (int s = 0; s < n; s++) {
+        const states one = states_from(r, x, s);
+        ck_assert_int_eq(run_single(r, c, &one, out + s * width), RBD_OK);
+    }
+    return out;
+}
+
+/* A batch of n states: the rows are as expected, and what lies beyond is not touched. */
+static void expect_batch(const robot *r, call c, const states *x, int n, const RBD_REAL *expected) {
+    const int width = width_of(r, c), beyond = (n + 2) * width;
+    RBD_REAL *out = numbers(n + 2, width);
+    for (int i = 0; i < beyond; i++)
+        out[i] = canary;
+    ck_assert_msg(run_batch(r, c, n, x, out) == RBD_OK, "%s: %s, %d states", call_name[c], r->name, n);
+    for (int s = 0; s < n; s++)
+        largest_error[c] = fmax(largest_error[c], expect_row(call_name[c], r, s, out + s * width,
+                                                             expected + s * width, width, BOUND(c)));
+    for (int i = n * width; i < beyond; i++)
+        ck_assert_msg(out[i] == canary, "%s: %s: writes beyond %d states", call_name[c], r->name, n);
+    ck_assert_int_eq(rbd_batch_singular(r->b, NULL), -1);
+    free(out);
+}
+
+/* ---- robots: the references and a tree with every type of joint, with and without mimic joints ---- */
+
+typedef void robot_check(const robot *r);
+
+static void check_one(robot r, robot_check *check) {
+    check(&r);
+    release(&r);
+}
+
+static rbd_body body_of_type(rbd_joint_type type, int parent) {
+    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6, 0, 0.8}, .axis2 = {0, 1, 0},
+                        .position = {0.3, -0.1, 0.2}, BOX, .pitch = type == RBD_HELICAL ? 0.3 : 0};
+    return b;
+}
+
+/* A chain with a branch at every third body. */
+static void check_every_joint(int mimic, robot_check *check) {
+    rbd_body bodies[RBD_JOINT_TYPES + 2];
+    for (int i = 0; i < RBD_JOINT_TYPES; i++)
+        bodies[i] = body_of_type((rbd_joint_type)((i + 1) % RBD_JOINT_TYPES), i - 1 - (i > 2 && i % 3 == 0));
+    bodies[0].joint = "leader";
+    for (int i = RBD_JOINT_TYPES; i < LENGTH(bodies); i++) {
+        bodies[i] = body_of_type(i & 1 ? RBD_PRISMATIC : RBD_REVOLUTE, i - 3);
+        if (mimic) {
+            bodies[i].mimic = "leader";
+            bodies[i].mimic_ratio = i & 1 ? 0.5 : -1.5;
+            bodies[i].mimic_offset = 0.2;
+        }
+    }
+    check_one(build(mimic ? "every joint, mimic" : "every joint", bodies, LENGTH(bodies)), check);
+}
+
+static void for_robots(robot_check *check) {
+    const rbd_body plate[1] = {{.parent = -1, .type = RBD_FIXED, BOX}};
+    for (int i = 0; i < reference_count; i++)
+        check_one(build_reference(reference_model(i)), check);
+    check_every_joint(0, check);
+    check_every_joint(1, check);
+    check_one(build("no degree of freedom", plate, LENGTH(plate)), check);
+}
+
+/* ---- tests ---- */
+
+START_TEST(lanes_are_as_compiled) {
+    ck_assert_int_eq(rbd_batch_lanes(), BATCH_LANES);
+}
+END_TEST
+
+static void check_counts(const robot *r, call c, const states *x) {
+    RBD_REAL *expected = single_results(r, c, x, MANY);
+    for (int n = 0; n <= MANY; n = n == FEW ? MANY : n + 1) {
+        states cut = states_cut(r, x, n);
+        expect_batch(r, c, &cut, n, expected);
+        states_free(&cut);
+    }
+    free(expected);
+}
+
+static void check_any_number(const robot *r) {
+    states x = states_draw(r, MANY), alone = x;
+    alone.f_ext = NULL;
+    for (call c = RNEA; c < CALLS; c++) {
+        check_counts(r, c, &x);
+        if (c != CRBA && c != CRBA_PACKED)
+            check_counts(r, c, &alone);
+    }
+    states_free(&x);
+}
+
+START_TEST(any_number_of_states_gives_the_single_results) {
+    for_robots(check_any_number);
+}
+END_TEST
+
+/* Angles beyond where the library computes sines itself: in one state of many, and in the first. */
+START_TEST(large_angles_give_the_single_results) {
+    robot r = build_reference(reference_model(2));
+    states x = states_draw(&r, FEW);
+    x.q[0] = x.q[(BATCH_LANES + 1) * r.nq + 3] = (RBD_REAL)3e6;
+    for (call c = RNEA; c < CALLS; c++) {
+        RBD_REAL *expected = single_results(&r, c, &x, FEW);
+        expect_batch(&r, c, &x, FEW, expected);
+        free(expected);
+    }
+    states_free(&x);
+    release(&r);
+}
+END_TEST
+
+static void check_gravity(const robot *r) {
+    const double gravity[2][3] = {{1, -2, 3}, {0, 0, 0}};
+    states x = states_draw(r, FEW);
+    for (int i = 0; i < 2; i++) {
+        set_gravity(r, gravity[i]);
+        for (call c = RNEA; c < CALLS; c++) {
+            RBD_REAL *expected = single_results(r, c, &x, FEW);
+            expect_batch(r, c, &x, FEW, expected);
+            free(expected);
+        }
+    }
+    states_free(&x);
+}
+
+START_TEST(gravity_can_be_set) {
+    for_robots(check_gravity);
+}
+END_TEST
+
+/* a may be tau or v, tau may be a or v, c may be v: the same bits as apart. */
+static void check_in_place(const robot *r) {
+    const call calls[4] = {RNEA, BIAS, ABA, FD_CHOLESKY};
+    for (int i = 0; i < LENGTH(calls); i++) {
+        const call c = calls[i];
+        const size_t size = (size_t)(FEW * r->nv) * sizeof(RBD_REAL);
+        states x = states_draw(r, FEW);
+        RBD_REAL *apart = numbers(FEW, r->nv);
+        ck_assert_int_eq(run_batch(r, c, FEW, &x, apart), RBD_OK);
+        RBD_REAL *const inputs[2] = {c == RNEA ? x.a : x.tau, x.v};
+        for (int k = c == BIAS; k < 2; k++) {
+            RBD_REAL *before = copy_of(inputs[k], FEW, r->nv);
+            ck_assert_int_eq(run_batch(r, c, FEW, &x, inputs[k]), RBD_OK);
+            ck_assert_msg(memcmp(inputs[k], apart, size) == 0, "%s: %s, in place", call_name[c], r->name);
+            memcpy(inputs[k], before, size);
+            free(before);
+        }
+        free(apart);
+        states_free(&x);
+    }
+}
+
+START_TEST(output_may_be_an_input) {
+    for_robots(check_in_place);
+}
+END_TEST
+
+/* ---- singular states among good ones ---- */
+
+/* A robot that can be made singular in two ways: by coordinate lock[i] at this value. */
+typedef struct trap {
+    robot r;
+    int lock[2];
+    double value;
+} trap;
+
+/* An arm that turns about z with a bead that slides on it: singular where the bead is on the axis. */
+#define ARM(at) {.joint = "turn" #at, .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}}
+#define BEAD(on) {.parent = on, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}
+
+static trap beads(void) {
+    const rbd_body bodies[4] = {ARM(0), BEAD(0), ARM(2), BEAD(2)};
+    const trap t = {build("two beads", bodies, LENGTH(bodies)), {1, 3}, 0};
+    return t;
+}
+
+static trap gimbals(void) {
+    const rbd_body bodies[2] = {{.parent = -1, .type = RBD_EULER_ZYX, BOX},
+                                {.parent = -1, .type = RBD_EULER_XYZ, BOX}};
+    const trap t = {build("two gimbals", bodies, LENGTH(bodies)), {1, 4}, HALF_PI};
+    return t;
+}
+
+static trap gimbals_with_mimic(void) {
+    const rbd_body bodies[4] = {
+        {.parent = -1, .type = RBD_EULER_ZYX, BOX},
+        {.joint = "leader", .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
+        {.parent = 1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, BOX, .mimic = "leader", .mimic_ratio = 2},
+        {.parent = -1, .type = RBD_EULER_XYZ, BOX}};
+    const trap t = {build("gimbals and mimic", bodies, LENGTH(bodies)), {1, 5}, HALF_PI};
+    return t;
+}
+
+/* Runs both forward dynamics on states of which those with way[s] >= 0 are singular in that way. */
+static void expect_first_singular(const trap *t, const states *good, const int way[FEW]) {
+    const robot *r = &t->r;
+    const int nv = r->nv;
+    RBD_REAL expected[16], *found = numbers(FEW, nv);
+    for (call c = ABA; c <= FD_CHOLESKY; c++) {
+        states x = states_cut(r, good, FEW);
+        int first = -1, first_dof = -1, dof = -2;
+        for (int s = 0; s < FEW; s++)
+            if (way[s] >= 0)
+                x.q[s * r->nq + t->lock[way[s]]] = (RBD_REAL)t->value;
+        const rbd_status status = run_batch(r, c, FEW, &x, found);
+        for (int s = 0; s < FEW; s++) {
+            const states one = states_from(r, &x, s);
+            const rbd_status single = run_single(r, c, &one, expected);
+            ck_assert_int_eq(single, way[s] < 0 ? RBD_OK : RBD_ERR_SINGULAR);
+            if (single && first < 0) {
+                first = s;
+                first_dof = rbd_singular_dof(r->w);
+            }
+            if (!single)
+                expect_row(call_name[c], r, s, found + s * nv, expected, nv, BOUND(c));
+            for (int k = 0; k < nv; k++)
+                ck_assert_msg(isfinite((double)found[s * nv + k]), "%s, state %d: not finite", r->name, s);
+        }
+        ck_assert_int_eq(status, first < 0 ? RBD_OK : RBD_ERR_SINGULAR);
+        ck_assert_int_eq(rbd_batch_singular(r->b, NULL), first);
+        ck_assert_int_eq(rbd_batch_singular(r->b, &dof), first);
+        ck_assert_int_eq(dof, first_dof);
+        states_free(&x);
+    }
+    free(found);
+}
+
+/* No singular state, every one alone, every pair of them, in one way each. */
+static void check_trap(trap t) {
+    states good = states_draw(&t.r, FEW);
+    int way[FEW];
+    for (int s = 0; s < FEW; s++)
+        way[s] = -1;
+    for (int i = 0; i < FEW; i++) {
+        way[i] = i & 1;
+        expect_first_singular(&t, &good, way);
+        for (int k = i + 1; k < FEW; k++) {
+            way[k] = !way[i];
+            expect_first_singular(&t, &good, way);
+            way[i] = !way[i];
+            way[k] = !way[i];
+            expect_first_singular(&t, &good, way);
+            way[k] = -1;
+        }
+        way[i] = -1;
+        expect_first_singular(&t, &good, way); /* and the call after is clean */
+    }
+    states_free(&good);
+    release(&t.r);
+}
+
+START_TEST(first_singular_state_is_named_and_the_others_stand) {
+    check_trap(beads());
+    check_trap(gimbals());
+    check_trap(gimbals_with_mimic());
+}
+END_TEST
+
+/* A later call without a singular state forgets, whatever it computes. */
+START_TEST(singular_state_is_of_the_last_call) {
+    trap t = beads();
+    const double locked[4] = {0.1, 0, 0.2, 0.3};
+    states x = states_draw(&t.r, 1);
+    RBD_REAL out[16];
+    for (call c = RNEA; c < CALLS; c++) {
+        int dof = -2;
+        RBD_REAL *q = copy_of(x.q, 1, t.r.nq);
+        for (int k = 0; k < LENGTH(locked); k++)
+            x.q[k] = (RBD_REAL)locked[k];
+        ck_assert_int_eq(run_batch(&t.r, ABA, 1, &x, out), RBD_ERR_SINGULAR);
+        ck_assert_int_eq(rbd_batch_singular(t.r.b, &dof), 0);
+        ck_assert_int_eq(dof, 0);
+        free(x.q);
+        x.q = q;
+        ck_assert_int_eq(run_batch(&t.r, c, 1, &x, out), RBD_OK);
+        ck_assert_int_eq(rbd_batch_singular(t.r.b, &dof), -1);
+        ck_assert_int_eq(dof, -1);
+    }
+    states_free(&x);
+    release(&t.r);
+}
+END_TEST
+
+/* ---- arguments and memory ---- */
+
+START_TEST(null_arguments_are_refused) {
+    robot r = build_reference(reference_model(2));
+    states x = states_draw(&r, 1);
+    RBD_REAL out[64];
+    for (call c = RNEA; c < CALLS; c++) {
+        robot no_model = r, no_batch = r;
+        states no_q = x, no_v = x, no_third = x;
+        no_model.m = NULL;
+        no_batch.b = NULL;
+        no_q.q = no_v.v = no_third.a = no_third.tau = NULL;
+        ck_assert_int_eq(run_batch(&no_model, c, 1, &x, out), RBD_ERR_NULL);
+        ck_assert_int_eq(run_batch(&no_batch, c, 1, &x, out), RBD_ERR_NULL);
+        ck_assert_int_eq(run_batch(&r, c, 1, &no_q, out), RBD_ERR_NULL);
+        ck_assert_int_eq(run_batch(&r, c, 1, &x, NULL), RBD_ERR_NULL);
+        if (c != CRBA && c != CRBA_PACKED)
+            ck_assert_int_eq(run_batch(&r, c, 1, &no_v, out), RBD_ERR_NULL);
+        if (c == RNEA || c == ABA || c == FD_CHOLESKY)
+            ck_assert_int_eq(run_batch(&r, c, 1, &no_third, out), RBD_ERR_NULL);
+    }
+    const rbd_const gravity[3] = {0, 0, 0};
+    ck_assert_int_eq(rbd_batch_set_gravity(NULL, gravity), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_set_gravity(r.b, NULL), RBD_ERR_NULL);
+    const size_t size = rbd_batch_size(r.m);
+    ck_assert_uint_eq(rbd_batch_size(NULL), 0);
+    ck_assert_int_eq(rbd_batch_init(NULL, r.memory[2], size, &r.b), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_init(r.m, NULL, size, &r.b), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_init(r.m, r.memory[2], size, NULL), RBD_ERR_NULL);
+    states_free(&x);
+    release(&r);
+}
+END_TEST
+
+START_TEST(model_of_another_version_is_refused) {
+    robot r = build_reference(reference_model(2));
+    rbd_model other = *r.m;
+    rbd_batch *b;
+    other.version++;
+    ck_assert_int_eq(rbd_batch_init(&other, r.memory[2], rbd_batch_size(r.m), &b), RBD_ERR_VERSION);
+    release(&r);
+}
+END_TEST
+
+/* Memory that ends where it may, begins anywhere and holds no useful numbers. */
+static void check_memory(const robot *r) {
+    const int offsets[5] = {0, 1, 8, 31, 63};
+    const size_t size = rbd_batch_size(r->m);
+    states x = states_draw(r, FEW);
+    for (int i = 0; i < LENGTH(offsets); i++) {
+        const size_t offset = (size_t)offsets[i];
+        unsigned char *memory = (unsigned char *)allocate(offset + size);
+        robot moved = *r;
+        memset(memory, 0xff, offset + size);
+        ck_assert_int_eq(rbd_batch_init(r->m, memory + offset, size - 1, &moved.b), RBD_ERR_MEMORY);
+        ck_assert_int_eq(rbd_batch_init(r->m, memory + offset, size, &moved.b), RBD_OK);
+        ck_assert_int_eq(rbd_batch_singular(moved.b, NULL), -1);
+        for (call c = RNEA; c < CALLS; c++) {
+            RBD_REAL *expected = single_results(r, c, &x, FEW);
+            expect_batch(&moved, c, &x, FEW, expected);
+            free(expected);
+        }
+        for (size_t k = 0; k < offset; k++)
+            ck_assert_uint_eq(memory[k], 0xff);
+        free(memory);
+    }
+    states_free(&x);
+}
+
+START_TEST(memory_of_the_stated_size_is_enough_and_less_is_refused) {
+    for_robots(check_memory);
+}
+END_TEST
+
+/* ---- the reference ---- */
+
+/* State k and those after it that have the same gravity; k again where another has not. */
+static const ref_state *pick(const ref_model *model, int k, int lane) {
+    const ref_state *s = &model->states[k], *other = &model->states[(k + lane) % model->nstates];
+    return memcmp(s->gravity, other->gravity, 3 * sizeof(double)) ? s : other;
+}
+
+static void put(RBD_REAL *x, const double *values, int n) {
+    for (int i = 0; i < n; i++)
+        x[i] = (RBD_REAL)values[i];
+}
+
+static void compare(const robot *r, call c, const states *x, int row, const double *expected, double bound) {
+    const int width = width_of(r, c);
+    RBD_REAL *found = numbers(FEW, width), *rounded = numbers(1, width);
+    put(rounded, expected, width);
+    ck_assert_int_eq(run_batch(r, c, FEW, x, found), RBD_OK);
+    expect_row(call_name[c], r, row, found + row * width, rounded, width, bound);
+    free(found);
+    free(rounded);
+}
+
+static void check_reference(const robot *r, const ref_model *model, int k) {
+    states x = states_new(r, FEW);
+    for (int s = 0; s < FEW; s++) {
+        const ref_state *state = pick(model, k, s);
+        const states one = states_from(r, &x, s);
+        put(one.q, state->q, r->nq);
+        put(one.v, state->v, r->nv);
+        put(one.a, state->vdot, r->nv);
+        put(one.tau, state->tau, r->nv);
+        put(one.f_ext, state->f_ext, 6 * r->nb);
+    }
+    set_gravity(r, model->states[k].gravity);
+    for (int s = 0; s < FEW; s++) {
+        const ref_state *state = pick(model, k, s);
+        const double inverse = INVERSE(state->cond_M);
+        states alone = x;
+        alone.f_ext = NULL;
+        compare(r, RNEA, &x, s, state->tau_rnea_ext, DIRECT);
+        compare(r, RNEA, &alone, s, state->tau_rnea, DIRECT);
+        compare(r, BIAS, &alone, s, state->c, CANCELLED);
+        compare(r, CRBA, &x, s, state->M, DIRECT);
+        compare(r, ABA, &x, s, state->qdd_ext, inverse);
+        compare(r, ABA, &alone, s, state->qdd, inverse);
+        compare(r, FD_CHOLESKY, &x, s, state->qdd_ext, inverse);
+        compare(r, FD_CHOLESKY, &alone, s, state->qdd, inverse);
+    }
+    states_free(&x);
+}
+
+START_TEST(results_match_the_reference) {
+    for (int i = 0; i < reference_count; i++) {
+        const ref_model *model = reference_model(i);
+        robot r = build_reference(model);
+        for (int k = 0; k < model->nstates; k++)
+            check_reference(&r, model, k);
+        release(&r);
+    }
+}
+END_TEST
+
+int main(int argc, char **argv) {
+    const int errors = argc > 1 && strcmp(argv[1], "--errors") == 0;
+    Suite *suite = suite_create("batch");
+    TCase *c = tcase_create("batch");
+    tcase_set_timeout(c, 120);
+    tcase_add_test(c, lanes_are_as_compiled);
+    tcase_add_test(c, any_number_of_states_gives_the_single_results);
+    tcase_add_test(c, large_angles_give_the_single_results);
+    tcase_add_test(c, gravity_can_be_set);
+    tcase_add_test(c, output_may_be_an_input);
+    tcase_add_test(c, first_singular_state_is_named_and_the_others_stand);
+    tcase_add_test(c, singular_state_is_of_the_last_call);
+    tcase_add_test(c, null_arguments_are_refused);
+    tcase_add_test(c, model_of_another_version_is_refused);
+    tcase_add_test(c, memory_of_the_stated_size_is_enough_and_less_is_refused);
+    tcase_add_test(c, results_match_the_reference);
+    suite_add_tcase(suite, c);
+    SRunner *runner = srunner_create(suite);
+    if (errors)
+        srunner_set_fork_status(runner, CK_NOFORK); /* the errors are kept in this process */
+    srunner_run_all(runner, CK_NORMAL);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    for (call i = RNEA; errors && i < CALLS; i++)
+        printf("%-12s %.1e\n", call_name[i], largest_error[i]);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
