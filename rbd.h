@@ -145,7 +145,7 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
-/* One symbol carries the scalar, so that C files which differ in it do not link. */
+/* These symbols carry the scalar, so that C files which differ in it do not link. */
 #ifndef RBD_REAL_CUSTOM
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
@@ -154,6 +154,7 @@ extern "C" {
 #else
 #define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
 #endif
+#define rbd_batch_init RBDI_PASTE(rbd_batch_init, RBD_REAL)
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
@@ -859,6 +860,12 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBDI_PART static RBDI_UNUSED
 #define RBDI_UNROLL
 #endif
+/* The loops over the six axes of a floating base, in any case; clang does so by itself. */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
+#else
+#define RBDI_UNROLL_SIX RBDI_UNROLL
+#endif
 
 /* pi to quad precision, from doubles: a long literal would be cut to double. */
 #define RBDI_PI(type) \
@@ -1379,7 +1386,6 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q)
 {
-    rbdi_mat E0 = rbdi_mat_c(b->E);
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
     switch (b->type) {
@@ -1397,7 +1403,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
     }
     case RBD_TRANSLATION:
         shift = rbdi_vec(q[0], q[1], q[2]);
-        X.E = E0;
+        X.E = rbdi_mat_c(b->E);
         break;
     default: /* RBD_FLOATING */
         shift = rbdi_vec(q[0], q[1], q[2]);
@@ -1405,6 +1411,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         break;
     }
     if (!b->identity) {
+        const rbdi_mat E0 = rbdi_mat_c(b->E);
         if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, E0);
         shift = rbdi_mul_t(E0, shift);
     }
@@ -1595,6 +1602,7 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a)
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v)
 {
     rbd_real a[6];
+    if (b->n == 6) return rbdi_motion_from_array(v);
     RBDI_UNROLL for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     RBDI_UNROLL for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
@@ -1798,8 +1806,13 @@ RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, c
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
-        tau[l->iv + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    if (l->flags & RBDI_ARMATURE)
+        RBDI_UNROLL for (int k = 0; k < b->n; ++k)
+            all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    if (b->n == 6)
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
+    else
+        RBDI_UNROLL for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
 
@@ -1975,17 +1988,18 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
 {
     const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
     const rbd_real *F = &w->F[stride * first];
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
-        rbdi_store_force(&w->F[l->first + k], stride, rbdi_rbi_column(C, l->mc, first + k));
-    RBDI_UNROLL for (int k = 0; k < n; ++k) {
-        rbd_real *own = &w->F[stride * (first + k) + l->first + k];
-        *own = *own + m->dof[iv + k].armature;
-        RBDI_UNROLL for (int j = k; j < n; ++j)
-            rbdi_crba_put(m, l->first + j, iv + k, depth + k, F[stride * k + l->first + j], H, M);
-        *own = *own - m->dof[iv + k].armature;
+    RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
+        const rbdi_force own = rbdi_rbi_column(C, l->mc, first + k);
+        rbd_real all[6];
+        rbdi_store_force(all, 1, own);
+        if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
+        all[first + k] = all[first + k] + m->dof[iv + k].armature;
+        RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
+            rbdi_crba_put(m, l->first + k, iv + j, depth + j, all[first + j], H, M);
     }
     RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j)
-        RBDI_UNROLL for (int k = 0; k < n; ++k) rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
+        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k)
+            rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
 }
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
@@ -2260,20 +2274,20 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, 
                                         const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
                                         rbdi_block_work *bw, rbd_real *pivot, rbdi_mask *bad)
 {
-    RBDI_UNROLL for (int k = n - 1; k >= 0; --k) {
+    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const int s = first + k, end = keep ? 6 : s;
         rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
         pivot[l->iv + k] = D;
         bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
-        RBDI_UNROLL for (int i = 0; i < 6; ++i) {
+        RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
             U[i] = i < end ? A[s][i] : rbdi_zero();
             bw->U[k][i] = U[i] * inverse;
         }
         if (!keep) bw->U[k][s] = A[s][s] * inverse;
-        RBDI_UNROLL for (int i = 0; i < end; ++i) {
+        RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
             const int columns = keep ? 6 : i + 1;
-            RBDI_UNROLL for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
+            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
             P[i] = P[i] + U[i] * bw->u[k];
         }
     }
@@ -4410,10 +4424,10 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
     if (!m || !b || !q || !out) return RBD_ERR_NULL;
     width = full ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
     b->state = b->dof = -1;
-    for (int s = 0; s < n; s += RBD_LANES) {
-        const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
+    for (int s = 0, count; s < n; s += count) {
         const size_t at = (size_t)s;
         rbd_status status = RBD_OK;
+        count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbdi_gather(q + at * nq, (int)nq, count, b->q);
         if (v) rbdi_gather(v + at * nv, (int)nv, count, b->v);
         if (a) rbdi_gather(a + at * nv, (int)nv, count, b->a);
@@ -4427,11 +4441,9 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
             status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
         if (call == RBDI_CALL_FD_CHOLESKY)
             status = rbd_fd_cholesky(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
-        if (status == RBD_ERR_SINGULAR && b->state < 0) {
-            b->dof = rbd_singular_dof(b->w);
-            for (int i = count - 1; i >= 0; --i)
-                if (!(b->w->pivot[b->dof][i] > m->dof[b->dof].scale * RBDI_NOISE)) b->state = s + i;
-        }
+        for (int i = 0; status == RBD_ERR_SINGULAR && i < count && b->state < 0; ++i)
+            for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
+                if (!(b->w->pivot[k][i] > m->dof[k].scale * RBDI_NOISE)) b->state = s + i, b->dof = k;
         if (status) result = status;
         rbdi_scatter(b->out, (int)width, count, out + at * width);
     }
@@ -4451,6 +4463,7 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
 {
     unsigned char *p;
     rbd_batch *b;
+    rbd_status status;
     if (!m || !memory || !batch) return RBD_ERR_NULL;
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
@@ -4461,8 +4474,9 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     b->f = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
     b->out = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
     b->state = b->dof = -1;
-    *batch = b;
-    return rbd_work_init(m, p, rbd_work_size(m), &b->w);
+    status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
+    if (!status) *batch = b;
+    return status;
 }
 
 RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3])

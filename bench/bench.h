@@ -47,9 +47,9 @@ typedef rbd_status library_call(const void *model, void *work, const void *q, co
 
 /* The library, instantiated for one scalar. */
 struct library {
-    const char *scalar;    /* on the command line and in the report */
-    size_t size;           /* bytes of a number in its arrays */
-    double epsilon;        /* distance from 1 to the next number */
+    const char *scalar; /* on the command line and in the report */
+    size_t size;        /* bytes of a number in its arrays */
+    double epsilon;     /* distance from 1 to the next number */
     rbd_status (*model_build)(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
                               rbd_report *report);
     size_t (*model_size)(const rbd_body *bodies, int nb);

@@ -47,7 +47,7 @@ static double mean_acceleration(const double *acceleration) {
     double sum = 0;
     for (int s = 0; s < STATES; s++)
         sum += acceleration[s * NV];
-    return sum / STATES;
+    return sum / (double)STATES;
 }
 
 int main(void) {

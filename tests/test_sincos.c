@@ -182,10 +182,10 @@ static double uniform(void) {
 
 /* ---- tests ---- */
 
-enum { RANDOM = 50000 };
+static const int count = 50000;
 
 START_TEST(random_angles_of_every_size_are_within_the_bound) {
-    for (int i = 0; i < RANDOM; i++) {
+    for (int i = 0; i < count; i++) {
         feed((number)(4 * (2 * uniform() - 1)));
         feed((number)(0.999999 * LIMIT * (2 * uniform() - 1)));
         feed((number)(0.999999 * LIMIT * exp(-50 * uniform())));
@@ -206,15 +206,14 @@ START_TEST(multiples_of_an_eighth_of_a_turn_are_within_the_bound) {
 }
 END_TEST
 
-/* One angle beyond sends its whole array to libm: the near ones are kept apart from the far ones. */
+/* One angle beyond sends its whole array to libm: here they come in order of size. */
 START_TEST(the_limit_and_what_lies_beyond_are_within_the_bound) {
     feed_around((number)LIMIT, 100);
     flush();
-    for (int i = 0; i < RANDOM / 5; i++)
-        feed((number)(LIMIT * exp(10 * uniform())));
-    flush();
-    for (int i = 0; i < RANDOM / 5; i++)
-        feed((number)(LIMIT * exp(log(LARGEST / LIMIT) * uniform())));
+    for (int i = 0; i < count; i++)
+        feed((number)(LIMIT * exp(20.0 * i / count)));
+    for (int i = 0; i < count; i++)
+        feed((number)(LIMIT * exp(log(LARGEST / LIMIT) * i / count)));
     feed_around((number)1e22, 10);
     feed_around((number)LARGEST, 0);
     flush();
