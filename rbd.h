@@ -22,8 +22,8 @@
      [conventions] [configuration] [guarantees] [limits]
      [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup] [batch]
      --- stop here if you only use it ---
-     [scalar] [spatial algebra] [joints] [state] [rnea] [crba] [kinematics code]
-     [aba] [cholesky] [manifold code] [model build] [batch code] [licence]
+     [scalar] [spatial algebra] [joints] [state] [rnea] [crba] [aba] [cholesky]
+     [kinematics code] [manifold code] [model build] [batch code] [licence]
 
    [conventions]
      units             SI: m, kg, s, rad, N, N m
@@ -789,8 +789,8 @@ RBDI_EXTERN_C_END
 #define RBDI_IMPLEMENTED
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
-#error "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids the pivot checks; \
-use -O3 -ffp-contract=fast instead"
+#error "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
+the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 
 /* ---- scalar [scalar] ---- */
@@ -2424,7 +2424,8 @@ RBDI_PART rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask ba
     w->singular = -1;
     if (!rbdi_any(bad)) return RBD_OK;
     for (int k = m->nv - 1; k >= 0 && w->singular < 0; --k)
-        if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].scale * RBDI_NOISE), w->pivot[k])))) w->singular = k;
+        if (rbdi_any(rbdi_not(rbdi_less(rbdi_set(m->dof[k].scale * RBDI_NOISE), w->pivot[k]))))
+            w->singular = k;
     return RBD_ERR_SINGULAR;
 }
 
@@ -2468,7 +2469,8 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
         const rbd_real *l = &L[rbdi_row(m, k)];
         int d = rbdi_depth(m, k);
         rbd_real y = x[k] * l[d];
-        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i)) y = y - l[t] * x[i];
+        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
+            y = y - l[t] * x[i];
         x[k] = y;
     }
 }
@@ -3279,7 +3281,8 @@ RBD_API const char *rbd_status_string(rbd_status status)
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
-    case RBD_ERR_MEMORY: return "the memory given is too small: rbd_model_size or rbd_work_size has the figure";
+    case RBD_ERR_MEMORY:
+        return "the memory given is too small: rbd_model_size or rbd_work_size has the figure";
     case RBD_ERR_VERSION: return "the built model is of another version or scalar than this rbd.h";
     case RBD_ERR_INDEX: return "no such body";
     case RBD_ERR_ORDER: return "rbd_kinematics must be called first";
@@ -3295,14 +3298,18 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_MASS: return "negative or not finite";
     case RBD_ERR_COM: return "not finite";
     case RBD_ERR_INERTIA: return "not finite";
-    case RBD_ERR_LEAF: return "a movable leaf needs mass, inertia or armature: forward dynamics would be singular";
+    case RBD_ERR_LEAF:
+        return "a movable leaf needs mass, inertia or armature: forward dynamics would be singular";
     case RBD_ERR_ARMATURE:
     case RBD_ERR_DAMPING:
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
-    case RBD_ERR_MIMIC: return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or mimics too";
+    case RBD_ERR_MIMIC:
+        return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or "
+               "mimics too";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
-    case RBD_WARN_INERTIA_TRIANGLE: return "one principal moment exceeds the sum of the others: no real body is like this";
+    case RBD_WARN_INERTIA_TRIANGLE:
+        return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
     case RBD_WARN_FIXED: return "the joint is fixed but has an axis: is its type missing?";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
@@ -3650,7 +3657,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
-    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3)) rbdi_warn(report, RBD_WARN_FIXED, i, b->name, "type");
+    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
+        rbdi_warn(report, RBD_WARN_FIXED, i, b->name, "type");
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -4097,7 +4105,8 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbdi_link *link = &m->link[p];
     const int first = l->kind == RBDI_BLOCK ? fact->first : 0, n = l->kind == RBDI_BLOCK ? fact->nv : 1;
     int in_joint = 0;
-    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q) ++in_joint;
+    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q)
+        ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
         const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->scale + l->kappa * l->kappa * l->mass
