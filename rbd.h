@@ -3579,7 +3579,7 @@ static int rbdi_is_rotation(const double R[9])
         for (int j = 0; j < 3; ++j) {
             double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
             double off = dot - (i == j);
-            if (!(off < 1e-6 && off > -1e-6)) return 0;
+            if (!(off < 4e-6 && off > -4e-6)) return 0; /* six decimals will do */
         }
     return det > 0;
 }
