@@ -62,7 +62,8 @@
      RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
      RBD_STATIC       every function is static
      RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
-                      straight-line code for that robot: see RBD_LOCAL_WORK
+                      straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
+                      64 bytes the memory of a work must then have
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
      RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only)
 
@@ -326,7 +327,7 @@ RBD_API size_t rbd_work_size(const rbd_model *m);
     rbd_work *w;                                                                                         \
     rbd_work_init(&(model), w##_memory.bytes, sizeof w##_memory.bytes, &w)
 
-/* Sets gravity, 3 components in the world frame, for the calls that follow. */
+/* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
 /* After RBD_ERR_SINGULAR: the degree of freedom (index into v) whose pivot vanished; else -1. */
@@ -387,13 +388,15 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
-   A mimic joint's share is carried to the joint it follows. */
+   A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
+   Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
 /* ---- kinematics [kinematics] ---- */
 
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
-   v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics. */
+   q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics.
+   Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                   const rbd_real *v, const rbd_real *a);
 
@@ -416,7 +419,8 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
                                                    rbd_real acceleration[6]);
 
 /* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
-   that a joint moves; after rbd_kinematics. Either may be NULL. */
+   that a joint moves, J; after rbd_kinematics. Either may be NULL. Errors of these two: RBD_ERR_NULL,
+   _ORDER. */
 RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
                               rbd_real *potential);
 
@@ -425,10 +429,11 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3],
                            rbd_real velocity[3], rbd_real acceleration[3]);
 
-/* Mass of all bodies that a joint moves. */
+/* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBD_API rbd_const rbd_mass(const rbd_model *m);
 
-/* ---- configuration manifold [manifold] ---- */
+/* ---- configuration manifold [manifold] ----
+   q: nq, v and d: nv, in the coordinates of [conventions]. Errors: RBD_ERR_NULL. */
 
 /* The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0). */
 RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
@@ -460,7 +465,8 @@ RBD_API int rbd_joint_index(const rbd_model *m, const char *name);
 RBD_API const char *rbd_body_name(const rbd_model *m, int body);
 RBD_API const char *rbd_joint_name(const rbd_model *m, int body);
 
-/* Where the joint of a body lies in q and in v, and how much of them it has. */
+/* Where the joint of a body lies in q and in v, and how much of them it has.
+   Errors: RBD_ERR_NULL, _INDEX. */
 typedef struct rbd_joint_info {
     rbd_joint_type type;
     int iq, nq, iv, nv;     /* a mimic or fixed joint has nq = nv = 0, iq = iv = -1 */
@@ -1187,7 +1193,6 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A)
     B.xx = A.yy, B.xy = A.yz, B.xz = A.xy, B.yy = A.zz, B.yz = A.xz, B.zz = A.xx;
     return B;
 }
-RBDI_INLINE rbdi_sym rbdi_sym_uncycle(rbdi_sym A) { return rbdi_sym_cycle(rbdi_sym_cycle(A)); }
 
 /* The same for a general matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
@@ -1221,7 +1226,6 @@ RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
     B.zx = A.xy, B.zy = A.xz, B.zz = A.xx;
     return B;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_uncycle(rbdi_mat A) { return rbdi_mat_cycle(rbdi_mat_cycle(A)); }
 
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B)
 {
@@ -1349,7 +1353,8 @@ RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 w, rbdi_v3 wd)
 
 /* ---- joints [joints] ----
    What a joint type does, in four places: rbdi_joint_facts (build), rbdi_block_pose (here),
-   rbdi_step_joint and rbdi_difference_joint (manifold). One-axis types need the first only. */
+   rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if zero or an angle
+   will not do. One-axis types need the first only. */
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l)
 {
@@ -1532,6 +1537,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
     F.f = rbdi_vec(a[3 * stride], a[4 * stride], a[5 * stride]);
     return F;
 }
+
 /* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
    branch turn, shift. Written once for T = one scalar and T = a batch of them. */
 #define RBDI_DEFINE_FORCE_UP(name, T) \
