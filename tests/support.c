@@ -394,3 +394,19 @@ void expect_ok(const char *what, const robot *r, int number, rbd_status status) 
         ck_abort_msg("%s: %s, state %d: %s (degree of freedom %d)", what, r->name, number,
                      rbd_status_string(status), rbd_singular_dof(r->w));
 }
+
+void expect_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
+                             int number) {
+    tb_real expected[TB_MAX_DOFS];
+    double a[MAX_V];
+    const tb_real condition =
+        tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
+    const rbd_status status = call(r->m, r->w, s->q, s->v, s->tau, s->f_ext, a);
+    if (condition > 0 && condition < 1e12L) { /* below it, doubles keep some digits of the inverse */
+        expect_ok(what, r, number, status);
+        expect_close_tb(what, r, number, a, expected, r->nv, inverse_bound((double)condition));
+    } else { /* 1e18: singular even to the textbook's long double */
+        ck_assert_msg(status == RBD_ERR_SINGULAR || condition < 1e18L, "%s, state %d: %s", r->name, number,
+                      rbd_status_string(status));
+    }
+}

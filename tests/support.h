@@ -95,4 +95,12 @@ void multiply(const double *M, const double *x, int rows, int columns, double *o
 /* The bound for what needs the inverse of a matrix of this condition number. */
 double inverse_bound(double condition);
 
+typedef rbd_status forward_dynamics(const rbd_model *m, rbd_work *w, const double *q, const double *v,
+                                    const double *tau, const double *f_ext, double *a);
+
+/* The call gives the textbook's accelerations, or an error where the system is singular: random trees may be,
+   e.g. two coincident axes with nothing between. */
+void expect_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
+                             int number);
+
 #endif

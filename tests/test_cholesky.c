@@ -32,19 +32,7 @@ START_TEST(factor_and_forward_dynamics_match_the_reference) {
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
-    tb_real expected[TB_MAX_DOFS];
-    double a[MAX_V];
-    const tb_real condition =
-        tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
-    const rbd_status status = rbd_fd_cholesky(r->m, r->w, s->q, s->v, s->tau, s->f_ext, a);
-    if (condition > 0 && condition < 1e12L) {
-        expect_ok("rbd_fd_cholesky", r, number, status);
-        expect_close_tb("fd_cholesky, textbook", r, number, a, expected, r->nv,
-                        inverse_bound((double)condition));
-    } else {
-        ck_assert_msg(status == RBD_ERR_SINGULAR || condition < 1e18L, "%s, state %d: %s", r->name, number,
-                      rbd_status_string(status));
-    }
+    expect_textbook_forward("fd_cholesky, textbook", rbd_fd_cholesky, r, s, number);
 }
 
 START_TEST(forward_dynamics_match_the_textbook_on_random_trees) {
