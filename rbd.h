@@ -866,7 +866,7 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBDI_PART static RBDI_UNUSED
 #define RBDI_UNROLL
 #endif
-/* The loops over the six axes of a floating base, in any case; clang does so by itself. */
+/* The short loops, over six components, in any case; clang does so by itself. */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
 #else
@@ -1525,16 +1525,18 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int f, rbdi_v3 w)
 }
 
 /* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_force(rbd_real *a, int stride, rbdi_force F)
+RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F)
 {
+    rbd_real *b = a + 3 * stride;
     a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
-    a[3 * stride] = F.f.x, a[4 * stride] = F.f.y, a[5 * stride] = F.f.z;
+    b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
 }
-RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
+RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride)
 {
+    const rbd_real *b = a + 3 * stride;
     rbdi_force F;
     F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
-    F.f = rbdi_vec(a[3 * stride], a[4 * stride], a[5 * stride]);
+    F.f = rbdi_vec(b[0], b[stride], b[2 * stride]);
     return F;
 }
 
@@ -1554,7 +1556,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, int stride)
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
-        RBDI_UNROLL for (int k = 0; k < 6; k += 3) { \
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
             name##_turn(f, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
             if (f & RBDI_BETA) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
@@ -1955,13 +1957,20 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
 {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, f);
-    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
     RBDI_UNROLL for (int k = l->end - RBDI_CRBA_BATCH; k > l->first - RBDI_CRBA_BATCH; k -= RBDI_CRBA_BATCH) {
 #if RBDI_CRBA_BATCH > 1
         rbdi_batch x[6];
-        RBDI_UNROLL for (int j = 0; j < 6; ++j) x[j] = *(const rbdi_batch *)&w->F[j * stride + k];
+        rbd_real *n = &w->F[k], *p = n + 3 * stride;
+        RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+            x[j] = *(const rbdi_batch *)&n[j * stride];
+            x[j + 3] = *(const rbdi_batch *)&p[j * stride];
+        }
         rbdi_batch_up(l, f, t, x);
-        RBDI_UNROLL for (int j = 0; j < 6; ++j) *(rbdi_batch *)&w->F[j * stride + k] = x[j];
+        RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+            *(rbdi_batch *)&n[j * stride] = x[j];
+            *(rbdi_batch *)&p[j * stride] = x[j + 3];
+        }
 #else
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, f, t, rbdi_load_force(&w->F[k], stride)));
 #endif
@@ -1970,21 +1979,37 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
 RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
 {
     const rbdi_pose *X = &w->block[l->block].X;
-    const int stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
     RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
 }
 
-/* Entry of the solver's dof j and its ancestor dof c, which stands at place depth of packed rows: into the
-   packed matrix H, or twice into the full one, M. */
-RBDI_INLINE void rbdi_crba_put(const rbd_model *m, int j, int c, int depth, rbd_real x, rbd_real *H, rbd_real *M)
+/* Where the entries of an ancestor dof c go: the column of packed rows at its depth, or row and column c of
+   the full matrix. */
+typedef struct rbdi_entries {
+    int full, nv;
+    rbd_real *H, *row, *column; /* packed: H, full: the others */
+    const rbdi_dof *dof;
+} rbdi_entries;
+
+RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M)
 {
-    if (M) {
-        const int i = m->dof[j].here;
-        M[i * m->nv + c] = M[c * m->nv + i] = x;
-    } else {
-        H[m->dof[j].row_here + depth] = x;
-    }
+    rbdi_entries e;
+    e.full = M != NULL;
+    e.H = M ? NULL : H + depth;
+    e.row = M ? M + (ptrdiff_t)c * m->nv : NULL;
+    e.column = M ? M + c : NULL;
+    e.dof = m->dof;
+    e.nv = m->nv;
+    return e;
+}
+/* The entry of solver's dof j. */
+RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x)
+{
+    if (e.full)
+        e.row[e.dof[j].here] = e.column[(ptrdiff_t)e.dof[j].here * e.nv] = x;
+    else
+        e.H[e.dof[j].row_here] = x;
 }
 
 /* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
@@ -1992,7 +2017,8 @@ RBDI_INLINE void rbdi_crba_put(const rbd_model *m, int j, int c, int depth, rbd_
 RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
                                          rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
-    const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
+    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const int iv = l->iv, depth = m->dof[iv].depth;
     const rbd_real *F = &w->F[stride * first];
     RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
         const rbdi_force own = rbdi_rbi_column(C, l->mc, first + k);
@@ -2001,16 +2027,18 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
         if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
         all[first + k] = all[first + k] + m->dof[iv + k].armature;
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
-            rbdi_crba_put(m, l->first + k, iv + j, depth + j, all[first + j], H, M);
+            rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
     RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j)
         RBDI_UNROLL_SIX for (int k = 0; k < n; ++k)
-            rbdi_crba_put(m, j, iv + k, depth + k, F[stride * k + j], H, M);
+            rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
     const rbdi_link *l = &m->link[i];
-    const int stride = m->nv + m->nmimic + RBDI_CHUNK, iv = l->iv, depth = m->dof[iv].depth;
+    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const int iv = l->iv, depth = m->dof[iv].depth;
+    const rbdi_entries e = rbdi_crba_column(m, iv, depth, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
     rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
     if (l->kind == RBDI_SCREW) {
@@ -2019,11 +2047,11 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
         own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
     }
     rbdi_store_force(&w->F[l->first], stride, own);
-    rbdi_crba_put(m, l->first, iv, depth, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature, H, M);
+    rbdi_crba_put(e, l->first, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature);
     RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
         if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
-        rbdi_crba_put(m, j, iv, depth, x, H, M);
+        rbdi_crba_put(e, j, x);
     }
 }
 
@@ -2161,12 +2189,16 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int f, rbdi_trig t
 RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
                                                 const rbd_real *v, rbdi_v3 *w)
 {
-    rbdi_motion J = rbdi_block_motion(b, v), c;
-    rbdi_v3 turned = rbdi_vec0();
-    if (l->parent >= 0) turned = rbdi_mul(X->E, *w);
+    rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
+    rbdi_v3 turned;
+    if (l->parent < 0) { /* the world does not turn */
+        *w = J.w;
+        c.v = rbdi_cross(J.w, J.v);
+        return c;
+    }
+    turned = rbdi_mul(X->E, *w);
     c = rbdi_joint_product(turned, J);
-    if (l->parent >= 0)
-        c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*w, rbdi_cross(*w, X->r))));
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*w, rbdi_cross(*w, X->r))));
     *w = rbdi_add(turned, J.w);
     return c;
 }
@@ -2258,8 +2290,8 @@ RBDI_INLINE void rbdi_abi_to_array(rbdi_abi X, rbd_real A[6][6])
     A[3][3] = X.M.xx, A[3][4] = X.M.xy, A[3][5] = X.M.xz;
     A[4][4] = X.M.yy, A[4][5] = X.M.yz;
     A[5][5] = X.M.zz;
-    RBDI_UNROLL for (int i = 1; i < 6; ++i)
-        RBDI_UNROLL for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i)
+        RBDI_UNROLL_SIX for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
 }
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
 {
@@ -2314,8 +2346,8 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_aba_release_block(m, l, b->first, b->n, 1, tau, A, P, bw, w->pivot, bad);
     if (l->parent < 0) return;
     rbdi_motion_to_array(w->link[i_link].c, C);
-    RBDI_UNROLL for (int i = 0; i < 6; ++i)
-        RBDI_UNROLL for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i)
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
     *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
     *p = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
@@ -2396,9 +2428,9 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.w, bw->X.r)));
     y.w = rbdi_mul(bw->X.E, y.w);
     rbdi_motion_to_array(rbdi_motion_add(y, w->link[i].c), all);
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
+    RBDI_UNROLL_SIX for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u[k];
-        RBDI_UNROLL for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
         all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
