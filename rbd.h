@@ -4420,10 +4420,13 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
 
 typedef RBD_REAL rbdi_lane_row __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
-/* x[k] lane s = column k of row s, for rows of the given width; lanes beyond count repeat the last row.
-   Blocks of RBD_LANES columns; the last may overlap the one before. */
-static void rbdi_gather(const RBD_REAL *rows, int width, int count, rbd_real *x)
+/* x[k] lane s = column k of row s, for rows of the given width; lanes beyond the rest of the rows repeat
+   the last one. Blocks of RBD_LANES columns; the last may overlap the one before. The rows of the next
+   states are fetched meanwhile: the processor does not foresee so many streams. */
+static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x)
 {
+    const int count = rest < RBD_LANES ? rest : RBD_LANES;
+    const RBD_REAL *next = rest < 2 * RBD_LANES ? rows : rows + RBD_LANES * width;
     if (width < RBD_LANES) {
         for (int k = 0; k < width; ++k)
             for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
@@ -4434,6 +4437,7 @@ static void rbdi_gather(const RBD_REAL *rows, int width, int count, rbd_real *x)
         rbd_real block[RBD_LANES];
         for (int s = 0; s < RBD_LANES; ++s)
             block[s] = *(const rbdi_lane_row *)&rows[(s < count ? s : count - 1) * width + at];
+        for (int s = 0; s < count; ++s) __builtin_prefetch(&next[s * width + at]);
         rbdi_transpose_lanes(block);
         for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
     }
@@ -4475,10 +4479,10 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
         const size_t at = (size_t)s;
         rbd_status status = RBD_OK;
         count = n - s < RBD_LANES ? n - s : RBD_LANES;
-        rbdi_gather(q + at * nq, (int)nq, count, b->q);
-        if (v) rbdi_gather(v + at * nv, (int)nv, count, b->v);
-        if (a) rbdi_gather(a + at * nv, (int)nv, count, b->a);
-        if (f_ext) rbdi_gather(f_ext + at * nf, (int)nf, count, b->f);
+        rbdi_gather(q + at * nq, (int)nq, n - s, b->q);
+        if (v) rbdi_gather(v + at * nv, (int)nv, n - s, b->v);
+        if (a) rbdi_gather(a + at * nv, (int)nv, n - s, b->a);
+        if (f_ext) rbdi_gather(f_ext + at * nf, (int)nf, n - s, b->f);
         if (call == RBDI_CALL_RNEA)
             status = rbd_rnea(m, b->w, b->q, v ? b->v : b->w->zero, a ? b->a : b->w->zero,
                               f_ext ? b->f : NULL, b->out);
