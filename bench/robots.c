@@ -1,6 +1,7 @@
 /* The robots and their random states. SPDX-License-Identifier: MIT */
 #include "bench.h"
 #include <stdlib.h>
+#include <string.h>
 #include "../models/iiwa.h"
 #include "../models/hyq.h"
 #include "../models/atlas.h"
@@ -44,19 +45,41 @@ static int build_model(struct instance *r) {
     return 0;
 }
 
-static int init_work(struct instance *r) {
-    size_t size = r->library->work_size(r->model);
-    r->work_memory = malloc(size);
-    rbd_status status = r->library->work_init(r->model, r->work_memory, size, &r->work);
-    if (status != RBD_OK)
-        fprintf(stderr, "rbd-bench: %s: %s\n", r->robot->title, rbd_status_string(status));
-    return status == RBD_OK ? 0 : -1;
+static int status_error(const struct robot *robot, rbd_status status) {
+    if (status == RBD_OK)
+        return 0;
+    fprintf(stderr, "rbd-bench: %s: %s\n", robot->title, rbd_status_string(status));
+    return -1;
+}
+
+/* Bytes of the results of a call, whatever the algorithm, and some that keep threads apart. */
+static size_t out_size(const struct instance *r) {
+    const size_t nv = (size_t)r->robot->nv;
+    return (size_t)r->library->width * nv * nv * r->library->size + 128;
+}
+
+static int open_worker(struct instance *r, struct worker *w) {
+    const size_t size = r->library->work_size(r->model);
+    w->memory = malloc(size + 128);
+    w->out = calloc(1, out_size(r));
+    if (!w->memory || !w->out)
+        return status_error(r->robot, RBD_ERR_MEMORY);
+    return status_error(r->robot, r->library->work_init(r->model, w->memory, size, &w->work));
+}
+
+static int open_workers(struct instance *r) {
+    r->workers = r->library->variant == LANES ? threads_available() : 1;
+    r->worker = calloc((size_t)r->workers, sizeof *r->worker);
+    for (int t = 0; r->worker && t < r->workers; t++)
+        if (open_worker(r, &r->worker[t]) != 0)
+            return -1;
+    return r->worker ? 0 : status_error(r->robot, RBD_ERR_MEMORY);
 }
 
 void robot_set_gravity(const struct robot *r, const double gravity[3]) {
     for (int i = 0; i < LIBRARIES; i++)
-        if (r->instances[i].library)
-            r->instances[i].library->set_gravity(r->instances[i].work, gravity);
+        for (int t = 0; t < r->instances[i].workers; t++)
+            r->instances[i].library->set_gravity(r->instances[i].worker[t].work, gravity);
 }
 
 /* ---- states ---- */
@@ -122,14 +145,13 @@ static int out_of_memory(const struct robot *r, int samples) {
     return -1;
 }
 
-/* Model and work, and room for results and a state. */
+/* Model, work and room for results and a state. */
 static int instance_open(struct instance *r, const struct robot *robot, const struct library *library) {
     *r = (struct instance){.robot = robot, .library = library};
-    if (build_model(r) != 0 || init_work(r) != 0)
+    if (build_model(r) != 0 || open_workers(r) != 0)
         return -1;
-    r->out = calloc((size_t)robot->nv * (size_t)robot->nv, library->size);
     r->input_memory = make_states(r, 1, &r->input);
-    return r->out && r->input_memory ? 0 : out_of_memory(robot, 1);
+    return r->input_memory ? 0 : out_of_memory(robot, 1);
 }
 
 static int open_double(struct robot *r, int samples, uint64_t seed) {
@@ -145,6 +167,7 @@ static int open_double(struct robot *r, int samples, uint64_t seed) {
                 rbd_nq(d->model), rbd_nv(d->model), r->nq, r->nv);
         return -1;
     }
+    r->packed = rbd_packed_size(d->model);
     d->state_memory = make_states(d, (size_t)samples, &d->states);
     if (!d->state_memory)
         return out_of_memory(r, samples);
@@ -152,12 +175,27 @@ static int open_double(struct robot *r, int samples, uint64_t seed) {
     return 0;
 }
 
-/* Another scalar that is timed: the states are those of double, rounded. */
+/* The open instance whose states are those that this one needs, if there is one. */
+static const struct instance *like_states(const struct robot *r, const struct instance *other) {
+    for (int i = 0; i < TIMED; i++) {
+        const struct instance *s = &r->instances[i];
+        if (s != other && s->states.q && strcmp(s->library->scalar, other->library->scalar) == 0)
+            return s;
+    }
+    return NULL;
+}
+
+/* Another library that is timed: the states are those of double, rounded. */
 static int open_other(struct robot *r, int library, int samples) {
     const size_t n = (size_t)samples;
     struct instance *other = &r->instances[library];
     if (instance_open(other, r, libraries[library]) != 0)
         return -1;
+    const struct instance *like = like_states(r, other);
+    if (like) {
+        other->states = like->states;
+        return 0;
+    }
     other->state_memory = make_states(other, n, &other->states);
     if (!other->state_memory)
         return out_of_memory(r, samples);
@@ -166,28 +204,33 @@ static int open_other(struct robot *r, int library, int samples) {
     return 0;
 }
 
-int robot_open(struct robot *r, int index, int library, int samples, uint64_t seed) {
+int robot_open(struct robot *r, int index, const struct options *o) {
     const struct description *d = &descriptions[index];
     *r = (struct robot){.name = robot_names[index], .title = d->title, .bodies = d->bodies, .nb = d->nb};
     r->reference = d->reference;
     r->nq = d->reference->nq;
     r->nv = d->reference->nv;
-    if (open_double(r, samples, seed) != 0)
+    if (open_double(r, o->samples, o->seed) != 0)
         return -1;
     for (int i = DOUBLE + 1; i < TIMED; i++)
-        if ((library == ALL || library == i) && open_other(r, i, samples) != 0)
+        if (library_wanted(libraries[i], r, o) && open_other(r, i, o->samples) != 0)
             return -1;
     return libraries[QUAD] ? instance_open(&r->instances[QUAD], r, libraries[QUAD]) : 0;
 }
 
-void robot_close(struct robot *r) {
-    for (int i = 0; i < LIBRARIES; i++) {
-        struct instance *instance = &r->instances[i];
-        free(instance->model_memory);
-        free(instance->work_memory);
-        free(instance->state_memory);
-        free(instance->input_memory);
-        free(instance->out);
+static void instance_close(struct instance *r) {
+    for (int t = 0; r->worker && t < r->workers; t++) {
+        free(r->worker[t].memory);
+        free(r->worker[t].out);
     }
+    free(r->worker);
+    free(r->model_memory);
+    free(r->state_memory);
+    free(r->input_memory);
+}
+
+void robot_close(struct robot *r) {
+    for (int i = 0; i < LIBRARIES; i++)
+        instance_close(&r->instances[i]);
     free(r->numbers);
 }
