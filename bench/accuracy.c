@@ -6,6 +6,18 @@
 /* How many of the random states are computed in quad precision, which takes some fifty times as long. */
 enum { QUAD_SAMPLES = 200 };
 
+/* The result of the row for random state k, in double and rbd's conventions, in r->numbers. */
+static void take_result(const struct row *row, int k, const void *result) {
+    const struct instance *tested = row->instance;
+    const struct robot *r = tested->robot;
+    const struct conventions *others = tested->library->conventions;
+    const struct state state = robot_state(r, k);
+    if (others)
+        others->result(tested->model, row->algorithm, &state, result, r->numbers);
+    else
+        tested->library->to_double(result, (size_t)algorithm_results(row->algorithm, r), r->numbers);
+}
+
 /* The error of one result of the row, that of random state k. */
 static rbd_status result_error(const struct row *row, const struct instance *arbiter, int k,
                                const void *result, double *error) {
@@ -13,11 +25,12 @@ static rbd_status result_error(const struct row *row, const struct instance *arb
     const struct robot *r = tested->robot;
     const int n = algorithm_results(row->algorithm, r);
     const struct worker *w = &arbiter->worker[0];
-    instance_take_sample(arbiter, tested, k);
+    /* The very input of the tested library, which may be rounded; in rbd's conventions. */
+    instance_take_sample(arbiter, library_is_ours(tested->library) ? tested : &r->instances[DOUBLE], k);
     rbd_status status = algorithm_run(row->algorithm, arbiter, w, &arbiter->input, 0, 1);
     if (status != RBD_OK)
         return status;
-    tested->library->to_double(result, (size_t)n, r->numbers);
+    take_result(row, k, result);
     *error = fmax(*error, arbiter->library->relative_error(r->numbers, w->out, n));
     return RBD_OK;
 }

@@ -1,9 +1,10 @@
 /* The libraries and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
 #include "bench.h"
+#include <ctype.h>
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_float, library_iiwa, library_hyq, library_atlas;
+    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -13,6 +14,12 @@ const struct library *const libraries[LIBRARIES] = {
     [ATLAS] = &library_atlas,
     [LANES_DOUBLE] = &library_lanes_double,
     [LANES_FLOAT] = &library_lanes_float,
+#ifdef BENCH_MUJOCO
+    [MUJOCO] = &library_mujoco,
+#endif
+#ifdef BENCH_KDL
+    [KDL] = &library_kdl,
+#endif
 #ifdef BENCH_QUAD
     [QUAD] = &library_quad,
 #endif
@@ -31,18 +38,34 @@ const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL
 const char *const variant_names[] = {
     [RUN_TIME] = "run-time", [COMPILE_TIME] = "compile-time", [LANES] = "lanes", [THREADS] = "threads", NULL};
 
+const char *const library_names[] = {"rbd", "mujoco", "kdl", NULL};
+
+bool library_is_ours(const struct library *library) {
+    return !library->conventions;
+}
+
+/* Case apart. */
+static bool same_name(const char *a, const char *b) {
+    while (*a && tolower((unsigned char)*a) == tolower((unsigned char)*b))
+        a++, b++;
+    return *a == *b;
+}
+
 bool library_wanted(const struct library *library, const struct robot *r, const struct options *o) {
+    if (!library || (library->robot && strcmp(library->robot, r->name) != 0))
+        return false;
+    const bool name = o->library == ALL || same_name(library->name, library_names[o->library]);
     const bool scalar = o->scalar == ALL || strcmp(library->scalar, scalar_names[o->scalar]) == 0;
     const bool variant = o->variant == ALL || o->variant == library->variant ||
                          (o->variant == THREADS && library->variant == LANES);
-    return scalar && variant && (!library->robot || strcmp(library->robot, r->name) == 0);
+    return name && scalar && variant;
 }
 
 rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
                          const struct states *s, int first, int count) {
     const struct library *l = r->library;
     library_call *call = l->call[algorithm];
-    const size_t q_size = (size_t)r->robot->nq * l->size, v_size = (size_t)r->robot->nv * l->size;
+    const size_t q_size = (size_t)r->nq * l->size, v_size = (size_t)r->nv * l->size;
     const size_t end = (size_t)first + (size_t)count, width = (size_t)l->width;
     const char *q = s->q, *v = s->v, *x = algorithm == ID ? s->a : s->tau;
     for (size_t k = (size_t)first; k < end; k += width) {

@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include "rbd.h"
+#include "library.h"
 #include "../tests/data/reference.h"
 
 /* ---- options.c ---- */
@@ -19,6 +20,7 @@ struct options {
     int algorithm; /* index of an algorithm, or ALL */
     int scalar;    /* index of a scalar, or ALL */
     int variant;   /* RUN_TIME and so on, or ALL */
+    int library;   /* index in library_names, or ALL */
     int samples;
     int experiments;
     uint64_t seed;
@@ -37,43 +39,9 @@ int options_read(struct options *o, int argc, char **argv);
 /* Prints "rbd-bench: " and the message to stderr, and returns the exit status EXIT_USAGE. */
 int usage_error(const char *format, ...);
 
-/* ---- library.c ---- */
+/* ---- libraries: library.h has what one must give ---- */
 
-enum { ID, MM, MM_PACKED, FD, FD_CHOLESKY, ALGORITHMS };
-
-/* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
-enum { RUN_TIME, COMPILE_TIME, LANES, THREADS, VARIANTS };
-enum { BATCH = 64 };
-
-/* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
-   library's scalar; x: the acceleration (ID) or the torque (FD, FD_CHOLESKY); MM and MM_PACKED read q alone.
- */
-typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
-                                const void *x, void *out);
-
-/* The library, instantiated for one scalar and variant. */
-struct library {
-    const char *scalar; /* on the command line and in the report */
-    int variant, lanes; /* lanes: states in a SIMD instruction; 1 but with LANES */
-    const char *robot;  /* the name of the only one it knows; NULL: any */
-    int width;          /* states a call takes at most */
-    size_t size;        /* bytes of a number in its arrays */
-    double epsilon;     /* distance from 1 to the next number */
-    rbd_status (*model_build)(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
-                              rbd_report *report);
-    size_t (*model_size)(const rbd_body *bodies, int nb);
-    rbd_status (*work_init)(const void *model, void *memory, size_t size, void **work);
-    size_t (*work_size)(const void *model);
-    rbd_status (*set_gravity)(void *work, const double gravity[3]);
-    library_call *call[ALGORITHMS]; /* NULL: it lacks this algorithm */
-    void (*from_double)(const double *x, size_t n, void *out);
-    void (*to_double)(const void *x, size_t n, double *out);
-    /* Largest difference / largest entry of the expected array (at least 1e-3), computed in the library's
-       scalar; infinite if something is not finite. */
-    double (*relative_error)(const double *x, const void *expected, int n);
-};
-
-/* Those before TIMED are timed; QUAD, NULL if the compiler has no __float128, judges them. */
+/* Those before TIMED are timed; QUAD judges them. NULL: this build lacks it. */
 enum {
     DOUBLE,
     FLOAT,
@@ -83,6 +51,8 @@ enum {
     ATLAS,
     LANES_DOUBLE,
     LANES_FLOAT,
+    MUJOCO, /* those of others: peers/ */
+    KDL,
     TIMED,
     QUAD = TIMED,
     LIBRARIES
@@ -109,6 +79,7 @@ struct instance {
     const struct robot *robot;
     const struct library *library; /* NULL: not open */
     const void *model;
+    int nq, nv;            /* lengths of q and v in its conventions */
     struct worker *worker; /* one for each thread, if the variant is LANES; else one */
     int workers;
     struct states states; /* the random ones, rounded to the scalar; none for QUAD */
@@ -122,6 +93,7 @@ struct robot {
     const rbd_body *bodies;
     int nb, nq, nv;
     int packed; /* entries of the packed mass matrix */
+    int samples;
     const ref_model *reference;
     double *numbers;                      /* scratch of conversions: nv x nv, or a state */
     struct instance instances[LIBRARIES]; /* DOUBLE and, if there is one, QUAD are always open */
@@ -137,6 +109,9 @@ void robot_close(struct robot *r);
 /* For all algorithms and scalars. */
 void robot_set_gravity(const struct robot *r, const double gravity[3]);
 
+/* Random state k, in rbd's conventions. */
+struct state robot_state(const struct robot *r, int k);
+
 /* Makes random state k of one instance the input of another of the same robot. */
 void instance_take_sample(const struct instance *to, const struct instance *from, int k);
 
@@ -151,9 +126,14 @@ extern const struct algorithm algorithms[ALGORITHMS];
 
 extern const char *const scalar_names[]; /* ended by NULL, like those below */
 extern const char *const variant_names[];
+extern const char *const library_names[];
 
-/* Whether the options ask for this library: it is of the scalar and variant, and knows the robot. */
+/* Whether the options ask for this library (NULL: no): it is of the scalar and variant, and knows the robot.
+ */
 bool library_wanted(const struct library *library, const struct robot *r, const struct options *o);
+
+/* Whether the library is rbd, and not another in its own conventions. */
+bool library_is_ours(const struct library *library);
 
 /* Computes samples first .. first + count - 1, as many a call as the library takes, and leaves the results of
    the last call in w->out. */

@@ -21,8 +21,8 @@ static rbd_const gravity_now[3];
     rbd_set_gravity(w, gravity_now)
 
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
-                              rbd_report *report) {
-    (void)bodies, (void)nb, (void)memory, (void)size, (void)report;
+                              char *text) {
+    (void)bodies, (void)nb, (void)memory, (void)size, (void)text;
     *model = &ROBOT_MODEL;
     return RBD_OK;
 }

@@ -19,9 +19,12 @@ extern const struct library LIBRARY;
 
 #ifndef ROBOT
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
-                              rbd_report *report) {
+                              char *text) {
     const rbd_model *m = NULL;
-    rbd_status status = rbd_model_build(bodies, nb, memory, size, &m, report);
+    rbd_report report;
+    rbd_status status = rbd_model_build(bodies, nb, memory, size, &m, &report);
+    if (status != RBD_OK)
+        rbd_finding_text(&report.error, text, 160);
     *model = m;
     return status;
 }
@@ -66,6 +69,8 @@ static double relative_error(const double *x, const void *expected, int n) {
 }
 
 const struct library LIBRARY = {
+    .name = "rbd",
+    .version = RBD_VERSION,
     .scalar = TEXT(RBD_REAL),
     .variant = VARIANT,
     .lanes = N_LANES,

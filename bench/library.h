@@ -17,9 +17,10 @@ enum { RUN_TIME, COMPILE_TIME, LANES, THREADS, VARIANTS };
 enum { BATCH = 64 };
 
 /* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
-   library's scalar; x: the acceleration (ID) or the torque (FD, FD_CHOLESKY); MM and MM_PACKED read q alone. */
-typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v, const void *x,
-                                void *out);
+   library's scalar; x: the acceleration (ID) or the torque (FD, FD_CHOLESKY); MM and MM_PACKED read q alone.
+ */
+typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
+                                const void *x, void *out);
 
 /* A state in rbd's conventions, and in double. */
 struct state {
@@ -32,14 +33,15 @@ struct conventions {
     void (*size)(const void *model, int *nq, int *nv);
     void (*state)(const void *model, const struct state *rbd, const struct state *its);
     /* The result of an algorithm as rbd would give it; a matrix is full, nv x nv. */
-    void (*result)(const void *model, int algorithm, const struct state *rbd, const double *its, double *result);
-    double bound;                      /* largest relative error of a result */
-    const char *calls[ALGORITHMS];     /* what is timed, in a line */
+    void (*result)(const void *model, int algorithm, const struct state *rbd, const double *its,
+                   double *result);
+    double bound;                  /* largest relative error of a result */
+    const char *calls[ALGORITHMS]; /* what is timed, in a line */
 };
 
 /* A library, for one scalar and variant. */
 struct library {
-    const char *name;    /* on the command line and in the report */
+    const char *name; /* on the command line and in the report */
     const char *version;
     const char *scalar;
     int variant, lanes; /* lanes: states in a SIMD instruction; 1 but with LANES */

@@ -58,7 +58,9 @@ static int add_rows(struct bench *b, const struct options *o, const struct insta
                     int algorithm) {
     const int variant = instance->library->variant;
     const struct row row = {.instance = instance, .algorithm = algorithm, .variant = variant, .threads = 1};
-    if (!instance->library->call[algorithm])
+    const struct library *l = instance->library;
+    if (!l->call[algorithm] || (l->can && !l->can(instance->model, algorithm)) ||
+        !library_wanted(l, instance->robot, o))
         return 0;
     if ((o->variant == ALL || o->variant == variant) && add_row(b, row) != 0)
         return -1;

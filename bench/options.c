@@ -13,6 +13,7 @@ static const char help[] =
     "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all)\n"
     "  --scalar NAME      double, float or all (default double)\n"
     "  --variant NAME     run-time, compile-time, lanes, threads or all (default all)\n"
+    "  --library NAME     rbd, mujoco, kdl or all (default all that this build has)\n"
     "  --samples N        random states per robot, a different one each call (default 100000)\n"
     "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
     "  --seed N           of the random states (default 1)\n"
@@ -93,6 +94,13 @@ static int read_variant(struct options *o, const char *option, const char *value
     return read_name(option, value, names, &o->variant);
 }
 
+static int read_library(struct options *o, const char *option, const char *value) {
+    const char *names[LIBRARIES + 2] = {"all"};
+    for (int i = 0; library_names[i]; i++)
+        names[i + 1] = library_names[i];
+    return read_name(option, value, names, &o->library);
+}
+
 static int read_format(struct options *o, const char *option, const char *value) {
     static const char *const names[] = {
         [FORMAT_TABLE] = "table", [FORMAT_CSV] = "csv", [FORMAT_JSON] = "json", NULL};
@@ -135,9 +143,10 @@ struct option {
 };
 
 static const struct option with_value[] = {
-    {"--robot", read_robot},   {"--algorithm", read_algorithm},     {"--samples", read_samples},
-    {"--seed", read_seed},     {"--experiments", read_experiments}, {"--format", read_format},
-    {"--output", read_output}, {"--scalar", read_scalar},           {"--variant", read_variant},
+    {"--robot", read_robot},     {"--algorithm", read_algorithm},     {"--samples", read_samples},
+    {"--seed", read_seed},       {"--experiments", read_experiments}, {"--format", read_format},
+    {"--output", read_output},   {"--scalar", read_scalar},           {"--variant", read_variant},
+    {"--library", read_library},
 };
 
 /* The option that the argument, "--name" or "--name=value", begins with. */
@@ -176,6 +185,7 @@ int options_read(struct options *o, int argc, char **argv) {
                           .algorithm = ALL,
                           .scalar = DOUBLE,
                           .variant = ALL,
+                          .library = ALL,
                           .samples = 100000,
                           .experiments = 10,
                           .seed = 1};

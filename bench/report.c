@@ -9,7 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LIBRARY "rbd"
 #if defined __clang__
 #define COMPILER "clang " TEXT(__clang_major__) "." TEXT(__clang_minor__) "." TEXT(__clang_patchlevel__)
 #elif defined __GNUC__
@@ -44,12 +43,21 @@ const char *row_variant(const struct row *row, char text[32]) {
     return text;
 }
 
+/* The same for people: of another library, its name and version. */
+static const char *row_title(const struct row *row, char text[32]) {
+    const struct library *library = row->instance->library;
+    if (library_is_ours(library))
+        return row_variant(row, text);
+    snprintf(text, 32, "%s %s", library->name, library->version);
+    return text;
+}
+
 int row_error(const struct row *row, const char *format, ...) {
     va_list arguments;
     char variant[32];
     progress("");
     fprintf(stderr, "rbd-bench: %s, %s, %s, %s: ", row->instance->robot->title,
-            row->instance->library->scalar, algorithms[row->algorithm].title, row_variant(row, variant));
+            row->instance->library->scalar, algorithms[row->algorithm].title, row_title(row, variant));
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
@@ -96,8 +104,8 @@ static const char *quad_error(const struct row *row, const char *unknown, const 
 /* The row of the run-time model among the first n that the row is to be compared with, or NULL. */
 static const struct row *run_time_row(const struct row *rows, int n, const struct row *row) {
     for (int i = 0; i < n; i++)
-        if (rows[i].variant == RUN_TIME && rows[i].algorithm == row->algorithm &&
-            rows[i].instance->robot == row->instance->robot &&
+        if (rows[i].variant == RUN_TIME && library_is_ours(rows[i].instance->library) &&
+            rows[i].algorithm == row->algorithm && rows[i].instance->robot == row->instance->robot &&
             strcmp(rows[i].instance->library->scalar, row->instance->library->scalar) == 0)
             return &rows[i];
     return NULL;
@@ -108,7 +116,7 @@ static const char *speed_up(const struct row *rows, int n, const struct row *row
     const struct row *run_time = run_time_row(rows, n, row);
     *text = 0;
     if (run_time && run_time != row)
-        snprintf(text, 32, "%.2f", run_time->mean / row->mean);
+        snprintf(text, 32, "%.3g", run_time->mean / row->mean);
     return text;
 }
 
@@ -123,7 +131,7 @@ static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
         fputc('\n', f);
     fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s\n", same_robot ? "" : r->robot->title,
             same_scalar ? "" : r->library->scalar, same_algorithm ? "" : algorithms[row->algorithm].title,
-            row_variant(row, variant), row->mean, row->stddev, row->min, speed_up(rows, n, row, speed),
+            row_title(row, variant), row->mean, row->stddev, row->min, speed_up(rows, n, row, speed),
             row->max_error, quad_error(row, "", "%.1e", quad));
 }
 
@@ -149,10 +157,10 @@ static void write_csv(FILE *f, const struct options *o, const struct row *rows, 
         char quad[32], variant[32];
         const struct row *row = &rows[i];
         const struct instance *r = row->instance;
-        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s\n", LIBRARY, RBD_VERSION, COMPILER,
-                r->library->scalar, r->robot->name, algorithms[row->algorithm].name, o->samples,
-                o->experiments, row->mean, row->stddev, row->min, row->max_error,
-                quad_error(row, "", "%.3e", quad), row_variant(row, variant));
+        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s\n", r->library->name,
+                r->library->version, COMPILER, r->library->scalar, r->robot->name,
+                algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
+                row->max_error, quad_error(row, "", "%.3e", quad), row_variant(row, variant));
     }
 }
 
@@ -181,7 +189,7 @@ static void write_json_row(FILE *f, const struct options *o, const struct row *r
             "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
             "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e, "
             "\"quad_error\": %s, \"variant\": \"%s\"}",
-            LIBRARY, RBD_VERSION, COMPILER, r->library->scalar, r->robot->name,
+            r->library->name, r->library->version, COMPILER, r->library->scalar, r->robot->name,
             algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
             row->max_error, quad_error(row, "null", "%.3e", quad), row_variant(row, variant));
 }

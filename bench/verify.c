@@ -14,8 +14,8 @@ static const double bound_plain = 1e-11;
 static const double bound_per_condition = 1e-15;
 static const double condition_margin = 10;
 
-/* Another scalar or variant against the run-time model in double: 3.6e-5 for float, 6.7e-14 for double. The
-   worst of 80000 states is 4e-6 for float. */
+/* Another scalar or variant of rbd against the run-time model in double: 3.6e-5 for float, 6.7e-14 for
+   double. The worst of 80000 states is 4e-6 for float. */
 static const double bound_in_epsilons = 300;
 
 struct check {
@@ -186,10 +186,12 @@ static int check_identities(struct check *c, int samples) {
     return 0;
 }
 
-/* ---- another scalar or variant against double ---- */
+/* ---- another scalar, variant or library against double ---- */
 
 static int check_against_double(struct check *c, int samples) {
-    const double bound = bound_in_epsilons * c->row->instance->library->epsilon;
+    const struct library *library = c->row->instance->library;
+    const double bound =
+        library->conventions ? library->conventions->bound : bound_in_epsilons * library->epsilon;
     const int end = samples < IDENTITY_SAMPLES ? samples : IDENTITY_SAMPLES, length = block_length(c->row);
     for (int k = 0; k < end; k += length) {
         double error = HUGE_VAL;
@@ -198,7 +200,7 @@ static int check_against_double(struct check *c, int samples) {
         rbd_status status = block_error(c->row, c->instance, k, count, &error);
         if (status != RBD_OK)
             return fail(c, rbd_status_string(status));
-        if (accept(c, "against the run-time model in double", error, bound) != 0)
+        if (accept(c, "against rbd's run-time model in double", error, bound) != 0)
             return -1;
     }
     return 0;
