@@ -1,4 +1,4 @@
-/* Errors of rounding: results against those of another scalar, from the same input.
+/* Errors of rounding: results against those of another library, from the same input.
    SPDX-License-Identifier: MIT */
 #include "bench.h"
 #include <math.h>
@@ -6,30 +6,65 @@
 /* How many of the random states are computed in quad precision, which takes some fifty times as long. */
 enum { QUAD_SAMPLES = 200 };
 
-rbd_status sample_error(const struct instance *tested, const struct instance *arbiter, int algorithm, int k,
-                        double *error) {
+/* The result of the row for random state k, in double and rbd's conventions, in r->numbers. */
+static void take_result(const struct row *row, int k, const void *result) {
+    const struct instance *tested = row->instance;
     const struct robot *r = tested->robot;
-    const int n = algorithm_results(algorithm, r);
-    rbd_status status = algorithm_run(algorithm, tested, &tested->states, k, 1, tested->out);
+    const struct conventions *others = tested->library->conventions;
+    const struct state state = robot_state(r, k);
+    if (others)
+        others->result(tested->model, row->algorithm, &state, result, r->numbers);
+    else
+        tested->library->to_double(result, (size_t)algorithm_results(row->algorithm, r), r->numbers);
+}
+
+/* The error of one result of the row, that of random state k. */
+static rbd_status result_error(const struct row *row, const struct instance *arbiter, int k,
+                               const void *result, double *error) {
+    const struct instance *tested = row->instance;
+    const struct robot *r = tested->robot;
+    const int n = algorithm_results(row->algorithm, r);
+    const struct worker *w = &arbiter->worker[0];
+    /* The very input of the tested library, which may be rounded; in rbd's conventions. */
+    instance_take_sample(arbiter, library_is_ours(tested->library) ? tested : &r->instances[DOUBLE], k);
+    rbd_status status = algorithm_run(row->algorithm, arbiter, w, &arbiter->input, 0, 1);
     if (status != RBD_OK)
         return status;
-    instance_take_sample(arbiter, tested, k);
-    status = algorithm_run(algorithm, arbiter, &arbiter->input, 0, 1, arbiter->out);
-    if (status != RBD_OK)
-        return status;
-    tested->library->to_double(tested->out, (size_t)n, r->numbers);
-    *error = arbiter->library->relative_error(r->numbers, arbiter->out, n);
+    take_result(row, k, result);
+    *error = fmax(*error, arbiter->library->relative_error(r->numbers, w->out, n));
     return RBD_OK;
+}
+
+int block_length(const struct row *row) {
+    return row->threads * row->instance->library->width;
+}
+
+rbd_status block_error(const struct row *row, const struct instance *arbiter, int first, int count,
+                       double *error) {
+    const struct instance *tested = row->instance;
+    const size_t size = (size_t)algorithm_results(row->algorithm, tested->robot) * tested->library->size;
+    *error = 0;
+    rbd_status status = row_run(row, first, count);
+    for (int t = 0; t < row->threads; t++) {
+        const int begin = thread_share(count, t, row->threads),
+                  end = thread_share(count, t + 1, row->threads);
+        const char *out = tested->worker[t].out;
+        for (int k = begin; k < end && status == RBD_OK; k++)
+            status = result_error(row, arbiter, first + k, out + (size_t)(k - begin) * size, error);
+    }
+    return status;
 }
 
 static int measure_row(struct row *row, int samples) {
     const struct robot *r = row->instance->robot;
+    const int end = samples < QUAD_SAMPLES ? samples : QUAD_SAMPLES, length = block_length(row);
     row->quad_error = 0;
-    for (int k = 0; k < samples && k < QUAD_SAMPLES; k++) {
+    for (int k = 0; k < end; k += length) {
         double error = 0;
-        rbd_status status = sample_error(row->instance, &r->instances[QUAD], row->algorithm, k, &error);
+        const int count = end - k < length ? end - k : length;
+        rbd_status status = block_error(row, &r->instances[QUAD], k, count, &error);
         if (status != RBD_OK)
-            return row_error(row, "random state %d, against quad: %s", k, rbd_status_string(status));
+            return row_error(row, "random states from %d on, against quad: %s", k, rbd_status_string(status));
         row->quad_error = fmax(row->quad_error, error);
     }
     return 0;

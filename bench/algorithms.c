@@ -1,11 +1,25 @@
-/* The scalars and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
+/* The libraries and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
 #include "bench.h"
+#include <ctype.h>
+#include <string.h>
 
-extern const struct library library_double, library_float, library_quad;
+extern const struct library library_double, library_float, library_quad, library_lanes_double,
+    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
     [FLOAT] = &library_float,
+    [IIWA] = &library_iiwa,
+    [HYQ] = &library_hyq,
+    [ATLAS] = &library_atlas,
+    [LANES_DOUBLE] = &library_lanes_double,
+    [LANES_FLOAT] = &library_lanes_float,
+#ifdef BENCH_MUJOCO
+    [MUJOCO] = &library_mujoco,
+#endif
+#ifdef BENCH_KDL
+    [KDL] = &library_kdl,
+#endif
 #ifdef BENCH_QUAD
     [QUAD] = &library_quad,
 #endif
@@ -14,19 +28,50 @@ const struct library *const libraries[LIBRARIES] = {
 const struct algorithm algorithms[ALGORITHMS] = {
     [ID] = {"id", "inverse dynamics (RNEA)"},
     [MM] = {"mm", "mass matrix (CRBA)"},
+    [MM_PACKED] = {"mm_packed", "mass matrix, packed"},
     [FD] = {"fd", "forward dynamics (ABA)"},
     [FD_CHOLESKY] = {"fd_cholesky", "forward dynamics (Cholesky)"},
 };
 
-rbd_status algorithm_run(int algorithm, const struct instance *r, const struct states *s, int first,
-                         int count, void *out) {
-    library_call *call = r->library->call[algorithm];
-    const size_t q_size = (size_t)r->robot->nq * r->library->size;
-    const size_t v_size = (size_t)r->robot->nv * r->library->size;
-    const size_t end = (size_t)first + (size_t)count;
+const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};
+
+const char *const variant_names[] = {
+    [RUN_TIME] = "run-time", [COMPILE_TIME] = "compile-time", [LANES] = "lanes", [THREADS] = "threads", NULL};
+
+const char *const library_names[] = {"rbd", "mujoco", "kdl", NULL};
+
+bool library_is_ours(const struct library *library) {
+    return !library->conventions;
+}
+
+/* Case apart. */
+static bool same_name(const char *a, const char *b) {
+    while (*a && tolower((unsigned char)*a) == tolower((unsigned char)*b))
+        a++, b++;
+    return *a == *b;
+}
+
+bool library_wanted(const struct library *library, const struct robot *r, const struct options *o) {
+    if (!library || (library->robot && strcmp(library->robot, r->name) != 0))
+        return false;
+    const bool name = o->library == ALL || same_name(library->name, library_names[o->library]);
+    const bool scalar = o->scalar == ALL || strcmp(library->scalar, scalar_names[o->scalar]) == 0;
+    const bool variant = o->variant == ALL || o->variant == library->variant ||
+                         (o->variant == THREADS && library->variant == LANES);
+    return name && scalar && variant;
+}
+
+rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
+                         const struct states *s, int first, int count) {
+    const struct library *l = r->library;
+    library_call *call = l->call[algorithm];
+    const size_t q_size = (size_t)r->nq * l->size, v_size = (size_t)r->nv * l->size;
+    const size_t end = (size_t)first + (size_t)count, width = (size_t)l->width;
     const char *q = s->q, *v = s->v, *x = algorithm == ID ? s->a : s->tau;
-    for (size_t k = (size_t)first; k < end; k++) {
-        rbd_status status = call(r->model, r->work, q + k * q_size, v + k * v_size, x + k * v_size, out);
+    for (size_t k = (size_t)first; k < end; k += width) {
+        const int n = (int)(end - k < width ? end - k : width);
+        rbd_status status =
+            call(r->model, w->work, n, q + k * q_size, v + k * v_size, x + k * v_size, w->out);
         if (status != RBD_OK)
             return status;
     }
@@ -34,5 +79,5 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct s
 }
 
 int algorithm_results(int algorithm, const struct robot *r) {
-    return algorithm == MM ? r->nv * r->nv : r->nv;
+    return algorithm == MM ? r->nv * r->nv : algorithm == MM_PACKED ? r->packed : r->nv;
 }

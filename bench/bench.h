@@ -8,6 +8,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include "rbd.h"
+#include "library.h"
 #include "../tests/data/reference.h"
 
 /* ---- options.c ---- */
@@ -17,7 +18,9 @@ enum format { FORMAT_TABLE, FORMAT_CSV, FORMAT_JSON };
 struct options {
     int robot;     /* index of a robot, or ALL */
     int algorithm; /* index of an algorithm, or ALL */
-    int scalar;    /* index of a timed library, or ALL */
+    int scalar;    /* index of a scalar, or ALL */
+    int variant;   /* RUN_TIME and so on, or ALL */
+    int library;   /* index in library_names, or ALL */
     int samples;
     int experiments;
     uint64_t seed;
@@ -36,36 +39,24 @@ int options_read(struct options *o, int argc, char **argv);
 /* Prints "rbd-bench: " and the message to stderr, and returns the exit status EXIT_USAGE. */
 int usage_error(const char *format, ...);
 
-/* ---- library.c ---- */
+/* ---- libraries: library.h has what one must give ---- */
 
-enum { ID, MM, FD, FD_CHOLESKY, ALGORITHMS };
-
-/* One call of an algorithm. All arrays are of the library's scalar; x: the acceleration (ID) or the
-   torque (FD, FD_CHOLESKY); MM reads q alone. */
-typedef rbd_status library_call(const void *model, void *work, const void *q, const void *v, const void *x,
-                                void *out);
-
-/* The library, instantiated for one scalar. */
-struct library {
-    const char *scalar; /* on the command line and in the report */
-    size_t size;        /* bytes of a number in its arrays */
-    double epsilon;     /* distance from 1 to the next number */
-    rbd_status (*model_build)(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
-                              rbd_report *report);
-    size_t (*model_size)(const rbd_body *bodies, int nb);
-    rbd_status (*work_init)(const void *model, void *memory, size_t size, void **work);
-    size_t (*work_size)(const void *model);
-    rbd_status (*set_gravity)(void *work, const double gravity[3]);
-    library_call *call[ALGORITHMS];
-    void (*from_double)(const double *x, size_t n, void *out);
-    void (*to_double)(const void *x, size_t n, double *out);
-    /* Largest difference / largest entry of the expected array (at least 1e-3), computed in the library's
-       scalar; infinite if something is not finite. */
-    double (*relative_error)(const double *x, const void *expected, int n);
+/* Those before TIMED are timed; QUAD judges them. NULL: this build lacks it. */
+enum {
+    DOUBLE,
+    FLOAT,
+    SCALARS,
+    IIWA = SCALARS, /* known at compile time */
+    HYQ,
+    ATLAS,
+    LANES_DOUBLE,
+    LANES_FLOAT,
+    MUJOCO, /* those of others: peers/ */
+    KDL,
+    TIMED,
+    QUAD = TIMED,
+    LIBRARIES
 };
-
-/* Those before TIMED are timed; QUAD, NULL if the compiler has no __float128, judges them. */
-enum { DOUBLE, FLOAT, TIMED, QUAD = TIMED, LIBRARIES };
 extern const struct library *const libraries[LIBRARIES];
 
 /* ---- robots.c ---- */
@@ -77,16 +68,23 @@ struct states {
 
 struct robot;
 
-/* A robot in the scalar of a library. */
+/* What one thread needs of its own. */
+struct worker {
+    void *work, *memory;
+    void *out; /* room for the results of one call */
+};
+
+/* A robot in a library. */
 struct instance {
     const struct robot *robot;
     const struct library *library; /* NULL: not open */
     const void *model;
-    void *work;
+    int nq, nv;            /* lengths of q and v in its conventions */
+    struct worker *worker; /* one for each thread, if the variant is LANES; else one */
+    int workers;
     struct states states; /* the random ones, rounded to the scalar; none for QUAD */
     struct states input;  /* a single one, for instance_take_sample */
-    void *out;            /* room for the results of one call */
-    void *model_memory, *work_memory, *state_memory, *input_memory;
+    void *model_memory, *state_memory, *input_memory; /* state_memory: NULL if another's states serve */
 };
 
 struct robot {
@@ -94,6 +92,8 @@ struct robot {
     const char *title; /* for people */
     const rbd_body *bodies;
     int nb, nq, nv;
+    int packed; /* entries of the packed mass matrix */
+    int samples;
     const ref_model *reference;
     double *numbers;                      /* scratch of conversions: nv x nv, or a state */
     struct instance instances[LIBRARIES]; /* DOUBLE and, if there is one, QUAD are always open */
@@ -101,13 +101,16 @@ struct robot {
 
 extern const char *const robot_names[]; /* ended by NULL */
 
-/* Builds robot number index and draws its random states, for the library asked for, or ALL that are timed.
+/* Builds robot number index for the libraries that the options ask for, and draws its random states.
    Returns 0, or -1 after a message. */
-int robot_open(struct robot *r, int index, int library, int samples, uint64_t seed);
+int robot_open(struct robot *r, int index, const struct options *o);
 void robot_close(struct robot *r);
 
 /* For all algorithms and scalars. */
 void robot_set_gravity(const struct robot *r, const double gravity[3]);
+
+/* Random state k, in rbd's conventions. */
+struct state robot_state(const struct robot *r, int k);
 
 /* Makes random state k of one instance the input of another of the same robot. */
 void instance_take_sample(const struct instance *to, const struct instance *from, int k);
@@ -121,22 +124,46 @@ struct algorithm {
 
 extern const struct algorithm algorithms[ALGORITHMS];
 
-/* The loop that is timed: computes samples first .. first + count - 1 and leaves the results of the last
-   one in out. */
-rbd_status algorithm_run(int algorithm, const struct instance *r, const struct states *s, int first,
-                         int count, void *out);
+extern const char *const scalar_names[]; /* ended by NULL, like those below */
+extern const char *const variant_names[];
+extern const char *const library_names[];
 
-/* Length of its result. */
+/* Whether the options ask for this library (NULL: no): it is of the scalar and variant, and knows the robot.
+ */
+bool library_wanted(const struct library *library, const struct robot *r, const struct options *o);
+
+/* Whether the library is rbd, and not another in its own conventions. */
+bool library_is_ours(const struct library *library);
+
+/* Computes samples first .. first + count - 1, as many a call as the library takes, and leaves the results of
+   the last call in w->out. */
+rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
+                         const struct states *s, int first, int count);
+
+/* Numbers in its result for one state. */
 int algorithm_results(int algorithm, const struct robot *r);
 
-/* One line of the report: a robot, a scalar and an algorithm. */
+/* One line of the report: a robot, an algorithm, and how it is called. */
 struct row {
     const struct instance *instance;
     int algorithm;
+    int variant;
+    int threads;              /* 1 but with THREADS */
     double max_error;         /* by verify */
     double quad_error;        /* by measure_accuracy; negative: unknown */
     double mean, stddev, min; /* by measure: over the experiments, ns per call */
 };
+
+/* ---- threads.c ---- */
+
+/* Cores that threads can use; 1 if this build has no threads. */
+int threads_available(void);
+
+/* The loop that is timed: algorithm_run, or each thread its share of the samples. */
+rbd_status row_run(const struct row *row, int first, int count);
+
+/* The first sample, counted from 0, of thread t when threads share so many; thread t + 1's ends it. */
+int thread_share(int count, int t, int threads);
 
 /* ---- verify.c ---- */
 
@@ -147,9 +174,13 @@ int verify(struct row *rows, int n, const double gravity[3], int samples);
 
 /* ---- accuracy.c ---- */
 
-/* Sets *error to the relative error of a result on random state k, the same input given to the arbiter. */
-rbd_status sample_error(const struct instance *tested, const struct instance *arbiter, int algorithm, int k,
-                        double *error);
+/* Runs the row on samples first .. first + count - 1, at most width for each thread, and sets *error to the
+   largest relative error of the results, the arbiter given the same input. */
+rbd_status block_error(const struct row *row, const struct instance *arbiter, int first, int count,
+                       double *error);
+
+/* The largest number of samples for block_error. */
+int block_length(const struct row *row);
 
 /* Sets the rows' quad_error. Returns 0, or -1 after a message. */
 int measure_accuracy(struct row *rows, int n, int samples);
@@ -164,6 +195,9 @@ int measure(struct row *rows, int n, int samples, int experiments);
 
 #define TEXT(x) TEXT_OF(x)
 #define TEXT_OF(x) #x
+
+/* "run-time", "lanes 8", "threads 2" and so on; returns text. */
+const char *row_variant(const struct row *row, char text[32]);
 
 /* Prints where something went wrong and what, to stderr. Returns -1. */
 int row_error(const struct row *row, const char *format, ...);

@@ -1,23 +1,24 @@
 /* Runs, under callgrind, the calls whose instructions instructions.sh counts; README.md has the method.
    SPDX-License-Identifier: MIT */
-#include <stdio.h>
+#include <string.h>
 #include <valgrind/callgrind.h>
-#include "rbd.h"
+#include "bench.h"
 #include "../models/iiwa.h"
 #include "../models/hyq.h"
 #include "../models/atlas.h"
 
-enum { STATES = 64 };
+enum { STATES = BATCH, MAX_LANES = 8 };
 enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest robot's */
 
 /* Static, so that every run has them at the same addresses. */
 static unsigned char model_memory[RBD_MODEL_SIZE(MAX_NB)], work_memory[RBD_WORK_SIZE(MAX_NB, MAX_NV)];
+static unsigned char lanes_memory[MAX_LANES * sizeof work_memory];
 static rbd_real q[STATES * MAX_NQ], v[STATES * MAX_NV], a[STATES * MAX_NV], tau[STATES * MAX_NV];
-static rbd_real out[MAX_NV * MAX_NV];
+static rbd_real out[STATES * MAX_NV * MAX_NV];
 
 /* ---- robots ---- */
 
-struct robot {
+struct counted_robot {
     const char *name;
     const rbd_body *bodies;
     int nb;
@@ -26,7 +27,7 @@ struct robot {
     int nq, nv;
 };
 
-static struct robot robots[] = {
+static struct counted_robot robots[] = {
     {.name = "iiwa", .bodies = iiwa_bodies, .nb = IIWA_NB},
     {.name = "hyq", .bodies = hyq_bodies, .nb = HYQ_NB},
     {.name = "atlas", .bodies = atlas_bodies, .nb = ATLAS_NB},
@@ -40,7 +41,7 @@ static void fill_uniform(rbd_real *x, int n, double bound, uint64_t *seed) {
     }
 }
 
-static rbd_status draw_states(const struct robot *r) {
+static rbd_status draw_states(const struct counted_robot *r) {
     uint64_t seed_q = 1, seed = 2;
     for (int k = 0; k < STATES; k++) {
         rbd_status status = rbd_random(r->model, &seed_q, q + k * r->nq);
@@ -54,7 +55,7 @@ static rbd_status draw_states(const struct robot *r) {
 }
 
 /* Builds the robot's model in the memory that all robots share, and draws its states. */
-static rbd_status robot_open(struct robot *r) {
+static rbd_status open_robot(struct counted_robot *r) {
     rbd_status status = rbd_model_build(r->bodies, r->nb, model_memory, sizeof model_memory, &r->model, NULL);
     if (status == RBD_OK)
         status = rbd_work_init(r->model, work_memory, sizeof work_memory, &r->work);
@@ -65,21 +66,21 @@ static rbd_status robot_open(struct robot *r) {
     return r->nq <= MAX_NQ && r->nv <= MAX_NV ? draw_states(r) : RBD_ERR_MEMORY;
 }
 
-/* ---- algorithms ---- */
+/* ---- calls for a model known at run time ---- */
 
 typedef rbd_status matrix_call(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
 typedef rbd_status dynamics_call(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                  const rbd_real *x, const rbd_real *f_ext, rbd_real *out);
 
 /* One of the two calls is given. */
-struct algorithm {
+struct plain_call {
     const char *name;
     matrix_call *matrix;
     dynamics_call *dynamics;
     const rbd_real *x; /* the third vector of dynamics */
 };
 
-static const struct algorithm algorithms[] = {
+static const struct plain_call plain_calls[] = {
     {.name = "id", .dynamics = rbd_rnea, .x = a},
     {.name = "mm", .matrix = rbd_crba},
     {.name = "mm_packed", .matrix = rbd_crba_packed},
@@ -89,7 +90,7 @@ static const struct algorithm algorithms[] = {
 
 /* The counted loops; what they need lies in locals, so that little but the calls is counted. */
 
-static rbd_status run_matrix(matrix_call *call, const struct robot *r) {
+static rbd_status run_matrix(matrix_call *call, const struct counted_robot *r) {
     const rbd_model *m = r->model;
     rbd_work *w = r->work;
     const rbd_real *qk = q, *end = q + STATES * r->nq;
@@ -100,7 +101,7 @@ static rbd_status run_matrix(matrix_call *call, const struct robot *r) {
     return status;
 }
 
-static rbd_status run_dynamics(dynamics_call *call, const struct robot *r, const rbd_real *x) {
+static rbd_status run_dynamics(dynamics_call *call, const struct counted_robot *r, const rbd_real *x) {
     const rbd_model *m = r->model;
     rbd_work *w = r->work;
     const rbd_real *qk = q, *vk = v, *xk = x, *end = q + STATES * r->nq;
@@ -111,42 +112,121 @@ static rbd_status run_dynamics(dynamics_call *call, const struct robot *r, const
     return status;
 }
 
-static rbd_status run(const struct algorithm *g, const struct robot *r) {
+static rbd_status run_plain(const struct plain_call *g, const struct counted_robot *r) {
     return g->matrix ? run_matrix(g->matrix, r) : run_dynamics(g->dynamics, r, g->x);
+}
+
+/* ---- calls of the other variants, by the tables of library.c ---- */
+
+extern const struct library LANES_LIBRARY;
+#ifdef COMPILE_TIME_LIBRARIES
+extern const struct library library_iiwa, library_hyq, library_atlas;
+#endif
+
+static const struct library *const variants[] = {
+    &LANES_LIBRARY,
+#ifdef COMPILE_TIME_LIBRARIES
+    &library_iiwa,
+    &library_hyq,
+    &library_atlas,
+#endif
+};
+
+static const char *const names[ALGORITHMS] = {
+    [ID] = "id", [MM] = "mm", [MM_PACKED] = "mm_packed", [FD] = "fd", [FD_CHOLESKY] = "fd_cholesky"};
+
+static rbd_status run_variant(const struct library *l, int algorithm, const struct counted_robot *r,
+                              void *work) {
+    const rbd_real *x = algorithm == ID ? a : tau;
+    rbd_status status = RBD_OK;
+    for (int k = 0; k < STATES && status == RBD_OK; k += l->width)
+        status =
+            l->call[algorithm](r->model, work, l->width, q + k * r->nq, v + k * r->nv, x + k * r->nv, out);
+    return status;
 }
 
 /* ---- counting ---- */
 
-/* Counts one round of calls, and has callgrind write it down as "ROBOT,ALGORITHM,CALLS". */
-static rbd_status count(const struct algorithm *g, const struct robot *r) {
-    char cell[64];
-    snprintf(cell, sizeof cell, "%s,%s,%d", r->name, g->name, STATES);
-    rbd_status status = run(g, r); /* not counted: the first call of a libm function binds it */
-    if (status != RBD_OK)
+/* One thing to count: a plain call, or an algorithm of a variant. */
+struct cell {
+    const struct counted_robot *robot;
+    const struct plain_call *plain;
+    const struct library *library;
+    int algorithm;
+    void *work;
+};
+
+static rbd_status run(const struct cell *c) {
+    return c->plain ? run_plain(c->plain, c->robot)
+                    : run_variant(c->library, c->algorithm, c->robot, c->work);
+}
+
+/* "ROBOT,ALGORITHM,CALLS,VARIANT", which callgrind writes down with the counts. */
+static void describe(const struct cell *c, char *text, size_t size) {
+    const struct library *l = c->library;
+    char variant[32] = "run-time";
+    if (l && l->variant == LANES)
+        snprintf(variant, sizeof variant, "lanes %d", l->lanes);
+    else if (l)
+        snprintf(variant, sizeof variant, "compile-time");
+    snprintf(text, size, "%s,%s,%d,%s", c->robot->name, l ? names[c->algorithm] : c->plain->name, STATES,
+             variant);
+}
+
+/* Counts one round of calls. */
+static rbd_status count(const struct cell *c) {
+    char text[96];
+    describe(c, text, sizeof text);
+    rbd_status status = run(c); /* not counted: the first call of a libm function binds it */
+    if (status != RBD_OK) {
+        fprintf(stderr, "instructions: %s: %s\n", text, rbd_status_string(status));
         return status;
+    }
     CALLGRIND_ZERO_STATS;
     CALLGRIND_TOGGLE_COLLECT;
-    status = run(g, r);
+    status = run(c);
     CALLGRIND_TOGGLE_COLLECT;
-    CALLGRIND_DUMP_STATS_AT(cell);
+    CALLGRIND_DUMP_STATS_AT(text);
     return status;
 }
 
-static int fail(const char *robot, const char *what, rbd_status status) {
-    fprintf(stderr, "instructions: %s, %s: %s\n", robot, what, rbd_status_string(status));
-    return 1;
+static rbd_status count_plain(const struct counted_robot *r) {
+    rbd_status status = RBD_OK;
+    for (size_t i = 0; i < sizeof plain_calls / sizeof *plain_calls && status == RBD_OK; i++)
+        status = count(&(struct cell){.robot = r, .plain = &plain_calls[i]});
+    return status;
+}
+
+static rbd_status count_variant(const struct counted_robot *r, const struct library *l) {
+    const double gravity[3] = {0, 0, -9.81};
+    struct cell c = {.robot = r, .library = l};
+    rbd_status status = l->work_init(r->model, lanes_memory, sizeof lanes_memory, &c.work);
+    if (status == RBD_OK)
+        status = l->set_gravity(c.work, gravity);
+    for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++)
+        status = count(&c);
+    return status;
+}
+
+static rbd_status count_variants(const struct counted_robot *r) {
+    rbd_status status = RBD_OK;
+    for (size_t i = 0; i < sizeof variants / sizeof *variants && status == RBD_OK; i++)
+        if (!variants[i]->robot || strcmp(variants[i]->robot, r->name) == 0)
+            status = count_variant(r, variants[i]);
+    return status;
 }
 
 int main(void) {
     for (size_t i = 0; i < sizeof robots / sizeof *robots; i++) {
-        struct robot *r = &robots[i];
-        rbd_status status = robot_open(r);
-        if (status != RBD_OK)
-            return fail(r->name, "model", status);
-        for (size_t j = 0; j < sizeof algorithms / sizeof *algorithms; j++) {
-            status = count(&algorithms[j], r);
-            if (status != RBD_OK)
-                return fail(r->name, algorithms[j].name, status);
+        struct counted_robot *r = &robots[i];
+        rbd_status status = open_robot(r);
+        if (status == RBD_OK)
+            status = count_plain(r);
+        if (status == RBD_OK)
+            status = count_variants(r);
+        if (status != RBD_OK) {
+            fprintf(stderr, "instructions: %s: %s\n", r->name, rbd_status_string(status));
+            return 1;
         }
     }
     return 0;

@@ -5,7 +5,7 @@ set -u
 
 bench=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) || exit 1
 accepted=$bench/instructions.csv
-header=compiler,robot,algorithm,scalar,instructions,loads,stores
+header=compiler,robot,algorithm,scalar,instructions,loads,stores,variant
 
 say() { printf '%s\n' "$*" >&2; }
 # Shows a line that the next one replaces, if stderr is a terminal; an empty one erases it.
@@ -89,12 +89,37 @@ find_accepted() {
 # Runs a command and shows what it printed only if it fails.
 quietly() { "$@" >"$work/log" 2>&1 || { progress; cat "$work/log" >&2; die "failed: $*"; }; }
 
+# The compiler with the flags that all files get.
+compile() { # COMPILER SCALAR ARGUMENT...
+    compiler_now=$1 scalar_now=$2
+    shift 2
+    # shellcheck disable=SC2086 # words wanted
+    quietly "$compiler_now" $flags -march=haswell -std=c99 -Wno-psabi -DRBD_REAL="$scalar_now" -I"$work" "$@"
+}
+
+# The tables of library.c for the compile-time models, as objects; sets $special to them.
+compile_special() { # COMPILER
+    special=-DCOMPILE_TIME_LIBRARIES
+    for robot in iiwa hyq atlas; do
+        progress "$1: compiling the straight-line calls of $robot"
+        upper=$(echo $robot | tr a-z A-Z)
+        compile "$1" double -fno-signed-zeros -ffinite-math-only -DLIBRARY=library_$robot -DROBOT="\"$robot\"" \
+            -DROBOT_HEADER="\"../models/${robot}_model.h\"" -DROBOT_MODEL=${robot}_model \
+            -DROBOT_WORK_SIZE="${upper}_WORK_SIZE" -c "$bench/library.c" -o "$work/$robot.o"
+        special="$special $work/$robot.o"
+    done
+}
+
 # count COMPILER SCALAR: one run of callgrind, which leaves its parts, cell after cell, in $work/parts
 count() {
+    case $2 in double) lanes=4 ;; float) lanes=8 ;; esac # of AVX2
+    special=
+    [ "$2" = float ] || compile_special "$1"
     progress "$1, $2: compiling"
+    compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES=$lanes -c "$bench/library.c" -o "$work/lanes.o"
     # shellcheck disable=SC2086 # words wanted
-    quietly "$1" $flags -march=haswell -std=c99 -DRBD_REAL="$2" -I"$work" \
-        "$bench/instructions.c" "$work/rbd.c" -lm -o "$work/count"
+    compile "$1" "$2" -DLANES_LIBRARY=library_lanes $special "$bench/instructions.c" "$work/rbd.c" \
+        "$work/lanes.o" -lm -o "$work/count"
     progress "$1, $2: counting"
     quietly valgrind --command-line-only=yes --tool=callgrind --cache-sim=yes --collect-atstart=no \
         --combine-dumps=yes --callgrind-out-file="$work/parts" "$work/count"
@@ -106,8 +131,8 @@ rows() {
         /^desc: Trigger: / { requested = sub(/^desc: Trigger: Client Request: /, ""); split($0, cell, ",") }
         /^events: / { for (i = 2; i <= NF; i++) column[$i] = i }
         /^summary: / && requested {
-            printf "%s,%s,%s,%s,%.0f,%.0f,%.0f\n", compiler, cell[1], cell[2], scalar,
-                $column["Ir"] / cell[3], $column["Dr"] / cell[3], $column["Dw"] / cell[3]
+            printf "%s,%s,%s,%s,%.0f,%.0f,%.0f,%s\n", compiler, cell[1], cell[2], scalar,
+                $column["Ir"] / cell[3], $column["Dr"] / cell[3], $column["Dw"] / cell[3], cell[4]
         }' "$work/parts"
 }
 
@@ -136,20 +161,20 @@ table() {
     echo "per call; $flags -march=haswell -std=c99; $comparison"
     awk -F , '
         function change(i) {
-            if (!(($1, $2, $3, $4, i) in old)) return ""
-            was = old[$1, $2, $3, $4, i]
+            if (!(($1, $2, $3, $4, $8, i) in old)) return ""
+            was = old[$1, $2, $3, $4, $8, i]
             return $i == was ? "=" : was == 0 ? "new" : sprintf("%+.1f%%", 100 * ($i - was) / was)
         }
         $5 == "instructions" { next }
-        FILENAME == ARGV[1] { for (i = 5; i <= 7; i++) old[$1, $2, $3, $4, i] = $i; next }
+        FILENAME == ARGV[1] { for (i = 5; i <= 7; i++) old[$1, $2, $3, $4, $8, i] = $i; next }
         $1 != compiler || $4 != scalar {
-            printf "\n%-20s %12s %16s %16s\n", $1 ", " $4, "instructions", "loads", "stores"
+            printf "\n%-33s %12s %16s %16s\n", $1 ", " $4, "instructions", "loads", "stores"
             robot = ""
         }
         {
-            printf "%-7s %-12s %12d %7s %8d %7s %8d %7s\n", $2 == robot ? "" : $2, $3,
-                $5, change(5), $6, change(6), $7, change(7)
-            compiler = $1; scalar = $4; robot = $2
+            printf "%-7s %-12s %-12s %12d %7s %8d %7s %8d %7s\n", $2 == robot ? "" : $2,
+                $2 == robot && $8 == variant ? "" : $8, $3, $5, change(5), $6, change(6), $7, change(7)
+            compiler = $1; scalar = $4; robot = $2; variant = $8
         }' "$1" "$2" | sed 's/ *$//'
 }
 

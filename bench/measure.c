@@ -16,13 +16,12 @@ static double now_ns(void) {
 
 /* One experiment: sets *ns to the time of a call, mean of all samples. */
 static rbd_status experiment(const struct row *row, int samples, double *ns) {
-    const struct instance *r = row->instance;
     const int warm_up = samples < WARM_UP_CALLS ? samples : WARM_UP_CALLS;
-    rbd_status status = algorithm_run(row->algorithm, r, &r->states, 0, warm_up, r->out);
+    rbd_status status = row_run(row, 0, warm_up);
     if (status != RBD_OK)
         return status;
     double start = now_ns();
-    status = algorithm_run(row->algorithm, r, &r->states, 0, samples, r->out);
+    status = row_run(row, 0, samples);
     *ns = (now_ns() - start) / samples;
     return status;
 }
@@ -42,8 +41,9 @@ int measure(struct row *rows, int n, int samples, int experiments) {
     for (int e = 1; e <= experiments; e++) {
         for (int i = 0; i < n; i++) {
             const struct instance *r = rows[i].instance;
-            progress("experiment %d of %d: %s, %s, %s", e, experiments, r->robot->title, r->library->scalar,
-                     algorithms[rows[i].algorithm].title);
+            char variant[32];
+            progress("experiment %d of %d: %s, %s, %s, %s", e, experiments, r->robot->title,
+                     r->library->scalar, algorithms[rows[i].algorithm].title, row_variant(&rows[i], variant));
             double ns = 0;
             rbd_status status = experiment(&rows[i], samples, &ns);
             if (status != RBD_OK)

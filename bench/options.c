@@ -10,8 +10,10 @@ static const char help[] =
     "Verifies rbd's inverse dynamics, mass matrix and forward dynamics, then times them.\n"
     "\n"
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
-    "  --algorithm NAME   id, mm, fd, fd_cholesky or all (default all)\n"
+    "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all)\n"
     "  --scalar NAME      double, float or all (default double)\n"
+    "  --variant NAME     run-time, compile-time, lanes, threads or all (default all)\n"
+    "  --library NAME     rbd, mujoco, kdl or all (default all that this build has)\n"
     "  --samples N        random states per robot, a different one each call (default 100000)\n"
     "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
     "  --seed N           of the random states (default 1)\n"
@@ -79,10 +81,24 @@ static int read_algorithm(struct options *o, const char *option, const char *val
 }
 
 static int read_scalar(struct options *o, const char *option, const char *value) {
-    const char *names[TIMED + 2] = {"all"};
-    for (int i = 0; i < TIMED; i++)
-        names[i + 1] = libraries[i]->scalar;
+    const char *names[SCALARS + 2] = {"all"};
+    for (int i = 0; i < SCALARS; i++)
+        names[i + 1] = scalar_names[i];
     return read_name(option, value, names, &o->scalar);
+}
+
+static int read_variant(struct options *o, const char *option, const char *value) {
+    const char *names[VARIANTS + 2] = {"all"};
+    for (int i = 0; i < VARIANTS; i++)
+        names[i + 1] = variant_names[i];
+    return read_name(option, value, names, &o->variant);
+}
+
+static int read_library(struct options *o, const char *option, const char *value) {
+    const char *names[LIBRARIES + 2] = {"all"};
+    for (int i = 0; library_names[i]; i++)
+        names[i + 1] = library_names[i];
+    return read_name(option, value, names, &o->library);
 }
 
 static int read_format(struct options *o, const char *option, const char *value) {
@@ -127,9 +143,10 @@ struct option {
 };
 
 static const struct option with_value[] = {
-    {"--robot", read_robot},   {"--algorithm", read_algorithm},     {"--samples", read_samples},
-    {"--seed", read_seed},     {"--experiments", read_experiments}, {"--format", read_format},
-    {"--output", read_output}, {"--scalar", read_scalar},
+    {"--robot", read_robot},     {"--algorithm", read_algorithm},     {"--samples", read_samples},
+    {"--seed", read_seed},       {"--experiments", read_experiments}, {"--format", read_format},
+    {"--output", read_output},   {"--scalar", read_scalar},           {"--variant", read_variant},
+    {"--library", read_library},
 };
 
 /* The option that the argument, "--name" or "--name=value", begins with. */
@@ -164,8 +181,14 @@ static int read_argument(struct options *o, char **argv, int *i) {
 }
 
 int options_read(struct options *o, int argc, char **argv) {
-    *o = (struct options){
-        .robot = ALL, .algorithm = ALL, .scalar = DOUBLE, .samples = 100000, .experiments = 10, .seed = 1};
+    *o = (struct options){.robot = ALL,
+                          .algorithm = ALL,
+                          .scalar = DOUBLE,
+                          .variant = ALL,
+                          .library = ALL,
+                          .samples = 100000,
+                          .experiments = 10,
+                          .seed = 1};
     for (int i = 1; i < argc; i++) {
         int status = read_argument(o, argv, &i);
         if (status >= 0)

@@ -9,7 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LIBRARY "rbd"
 #if defined __clang__
 #define COMPILER "clang " TEXT(__clang_major__) "." TEXT(__clang_minor__) "." TEXT(__clang_patchlevel__)
 #elif defined __GNUC__
@@ -34,11 +33,31 @@ void progress(const char *format, ...) {
     va_end(arguments);
 }
 
+const char *row_variant(const struct row *row, char text[32]) {
+    const char *name = variant_names[row->variant];
+    const int number = row->variant == LANES ? row->instance->library->lanes : row->threads;
+    if (row->variant == LANES || row->variant == THREADS)
+        snprintf(text, 32, "%s %d", name, number);
+    else
+        snprintf(text, 32, "%s", name);
+    return text;
+}
+
+/* The same for people: of another library, its name and version. */
+static const char *row_title(const struct row *row, char text[32]) {
+    const struct library *library = row->instance->library;
+    if (library_is_ours(library))
+        return row_variant(row, text);
+    snprintf(text, 32, "%s %s", library->name, library->version);
+    return text;
+}
+
 int row_error(const struct row *row, const char *format, ...) {
     va_list arguments;
+    char variant[32];
     progress("");
-    fprintf(stderr, "rbd-bench: %s, %s, %s: ", row->instance->robot->title, row->instance->library->scalar,
-            algorithms[row->algorithm].title);
+    fprintf(stderr, "rbd-bench: %s, %s, %s, %s: ", row->instance->robot->title,
+            row->instance->library->scalar, algorithms[row->algorithm].title, row_title(row, variant));
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
@@ -82,43 +101,66 @@ static const char *quad_error(const struct row *row, const char *unknown, const 
 
 /* ---- table ---- */
 
-static void write_table_row(FILE *f, const struct row *row, const struct row *previous) {
-    char quad[32];
-    const struct instance *r = row->instance, *above = previous ? previous->instance : NULL;
-    if (above && above->robot != r->robot)
+/* The row of the run-time model among the first n that the row is to be compared with, or NULL. */
+static const struct row *run_time_row(const struct row *rows, int n, const struct row *row) {
+    for (int i = 0; i < n; i++)
+        if (rows[i].variant == RUN_TIME && library_is_ours(rows[i].instance->library) &&
+            rows[i].algorithm == row->algorithm && rows[i].instance->robot == row->instance->robot &&
+            strcmp(rows[i].instance->library->scalar, row->instance->library->scalar) == 0)
+            return &rows[i];
+    return NULL;
+}
+
+/* How many times as fast as the run-time model, in text; empty if it is not measured. */
+static const char *speed_up(const struct row *rows, int n, const struct row *row, char text[32]) {
+    const struct row *run_time = run_time_row(rows, n, row);
+    *text = 0;
+    if (run_time && run_time != row)
+        snprintf(text, 32, "%.3g", run_time->mean / row->mean);
+    return text;
+}
+
+static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
+    char quad[32], variant[32], speed[32];
+    const struct row *row = &rows[i], *above = i > 0 ? row - 1 : NULL;
+    const struct instance *r = row->instance;
+    const bool same_robot = above && above->instance->robot == r->robot;
+    const bool same_scalar = same_robot && strcmp(above->instance->library->scalar, r->library->scalar) == 0;
+    const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
+    if (above && !same_scalar)
         fputc('\n', f);
-    fprintf(f, "%-7s %-7s %-29s %10.1f %9.1f %10.1f %11.1e %11s\n",
-            above && above->robot == r->robot ? "" : r->robot->title, above == r ? "" : r->library->scalar,
-            algorithms[row->algorithm].title, row->mean, row->stddev, row->min, row->max_error,
-            quad_error(row, "", "%.1e", quad));
+    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s\n", same_robot ? "" : r->robot->title,
+            same_scalar ? "" : r->library->scalar, same_algorithm ? "" : algorithms[row->algorithm].title,
+            row_title(row, variant), row->mean, row->stddev, row->min, speed_up(rows, n, row, speed),
+            row->max_error, quad_error(row, "", "%.1e", quad));
 }
 
 static void write_table(FILE *f, const struct options *o, const struct row *rows, int n) {
     char cpu[256];
     fprintf(f, "rbd %s, %s%s%s\n", RBD_VERSION, COMPILER, *BENCH_FLAGS ? " " : "", BENCH_FLAGS);
     fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
-    fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per call\n\n", o->samples,
+    fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per state\n\n", o->samples,
             (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
-    fprintf(f, "%-7s %-7s %-29s %10s %9s %10s %11s %11s\n", "robot", "scalar", "algorithm", "mean", "std dev",
-            "min", "max error", "quad error");
+    fprintf(f, "%-6s %-7s %-28s %-13s %9s %8s %9s %9s %10s %10s\n", "robot", "scalar", "algorithm", "variant",
+            "mean", "std dev", "min", "speed-up", "max error", "quad error");
     for (int i = 0; i < n; i++)
-        write_table_row(f, &rows[i], i > 0 ? &rows[i - 1] : NULL);
+        write_table_row(f, rows, n, i);
 }
 
 /* ---- CSV and JSON ---- */
 
 static void write_csv(FILE *f, const struct options *o, const struct row *rows, int n) {
     fputs("library,version,compiler,scalar,robot,algorithm,samples,experiments,"
-          "mean_ns,stddev_ns,min_ns,max_error,quad_error\n",
+          "mean_ns,stddev_ns,min_ns,max_error,quad_error,variant\n",
           f);
     for (int i = 0; i < n; i++) {
-        char quad[32];
+        char quad[32], variant[32];
         const struct row *row = &rows[i];
         const struct instance *r = row->instance;
-        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s\n", LIBRARY, RBD_VERSION, COMPILER,
-                r->library->scalar, r->robot->name, algorithms[row->algorithm].name, o->samples,
-                o->experiments, row->mean, row->stddev, row->min, row->max_error,
-                quad_error(row, "", "%.3e", quad));
+        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s\n", r->library->name,
+                r->library->version, COMPILER, r->library->scalar, r->robot->name,
+                algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
+                row->max_error, quad_error(row, "", "%.3e", quad), row_variant(row, variant));
     }
 }
 
@@ -140,16 +182,16 @@ static void write_json_fact(FILE *f, const char *key, const char *value) {
 }
 
 static void write_json_row(FILE *f, const struct options *o, const struct row *row) {
-    char quad[32];
+    char quad[32], variant[32];
     const struct instance *r = row->instance;
     fprintf(f,
             "    {\"library\": \"%s\", \"version\": \"%s\", \"compiler\": \"%s\", \"scalar\": \"%s\", "
             "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
             "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e, "
-            "\"quad_error\": %s}",
-            LIBRARY, RBD_VERSION, COMPILER, r->library->scalar, r->robot->name,
+            "\"quad_error\": %s, \"variant\": \"%s\"}",
+            r->library->name, r->library->version, COMPILER, r->library->scalar, r->robot->name,
             algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
-            row->max_error, quad_error(row, "null", "%.3e", quad));
+            row->max_error, quad_error(row, "null", "%.3e", quad), row_variant(row, variant));
 }
 
 static void write_json(FILE *f, const struct options *o, const struct row *rows, int n) {

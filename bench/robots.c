@@ -1,6 +1,7 @@
 /* The robots and their random states. SPDX-License-Identifier: MIT */
 #include "bench.h"
 #include <stdlib.h>
+#include <string.h>
 #include "../models/iiwa.h"
 #include "../models/hyq.h"
 #include "../models/atlas.h"
@@ -31,32 +32,52 @@ static int build_model(struct instance *r) {
         r->model = robot->instances[DOUBLE].model;
         return 0;
     }
-    rbd_report report;
+    char text[160] = "";
     size_t size = r->library->model_size(robot->bodies, robot->nb);
     r->model_memory = malloc(size);
-    if (r->library->model_build(robot->bodies, robot->nb, r->model_memory, size, &r->model, &report) !=
-        RBD_OK) {
-        char text[200];
-        fprintf(stderr, "rbd-bench: %s: %s\n", robot->title,
-                rbd_finding_text(&report.error, text, sizeof text));
+    if (r->library->model_build(robot->bodies, robot->nb, r->model_memory, size, &r->model, text) != RBD_OK) {
+        fprintf(stderr, "rbd-bench: %s, %s: %s\n", robot->title, r->library->name, text);
+        r->model = NULL;
         return -1;
     }
     return 0;
 }
 
-static int init_work(struct instance *r) {
-    size_t size = r->library->work_size(r->model);
-    r->work_memory = malloc(size);
-    rbd_status status = r->library->work_init(r->model, r->work_memory, size, &r->work);
-    if (status != RBD_OK)
-        fprintf(stderr, "rbd-bench: %s: %s\n", r->robot->title, rbd_status_string(status));
-    return status == RBD_OK ? 0 : -1;
+static int status_error(const struct robot *robot, rbd_status status) {
+    if (status == RBD_OK)
+        return 0;
+    fprintf(stderr, "rbd-bench: %s: %s\n", robot->title, rbd_status_string(status));
+    return -1;
+}
+
+/* Bytes of the results of a call, whatever the algorithm, and some that keep threads apart. */
+static size_t out_size(const struct instance *r) {
+    const size_t nv = (size_t)r->nv;
+    return (size_t)r->library->width * nv * nv * r->library->size + 128;
+}
+
+static int open_worker(struct instance *r, struct worker *w) {
+    const size_t size = r->library->work_size(r->model);
+    w->memory = malloc(size + 128);
+    w->out = calloc(1, out_size(r));
+    if (!w->memory || !w->out)
+        return status_error(r->robot, RBD_ERR_MEMORY);
+    return status_error(r->robot, r->library->work_init(r->model, w->memory, size, &w->work));
+}
+
+static int open_workers(struct instance *r) {
+    r->workers = r->library->variant == LANES ? threads_available() : 1;
+    r->worker = calloc((size_t)r->workers, sizeof *r->worker);
+    for (int t = 0; r->worker && t < r->workers; t++)
+        if (open_worker(r, &r->worker[t]) != 0)
+            return -1;
+    return r->worker ? 0 : status_error(r->robot, RBD_ERR_MEMORY);
 }
 
 void robot_set_gravity(const struct robot *r, const double gravity[3]) {
     for (int i = 0; i < LIBRARIES; i++)
-        if (r->instances[i].library)
-            r->instances[i].library->set_gravity(r->instances[i].work, gravity);
+        for (int t = 0; t < r->instances[i].workers; t++)
+            r->instances[i].library->set_gravity(r->instances[i].worker[t].work, gravity);
 }
 
 /* ---- states ---- */
@@ -75,15 +96,15 @@ static void fill_uniform(double *x, size_t n, double bound, uint64_t *state) {
 }
 
 /* Numbers in a state. */
-static size_t state_length(const struct robot *r) {
+static size_t state_length(const struct instance *r) {
     return (size_t)r->nq + 3 * (size_t)r->nv;
 }
 
 /* Room for n states; all q come first, then all v, a and tau. */
 static void *make_states(const struct instance *r, size_t n, struct states *states) {
     const size_t size = r->library->size;
-    const size_t q_size = n * (size_t)r->robot->nq * size, v_size = n * (size_t)r->robot->nv * size;
-    char *q = calloc(n, state_length(r->robot) * size);
+    const size_t q_size = n * (size_t)r->nq * size, v_size = n * (size_t)r->nv * size;
+    char *q = calloc(n, state_length(r) * size);
     if (q)
         *states = (struct states){q, q + q_size, q + q_size + v_size, q + q_size + 2 * v_size};
     return q;
@@ -99,6 +120,28 @@ static void draw_states(const struct instance *r, int samples, uint64_t seed) {
     fill_uniform(v, n * nv, 2, &state);
     fill_uniform(a, n * nv, 3, &state);
     fill_uniform(tau, n * nv, 20, &state);
+}
+
+/* State k among n that lie as make_states has them. */
+static struct state state_at(double *memory, size_t n, size_t k, size_t nq, size_t nv) {
+    double *v = memory + n * nq, *a = v + n * nv, *tau = a + n * nv;
+    return (struct state){memory + k * nq, v + k * nv, a + k * nv, tau + k * nv};
+}
+
+struct state robot_state(const struct robot *r, int k) {
+    const struct instance *d = &r->instances[DOUBLE];
+    return state_at(d->state_memory, (size_t)r->samples, (size_t)k, (size_t)d->nq, (size_t)d->nv);
+}
+
+/* All random states, in the conventions of another library. */
+static void convert_states(const struct instance *other) {
+    const struct robot *r = other->robot;
+    for (int k = 0; k < r->samples; k++) {
+        const struct state from = robot_state(r, k);
+        const struct state to = state_at(other->state_memory, (size_t)r->samples, (size_t)k,
+                                         (size_t)other->nq, (size_t)other->nv);
+        other->library->conventions->state(other->model, &from, &to);
+    }
 }
 
 void instance_take_sample(const struct instance *to, const struct instance *from, int k) {
@@ -122,72 +165,113 @@ static int out_of_memory(const struct robot *r, int samples) {
     return -1;
 }
 
-/* Model and work, and room for results and a state. */
-static int instance_open(struct instance *r, const struct robot *robot, const struct library *library) {
-    *r = (struct instance){.robot = robot, .library = library};
-    if (build_model(r) != 0 || init_work(r) != 0)
-        return -1;
-    r->out = calloc((size_t)robot->nv * (size_t)robot->nv, library->size);
-    r->input_memory = make_states(r, 1, &r->input);
-    return r->out && r->input_memory ? 0 : out_of_memory(robot, 1);
+static void instance_close(struct instance *r) {
+    for (int t = 0; r->worker && t < r->workers; t++) {
+        if (r->library->work_free && r->worker[t].work)
+            r->library->work_free(r->worker[t].work);
+        free(r->worker[t].memory);
+        free(r->worker[t].out);
+    }
+    if (r->model && r->library->model_free)
+        r->library->model_free(r->model);
+    free(r->worker);
+    free(r->model_memory);
+    free(r->state_memory);
+    free(r->input_memory);
+    *r = (struct instance){.library = NULL};
 }
 
-static int open_double(struct robot *r, int samples, uint64_t seed) {
+/* Model, work and room for results and a state. */
+static int instance_open(struct instance *r, const struct robot *robot, const struct library *library) {
+    *r = (struct instance){.robot = robot, .library = library, .nq = robot->nq, .nv = robot->nv};
+    if (build_model(r) != 0)
+        return -1;
+    if (library->conventions)
+        library->conventions->size(r->model, &r->nq, &r->nv);
+    if (open_workers(r) != 0)
+        return -1;
+    r->input_memory = make_states(r, 1, &r->input);
+    return r->input_memory ? 0 : out_of_memory(robot, 1);
+}
+
+static int open_double(struct robot *r, uint64_t seed) {
     struct instance *d = &r->instances[DOUBLE];
     const size_t nv = (size_t)r->nv;
-    r->numbers = calloc(nv * nv + state_length(r), sizeof *r->numbers);
-    if (!r->numbers)
-        return out_of_memory(r, 1);
     if (instance_open(d, r, libraries[DOUBLE]) != 0)
         return -1;
+    r->numbers = calloc(nv * nv + state_length(d), sizeof *r->numbers);
+    if (!r->numbers)
+        return out_of_memory(r, 1);
     if (r->nq != rbd_nq(d->model) || r->nv != rbd_nv(d->model)) {
         fprintf(stderr, "rbd-bench: %s: the model has nq = %d, nv = %d, the reference %d, %d\n", r->title,
                 rbd_nq(d->model), rbd_nv(d->model), r->nq, r->nv);
         return -1;
     }
-    d->state_memory = make_states(d, (size_t)samples, &d->states);
+    r->packed = rbd_packed_size(d->model);
+    d->state_memory = make_states(d, (size_t)r->samples, &d->states);
     if (!d->state_memory)
-        return out_of_memory(r, samples);
-    draw_states(d, samples, seed);
+        return out_of_memory(r, r->samples);
+    draw_states(d, r->samples, seed);
     return 0;
 }
 
-/* Another scalar that is timed: the states are those of double, rounded. */
-static int open_other(struct robot *r, int library, int samples) {
-    const size_t n = (size_t)samples;
-    struct instance *other = &r->instances[library];
-    if (instance_open(other, r, libraries[library]) != 0)
-        return -1;
+/* The open instance whose states are those that this one needs, if there is one. */
+static const struct instance *like_states(const struct robot *r, const struct instance *other) {
+    for (int i = 0; i < TIMED && library_is_ours(other->library); i++) {
+        const struct instance *s = &r->instances[i];
+        if (s != other && s->states.q && library_is_ours(s->library) &&
+            strcmp(s->library->scalar, other->library->scalar) == 0)
+            return s;
+    }
+    return NULL;
+}
+
+/* Gives another library that is timed the states of double, rounded or converted. */
+static int give_states(struct robot *r, struct instance *other) {
+    const size_t n = (size_t)r->samples;
+    const struct instance *like = like_states(r, other);
+    if (like) {
+        other->states = like->states;
+        return 0;
+    }
     other->state_memory = make_states(other, n, &other->states);
     if (!other->state_memory)
-        return out_of_memory(r, samples);
-    const double *drawn = r->instances[DOUBLE].state_memory;
-    other->library->from_double(drawn, n * state_length(r), other->state_memory);
+        return out_of_memory(r, r->samples);
+    if (library_is_ours(other->library))
+        other->library->from_double(r->instances[DOUBLE].state_memory, n * state_length(other),
+                                    other->state_memory);
+    else
+        convert_states(other);
     return 0;
 }
 
-int robot_open(struct robot *r, int index, int library, int samples, uint64_t seed) {
+/* Another library that is timed. One that is not rbd may be without this robot. */
+static int open_other(struct robot *r, const struct library *library, struct instance *other) {
+    if (instance_open(other, r, library) == 0)
+        return give_states(r, other);
+    if (library_is_ours(library))
+        return -1;
+    instance_close(other);
+    return 0;
+}
+
+int robot_open(struct robot *r, int index, const struct options *o) {
     const struct description *d = &descriptions[index];
     *r = (struct robot){.name = robot_names[index], .title = d->title, .bodies = d->bodies, .nb = d->nb};
     r->reference = d->reference;
     r->nq = d->reference->nq;
     r->nv = d->reference->nv;
-    if (open_double(r, samples, seed) != 0)
+    r->samples = o->samples;
+    if (open_double(r, o->seed) != 0)
         return -1;
     for (int i = DOUBLE + 1; i < TIMED; i++)
-        if ((library == ALL || library == i) && open_other(r, i, samples) != 0)
+        if (library_wanted(libraries[i], r, o) && open_other(r, libraries[i], &r->instances[i]) != 0)
             return -1;
     return libraries[QUAD] ? instance_open(&r->instances[QUAD], r, libraries[QUAD]) : 0;
 }
 
 void robot_close(struct robot *r) {
-    for (int i = 0; i < LIBRARIES; i++) {
-        struct instance *instance = &r->instances[i];
-        free(instance->model_memory);
-        free(instance->work_memory);
-        free(instance->state_memory);
-        free(instance->input_memory);
-        free(instance->out);
-    }
+    for (int i = 0; i < LIBRARIES; i++)
+        instance_close(&r->instances[i]);
     free(r->numbers);
 }

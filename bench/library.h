@@ -1,0 +1,76 @@
+/* library.h - what a library must give to be verified and timed by rbd-bench: C and C++.
+   SPDX-License-Identifier: MIT */
+#ifndef BENCH_LIBRARY_H
+#define BENCH_LIBRARY_H
+
+#include <stddef.h>
+#include "rbd.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { ID, MM, MM_PACKED, FD, FD_CHOLESKY, ALGORITHMS };
+
+/* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
+enum { RUN_TIME, COMPILE_TIME, LANES, THREADS, VARIANTS };
+enum { BATCH = 64 };
+
+/* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
+   library's scalar; x: the acceleration (ID) or the torque (FD, FD_CHOLESKY); MM and MM_PACKED read q alone.
+ */
+typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
+                                const void *x, void *out);
+
+/* A state in rbd's conventions, and in double. */
+struct state {
+    double *q, *v, *a, *tau;
+};
+
+/* The conventions of another library. All its arrays are of double. */
+struct conventions {
+    /* Lengths of its q and v. */
+    void (*size)(const void *model, int *nq, int *nv);
+    void (*state)(const void *model, const struct state *rbd, const struct state *its);
+    /* The result of an algorithm as rbd would give it; a matrix is full, nv x nv. */
+    void (*result)(const void *model, int algorithm, const struct state *rbd, const double *its,
+                   double *result);
+    double bound;                  /* largest relative error of a result */
+    const char *calls[ALGORITHMS]; /* what is timed, in a line */
+};
+
+/* A library, for one scalar and variant. */
+struct library {
+    const char *name; /* on the command line and in the report */
+    const char *version;
+    const char *scalar;
+    int variant, lanes; /* lanes: states in a SIMD instruction; 1 but with LANES */
+    const char *robot;  /* the name of the only one it knows; NULL: any */
+    int width;          /* states a call takes at most */
+    size_t size;        /* bytes of a number in its arrays */
+    double epsilon;     /* distance from 1 to the next number */
+    /* The model of the bodies, in memory of this size, which is freed after model_free. Another status than
+       RBD_OK: the library cannot have this robot, text (160 bytes) says why. */
+    rbd_status (*model_build)(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
+                              char *text);
+    size_t (*model_size)(const rbd_body *bodies, int nb);
+    void (*model_free)(const void *model); /* NULL: nothing to do */
+    rbd_status (*work_init)(const void *model, void *memory, size_t size, void **work);
+    size_t (*work_size)(const void *model);
+    void (*work_free)(void *work); /* NULL: nothing to do */
+    rbd_status (*set_gravity)(void *work, const double gravity[3]);
+    library_call *call[ALGORITHMS]; /* NULL: it lacks this algorithm */
+    /* Whether it can compute the algorithm for this model; NULL: it can. */
+    int (*can)(const void *model, int algorithm);
+    const struct conventions *conventions; /* NULL: those of rbd */
+    void (*from_double)(const double *x, size_t n, void *out);
+    void (*to_double)(const void *x, size_t n, double *out);
+    /* Largest difference / largest entry of the expected array (at least 1e-3), computed in the library's
+       scalar; infinite if something is not finite. NULL with other conventions. */
+    double (*relative_error)(const double *x, const void *expected, int n);
+};
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,333 @@
+// mujoco.cpp - MuJoCo (https://mujoco.org) beside rbd: its model is compiled from MJCF text that this file
+// writes from the description; contacts, limits, damping and all other forces are absent or off. What is
+// timed stands in `conventions` below. SPDX-License-Identifier: MIT
+#include <cstring>
+#include <new>
+#include <string>
+#include <mujoco/mujoco.h>
+#include "tree.hpp"
+
+namespace {
+
+struct model {
+    tree t;
+    mjModel *m = nullptr;
+    std::vector<int> qpos, dof; // MuJoCo's places of each body's joint, -1 = fixed
+    std::vector<int> place;     // MuJoCo's place of each degree of freedom of rbd
+    double armature[256] = {};  // in MuJoCo's order
+};
+
+// ---- MJCF ----
+
+std::string numbers(const double *x, int n) {
+    std::string s;
+    char text[40];
+    for (int i = 0; i < n; i++) {
+        std::snprintf(text, sizeof text, "%s%.17g", i ? " " : "", x[i]);
+        s += text;
+    }
+    return s;
+}
+
+std::string attribute(const char *name, const double *x, int n) {
+    return std::string(" ") + name + "=\"" + numbers(x, n) + "\"";
+}
+
+// With principal moments: from a full matrix MuJoCo computes them to some nine digits only.
+std::string inertial(const rbd_body &b) {
+    double moments[3];
+    mat3 axes;
+    if (b.mass == 0)
+        return "";
+    principal(b.inertia, moments, &axes);
+    return "<inertial" + attribute("mass", &b.mass, 1) + attribute("pos", b.com, 3) +
+           attribute("diaginertia", moments, 3) + attribute("xyaxes", transpose(axes).m, 6) + "/>";
+}
+
+std::string joint(const rbd_body &b, int index) {
+    const std::string name = " name=\"j" + std::to_string(index) + "\"";
+    if (b.type == RBD_FLOATING)
+        return "<freejoint" + name + "/>";
+    if (b.type == RBD_FIXED)
+        return "";
+    return "<joint" + name + " type=\"" + (turns(b) ? "hinge" : "slide") + "\"" +
+           attribute("axis", b.axis, 3) + attribute("armature", b.armature, 1) + "/>";
+}
+
+std::string children(const tree &t, int parent) {
+    std::string s;
+    for (int i = 0; i < (int)t.bodies.size(); i++) {
+        const rbd_body &b = t.bodies[(size_t)i];
+        if (b.parent != parent)
+            continue;
+        const mat3 C = transpose(rotation_given(b.rotation)); // its rows: the axes
+        s += "<body" + attribute("pos", b.position, 3) + attribute("xyaxes", C.m, 6) + ">" + inertial(b) +
+             joint(b, i) + children(t, i) + "</body>\n";
+    }
+    return s;
+}
+
+std::string mjcf(const tree &t) {
+    return "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\" balanceinertia=\"false\"/>"
+           "<option><flag constraint=\"disable\" passive=\"disable\"/></option><worldbody>" +
+           children(t, -1) + "</worldbody></mujoco>";
+}
+
+mjModel *compile(const std::string &xml, char *text) {
+    mjVFS *files = new mjVFS;
+    mj_defaultVFS(files);
+    mjModel *m = nullptr;
+    if (mj_makeEmptyFileVFS(files, "robot.xml", (int)xml.size()) == 0) {
+        std::memcpy(files->filedata[0], xml.data(), xml.size());
+        m = mj_loadXML("robot.xml", files, text, 160);
+    }
+    mj_deleteVFS(files);
+    delete files;
+    return m;
+}
+
+// ---- model and work ----
+
+void find_places(model *p) {
+    for (size_t i = 0; i < p->t.bodies.size(); i++) {
+        const int j = p->t.iv[i] < 0 ? -1 : mj_name2id(p->m, mjOBJ_JOINT, ("j" + std::to_string(i)).c_str());
+        p->qpos.push_back(j < 0 ? -1 : p->m->jnt_qposadr[j]);
+        p->dof.push_back(j < 0 ? -1 : p->m->jnt_dofadr[j]);
+        const int n = j < 0 ? 0 : p->t.bodies[i].type == RBD_FLOATING ? 6 : 1;
+        for (int k = 0; k < n; k++)
+            p->place.push_back(p->dof[i] + k);
+    }
+    for (int i = 0; i < p->m->nv; i++)
+        p->armature[i] = p->m->dof_armature[i];
+}
+
+rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
+    model *p = new (memory) model;
+    *out = p;
+    if (!read_tree(bodies, nb, &p->t, text) || p->t.nv > 256)
+        return RBD_ERR_TYPE;
+    p->m = compile(mjcf(p->t), text);
+    if (!p->m)
+        return RBD_ERR_MEMORY;
+    find_places(p);
+    return RBD_OK;
+}
+
+size_t model_size(const rbd_body *, int) {
+    return sizeof(model);
+}
+
+void model_free(const void *out) {
+    model *p = static_cast<model *>(const_cast<void *>(out));
+    if (p->m)
+        mj_deleteModel(p->m);
+    p->~model();
+}
+
+struct work {
+    mjModel *m;
+    mjData *d;
+};
+
+rbd_status work_init(const void *p, void *memory, size_t, void **out) {
+    work *w = new (memory) work;
+    w->m = static_cast<const model *>(p)->m;
+    w->d = mj_makeData(w->m);
+    *out = w;
+    return w->d ? RBD_OK : RBD_ERR_MEMORY;
+}
+
+size_t work_size(const void *) {
+    return sizeof(work);
+}
+void work_free(void *w) {
+    mj_deleteData(static_cast<work *>(w)->d);
+}
+
+rbd_status set_gravity(void *w, const double gravity[3]) {
+    mju_copy3(static_cast<work *>(w)->m->opt.gravity, gravity);
+    return RBD_OK;
+}
+
+// ---- the calls that are timed; MuJoCo computes in mjData, so that states are copied into it ----
+
+void take(const model *p, const work *w, const void *q, const void *v) {
+    std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
+    std::memcpy(w->d->qvel, v, (size_t)p->m->nv * sizeof(double));
+}
+
+rbd_status call_id(const void *model_, void *work_, int, const void *q, const void *v, const void *a,
+                   void *tau) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    const double *acceleration = static_cast<const double *>(a);
+    double *out = static_cast<double *>(tau);
+    take(p, w, q, v);
+    std::memcpy(w->d->qacc, a, (size_t)p->m->nv * sizeof(double));
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    mj_comVel(p->m, w->d);
+    mj_rne(p->m, w->d, 1, out);
+    for (int i = 0; i < p->m->nv; i++) // mj_rne leaves it out
+        out[i] += p->armature[i] * acceleration[i];
+    return RBD_OK;
+}
+
+rbd_status call_mm(const void *model_, void *work_, int, const void *q, const void *, const void *, void *M) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    mj_crb(p->m, w->d);
+    mj_fullM(p->m, static_cast<double *>(M), w->d->qM);
+    return RBD_OK;
+}
+
+rbd_status call_fd(const void *model_, void *work_, int, const void *q, const void *v, const void *tau,
+                   void *a) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    const double *force = static_cast<const double *>(tau);
+    double *rest = w->d->qfrc_smooth, *out = static_cast<double *>(a);
+    take(p, w, q, v);
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    mj_crb(p->m, w->d);
+    mj_factorM(p->m, w->d);
+    mj_comVel(p->m, w->d);
+    mj_rne(p->m, w->d, 0, w->d->qfrc_bias);
+    for (int i = 0; i < p->m->nv; i++)
+        rest[i] = force[i] - w->d->qfrc_bias[i];
+    mj_solveM(p->m, w->d, out, rest, 1);
+    return RBD_OK;
+}
+
+// ---- conventions: README.md of rbd, "From and to other libraries" ----
+
+void size(const void *p, int *nq, int *nv) {
+    *nq = static_cast<const model *>(p)->m->nq;
+    *nv = static_cast<const model *>(p)->m->nv;
+}
+
+// Of the base: velocity-like (linear in world axes, angular in body axes), from rbd's (angular, linear).
+void base_to(const mat3 &R, const double *w_u, double *x) {
+    put(x, R * get(w_u + 3));
+    put(x + 3, get(w_u));
+}
+
+void base_from(const mat3 &R, const double *x, double *w_u) {
+    put(w_u, get(x + 3));
+    put(w_u + 3, transpose(R) * get(x));
+}
+
+vec3 turned(const double *v) {
+    return cross(get(v), get(v + 3));
+} // omega x u
+
+void convert_base(const model *p, const struct state *rbd, const struct state *its) {
+    const mat3 R = rotation_of(rbd->q + 3);
+    double *q = its->q + p->qpos[0];
+    const double *x = rbd->q, classical[6] = {rbd->a[0],
+                                              rbd->a[1],
+                                              rbd->a[2],
+                                              rbd->a[3] + turned(rbd->v).x,
+                                              rbd->a[4] + turned(rbd->v).y,
+                                              rbd->a[5] + turned(rbd->v).z};
+    put(q, get(x));
+    q[3] = x[6], q[4] = x[3], q[5] = x[4], q[6] = x[5];
+    base_to(R, rbd->v, its->v + p->dof[0]);
+    base_to(R, classical, its->a + p->dof[0]);
+    base_to(R, rbd->tau, its->tau + p->dof[0]);
+}
+
+void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
+    const model *p = static_cast<const model *>(model_);
+    if (p->t.floating)
+        convert_base(p, rbd, its);
+    for (size_t i = p->t.floating ? 1 : 0; i < p->t.bodies.size(); i++) {
+        if (p->t.iv[i] < 0)
+            continue;
+        its->q[p->qpos[i]] = rbd->q[p->t.iq[i]];
+        its->v[p->dof[i]] = rbd->v[p->t.iv[i]];
+        its->a[p->dof[i]] = rbd->a[p->t.iv[i]];
+        its->tau[p->dof[i]] = rbd->tau[p->t.iv[i]];
+    }
+}
+
+// A vector in rbd's order, with the base's part in its axes.
+void reorder(const model *p, const mat3 &R, const double *its, int stride, double *x) {
+    const int nv = p->m->nv;
+    std::vector<double> y((size_t)nv);
+    for (int i = 0; i < nv; i++)
+        y[(size_t)i] = its[p->place[(size_t)i] * stride];
+    if (p->t.floating) {
+        double base[6];
+        base_from(R, y.data(), base);
+        std::memcpy(y.data(), base, sizeof base);
+    }
+    for (int i = 0; i < nv; i++)
+        x[i * stride] = y[(size_t)i];
+}
+
+void convert_result(const void *model_, int algorithm, const struct state *rbd, const double *its,
+                    double *x) {
+    const model *p = static_cast<const model *>(model_);
+    const int nv = p->m->nv;
+    mat3 R = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (p->t.floating)
+        R = rotation_of(rbd->q + 3);
+    if (algorithm == MM) { // columns, then rows
+        std::vector<double> y((size_t)(nv * nv));
+        for (int j = 0; j < nv; j++)
+            reorder(p, R, its + p->place[(size_t)j], nv, x + j);
+        // the columns of the base are still MuJoCo's: they are turned as the rows are
+        for (int i = 0; i < nv && p->t.floating; i++) {
+            double base[6];
+            base_from(R, x + i * nv, base);
+            std::memcpy(x + i * nv, base, sizeof base);
+        }
+        return;
+    }
+    reorder(p, R, its, 1, x);
+    if (algorithm != ID && p->t.floating)
+        put(x + 3, get(x + 3) - turned(rbd->v));
+}
+
+const conventions others = {
+    size,
+    convert_state,
+    convert_result,
+    1e-10,
+    {"mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added",
+     "mj_kinematics, mj_comPos, mj_crb, mj_fullM", nullptr,
+     "mj_kinematics, mj_comPos, mj_crb, mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
+     nullptr}};
+
+} // namespace
+
+extern "C" {
+extern const struct library library_mujoco;
+const struct library library_mujoco = {"MuJoCo",
+                                       PEER_VERSION,
+                                       "double",
+                                       RUN_TIME,
+                                       1,
+                                       nullptr,
+                                       1,
+                                       sizeof(double),
+                                       2.220446049250313e-16,
+                                       model_build,
+                                       model_size,
+                                       model_free,
+                                       work_init,
+                                       work_size,
+                                       work_free,
+                                       set_gravity,
+                                       {call_id, call_mm, nullptr, call_fd, nullptr},
+                                       nullptr,
+                                       &others,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr};
+}
