@@ -1,7 +1,5 @@
-/* atlas.h - Boston Dynamics Atlas, on a floating joint: the description that rbd_model_build takes.
-   Include rbd.h before. SPDX-License-Identifier: MIT.
-   Written by from_facts.py from facts/atlas.csv: change those instead. Figures from
-   the OSRF model for the DARPA Robotics Challenge, as kept by Drake (atlas_convex_hull.urdf). */
+/* atlas.h - atlas, on a floating joint: the description that rbd_model_build takes.
+   Include rbd.h before. Written by rbd-model from atlas.urdf: change that instead. */
 #ifndef ATLAS_H
 #define ATLAS_H
 
@@ -124,8 +122,7 @@ static const rbd_body atlas_bodies[ATLAS_NB] = {
      {0.2546, 0, 0.6215},
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      2.087564, {-0.0526114058817, 3.39872211343e-05, 0.0260688633527},
-     {0.0120995596034, -9.26521052135e-07, -0.000450074498094, 0.0133409067225, -2.13313479841e-06,
-     0.0133743888566},
+     {0.0120995596034, -9.26521052135e-07, -0.000450074498094, 0.0133409067225, -2.13313479841e-06, 0.0133743888566},
      {0}, {0}, {0},
      -0.602139, 1.14319, 6.28, 25,
      NULL, 0, 0},
@@ -287,8 +284,7 @@ static const rbd_body atlas_bodies[ATLAS_NB] = {
      {0, 0, 0},
      {-1, 0, 0, 0, 1, 0, 0, 0, -1},
      0.6839, {0.000136604766779, -0.0878643091095, 1.70755958473e-05},
-     {0.000555203783762, -5.86171054248e-07, -2.73209533558e-10, 0.000487002219827, -7.3271381781e-08,
-     0.000546205935287},
+     {0.000555203783762, -5.86171054248e-07, -2.73209533558e-10, 0.000487002219827, -7.3271381781e-08, 0.000546205935287},
      {0}, {0}, {0},
      -2.9671, 2.9671, 10, 25,
      NULL, 0, 0},
@@ -297,8 +293,7 @@ static const rbd_body atlas_bodies[ATLAS_NB] = {
      {0, 0, 0},
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      0.6839, {0.000136604766779, -0.0878643091095, 1.70755958473e-05},
-     {0.000555203783762, -5.86171054248e-07, -2.73209533558e-10, 0.000487002219827, -7.3271381781e-08,
-     0.000546205935287},
+     {0.000555203783762, -5.86171054248e-07, -2.73209533558e-10, 0.000487002219827, -7.3271381781e-08, 0.000546205935287},
      {0}, {0}, {0},
      -2.9671, 2.9671, 10, 25,
      NULL, 0, 0},

@@ -1,5 +1,5 @@
-/* atlas_model.h - the built model of atlas.h, for flash: include rbd.h before, pass &atlas_model.
-   SPDX-License-Identifier: MIT. Written by write_model.c: change atlas.h instead.
+/* atlas_model.h - the built model of atlas, for flash: include rbd.h before, pass &atlas_model.
+   Written by rbd-model from atlas.urdf: change that instead.
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef ATLAS_MODEL_H
 #define ATLAS_MODEL_H

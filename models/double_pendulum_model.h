@@ -1,5 +1,5 @@
-/* double_pendulum_model.h - the built model of double_pendulum.h, for flash: include rbd.h before, pass &double_pendulum_model.
-   SPDX-License-Identifier: MIT. Written by write_model.c: change double_pendulum.h instead.
+/* double_pendulum_model.h - the built model of double_pendulum, for flash: include rbd.h before, pass &double_pendulum_model.
+   Written by rbd-model from double_pendulum.urdf: change that instead.
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef DOUBLE_PENDULUM_MODEL_H
 #define DOUBLE_PENDULUM_MODEL_H

@@ -1,7 +1,5 @@
-/* hyq.h - HyQ, on a floating joint: the description that rbd_model_build takes.
-   Include rbd.h before. SPDX-License-Identifier: MIT.
-   Written by from_facts.py from facts/hyq.csv: change those instead. Figures from
-   Istituto Italiano di Tecnologia, DLS lab, hyq-description (no sensors). */
+/* hyq.h - hyq, on a floating joint: the description that rbd_model_build takes.
+   Include rbd.h before. Written by rbd-model from hyq.urdf: change that instead. */
 #ifndef HYQ_H
 #define HYQ_H
 

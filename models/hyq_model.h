@@ -1,5 +1,5 @@
-/* hyq_model.h - the built model of hyq.h, for flash: include rbd.h before, pass &hyq_model.
-   SPDX-License-Identifier: MIT. Written by write_model.c: change hyq.h instead.
+/* hyq_model.h - the built model of hyq, for flash: include rbd.h before, pass &hyq_model.
+   Written by rbd-model from hyq.urdf: change that instead.
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef HYQ_MODEL_H
 #define HYQ_MODEL_H

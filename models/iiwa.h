@@ -1,7 +1,5 @@
-/* iiwa.h - KUKA LBR iiwa 14, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. SPDX-License-Identifier: MIT.
-   Written by from_facts.py from facts/iiwa.csv: change those instead. Figures from
-   the Bullet physics data set's kuka_iiwa/model.urdf. */
+/* iiwa.h - iiwa, fixed to the world: the description that rbd_model_build takes.
+   Include rbd.h before. Written by rbd-model from iiwa.urdf: change that instead. */
 #ifndef IIWA_H
 #define IIWA_H
 

@@ -1,5 +1,5 @@
-/* iiwa_model.h - the built model of iiwa.h, for flash: include rbd.h before, pass &iiwa_model.
-   SPDX-License-Identifier: MIT. Written by write_model.c: change iiwa.h instead.
+/* iiwa_model.h - the built model of iiwa, for flash: include rbd.h before, pass &iiwa_model.
+   Written by rbd-model from iiwa.urdf: change that instead.
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef IIWA_MODEL_H
 #define IIWA_MODEL_H

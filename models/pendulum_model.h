@@ -1,5 +1,5 @@
-/* pendulum_model.h - the built model of pendulum.h, for flash: include rbd.h before, pass &pendulum_model.
-   SPDX-License-Identifier: MIT. Written by write_model.c: change pendulum.h instead.
+/* pendulum_model.h - the built model of pendulum, for flash: include rbd.h before, pass &pendulum_model.
+   Written by rbd-model from pendulum.urdf: change that instead.
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef PENDULUM_MODEL_H
 #define PENDULUM_MODEL_H

@@ -9,20 +9,20 @@
 #include "models/double_pendulum.h"
 #include "models/pendulum.h"
 
-/* ---- equations of motion in closed form (derived in the models' headers) ---- */
+/* ---- equations of motion in closed form (the models' URDF files have them) ---- */
 
 static const double gravity_of_earth = 9.81;
 
 static void pendulum_torque(const double *q, const double *v, const double *a, double *tau) {
-    const double m = PENDULUM_M, l = PENDULUM_L;
+    const double m = 1.2, l = 0.5, I = 0.1;
     (void)v;
-    tau[0] = (PENDULUM_I + m * l * l) * a[0] + m * gravity_of_earth * l * sin(q[0]);
+    tau[0] = (I + m * l * l) * a[0] + m * gravity_of_earth * l * sin(q[0]);
 }
 
 static void double_pendulum_torque(const double *q, const double *v, const double *a, double *tau) {
-    const double m1 = DOUBLE_PENDULUM_M1, r1 = DOUBLE_PENDULUM_R1, I1 = DOUBLE_PENDULUM_I1;
-    const double m2 = DOUBLE_PENDULUM_M2, r2 = DOUBLE_PENDULUM_R2, I2 = DOUBLE_PENDULUM_I2;
-    const double l1 = DOUBLE_PENDULUM_L1, g = gravity_of_earth;
+    const double m1 = 1.2, r1 = 0.5, I1 = 0.1;
+    const double m2 = 1, r2 = 0.3, I2 = 0.03;
+    const double l1 = 1, g = gravity_of_earth;
     const double A = I1 + m1 * r1 * r1 + I2 + m2 * (l1 * l1 + r2 * r2), B = m2 * l1 * r2,
                  D = I2 + m2 * r2 * r2;
     const double c = cos(q[1]), s = sin(q[1]), lower = m2 * r2 * g * sin(q[0] + q[1]);
@@ -32,7 +32,7 @@ static void double_pendulum_torque(const double *q, const double *v, const doubl
 }
 
 static void cart_pole_torque(const double *q, const double *v, const double *a, double *tau) {
-    const double mc = CART_POLE_MC, mp = CART_POLE_MP, l = CART_POLE_L, I = CART_POLE_I;
+    const double mc = 1.2, mp = 0.5, l = 0.3, I = 0.015;
     const double c = cos(q[1]), s = sin(q[1]);
     tau[0] = (mc + mp) * a[0] + mp * l * c * a[1] - mp * l * s * v[1] * v[1];
     tau[1] = mp * l * c * a[0] + (I + mp * l * l) * a[1] + mp * gravity_of_earth * l * s;

@@ -9,13 +9,31 @@ reference_models.h (the list of all). Numbers keep the text they have in the JSO
 back as exactly the double that was computed.
 """
 import json
+import math
 import sys
+import textwrap
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent.parent / "models"))
-sys.dont_write_bytecode = True
-from from_facts import JOINT_TYPES, WIDTH, c_body, wrapped  # noqa: E402
+WIDTH = 110
+
+# Joint types by their names in the results: (type in C, length of q, length of v).
+JOINT_TYPES = {
+    "fixed": ("RBD_FIXED", 0, 0),
+    "revolute": ("RBD_REVOLUTE", 1, 1),
+    "continuous": ("RBD_CONTINUOUS", 1, 1),
+    "continuous_cs": ("RBD_CONTINUOUS_CS", 2, 1),
+    "prismatic": ("RBD_PRISMATIC", 1, 1),
+    "helical": ("RBD_HELICAL", 1, 1),
+    "universal": ("RBD_UNIVERSAL", 2, 2),
+    "spherical": ("RBD_SPHERICAL", 4, 3),
+    "spherical_zyx": ("RBD_EULER_ZYX", 3, 3),
+    "planar": ("RBD_PLANAR", 3, 3),
+    "translation": ("RBD_TRANSLATION", 3, 3),
+    "floating": ("RBD_FLOATING", 7, 6),
+}
+ZERO3 = ["0", "0", "0"]
+LIMITS = ["lower", "upper", "velocity", "effort"]
 
 # The results of a state: key in JSON and C, shape, meaning. Arrays are row-major.
 # Where a shape is 1, the C field is a plain number.
@@ -69,6 +87,51 @@ BODY_COUNTS = [
     ("iv", "where it lies in v"),
     ("nv", "how much of v it has"),
 ]
+
+
+def product(a, b):
+    return [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def rotation(rpy):
+    """URDF's Rz(yaw) Ry(pitch) Rx(roll) as nine texts, row by row."""
+    (sr, cr), (sp, cp), (sy, cy) = ((math.sin(float(a)), math.cos(float(a))) for a in rpy)
+    rx = [[1, 0, 0], [0, cr, -sr], [0, sr, cr]]
+    ry = [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
+    rz = [[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]
+    return [rounded(x) for row in product(rz, product(ry, rx)) for x in row]
+
+
+def rounded(x):
+    """17 digits; what only rounding keeps from 0, 1 or -1 is that number."""
+    return str(round(x)) if abs(x - round(x)) <= 1e-15 else f"{x:.17g}"
+
+
+def braces(numbers):
+    return "{" + ", ".join(numbers) + "}"
+
+
+def c_body(body, note):
+    """The initialiser of one rbd_body.
+    body: a dict in the words of the reference data, numbers as texts. note: a comment to identify it."""
+    groups = [
+        f'{braces(body.get("axis", ZERO3))}, {braces(body.get("axis2", ZERO3))}, {body.get("pitch", "0")},',
+        f'{braces(body["xyz"])},',
+        f'{braces(rotation(body["rpy"]))},',
+        f'{body["mass"]}, {braces(body["com"])},',
+        f'{braces(body["inertia"])},',
+        f'{{{body.get("armature", "0")}}}, {{0}}, {{0}},',
+        f'{", ".join(body.get(key, "0") for key in LIMITS)},',
+        "NULL, 0, 0},"]
+    lines = [f'{{"{body["name"]}", "{body["joint"]}", {body["parent"]}, {JOINT_TYPES[body["type"]][0]},'
+             f" /* {note} */"]
+    for group in groups:
+        lines += wrapped(group, WIDTH - 5)
+    return "    " + "\n     ".join(lines) + "\n"
+
+
+def wrapped(code, width):
+    return textwrap.wrap(code, width, break_long_words=False, break_on_hyphens=False)
 
 
 def state_field(key, shape, meaning):

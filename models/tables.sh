@@ -1,0 +1,37 @@
+#!/bin/sh
+# tables.sh RBD_MODEL: fails if a table in this folder is not what rbd-model writes today.
+# tables.sh RBD_MODEL write: writes them.
+set -u
+rbd_model=${1:?usage: tables.sh RBD_MODEL [write]}
+here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) || exit 1
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+status=0
+
+# table FILE OPTION...: the table that rbd-model writes with these options
+table() {
+    file=$1
+    shift
+    "$rbd_model" "$@" >"$scratch/$file" || exit 1
+    if [ -n "$write" ]; then
+        cp "$scratch/$file" "$here/$file"
+    elif cmp -s "$scratch/$file" "$here/$file"; then
+        echo "$file: up to date"
+    else
+        echo "$file: out of date; write it again with models/tables.sh $rbd_model write"
+        status=1
+    fi
+}
+
+write=${2-}
+for robot in iiwa hyq atlas pendulum double_pendulum cart_pole; do
+    case $robot in
+    hyq | atlas) root=--floating ;;
+    *) root= ;;
+    esac
+    # shellcheck disable=SC2086 # no root option is none
+    table $robot.h $root --c $robot "$here/$robot.urdf"
+    # shellcheck disable=SC2086
+    table ${robot}_model.h $root --c-model $robot "$here/$robot.urdf"
+done
+exit $status

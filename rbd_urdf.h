@@ -1,0 +1,1622 @@
+/* rbd_urdf.h - a robot's URDF file as the description that rbd_model_build takes, on urdfdom.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   A C interface for programs on a PC; firmware takes the C tables that the command rbd-model writes.
+   ONE C++ file of the program, linked with urdfdom (pkg-config urdfdom), says
+
+       #define RBD_URDF_IMPLEMENTATION
+       #include "rbd_urdf.h"
+
+   and everything else, C or C++, includes it plainly. Meson builds that file as the library rbd_urdf.
+   A model from a file:
+
+       static rbd_body bodies[100]; static char names[10000];
+       rbd_urdf robot = {.bodies = bodies, .bodies_max = 100, .names = names, .names_max = sizeof names};
+       if (rbd_urdf_load("robot.urdf", NULL, &robot) != RBD_URDF_OK) puts(robot.error.text);
+       rbd_model_build(robot.bodies, robot.nb, memory, sizeof memory, &model, NULL);
+
+   CONTENTS (search for the tag)
+     [reading] [options] [status] [robot] [calls] [lookup]
+     --- stop here if you only use it ---
+     [xml] [check] [urdfdom] [description] [result]
+
+   [reading] What becomes of a URDF:
+     order        the moving joints in the order of the file, parents before children; q and v follow
+     root link    fixed: it is the world. Floating: body 0, on a floating joint called "root"
+     fixed joint  its link is merged into the body it is fixed to, or kept as a body of type RBD_FIXED,
+                  a frame whose pose rbd_body_pose gives; all links are listed as frames in any case
+     continuous   RBD_CONTINUOUS, without limits
+     planar       the axis is the normal. With k the axis's largest component (x, y, z = 0, 1, 2), the
+                  first coordinate runs along unit vector k + 1 (after z comes x) made square to the axis,
+                  the second along axis cross first: for z they are x, y; for x: y, z; for y: z, x.
+                  Unless the axis is z the link is a fixed body on a nameless one that the joint moves
+     mimic        follows another joint, also through others
+     limits       zero velocity or effort, or lower >= upper: none
+     dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
+                  freedom
+     rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them; entries of the matrix
+                  that only rounding keeps from 0, 1 or -1 are that
+     Geometry, materials, sensors, transmissions and everything unknown is left unread.
+
+   An error says what is wrong and names link or joint; a link that no real body is like, but that the
+   algorithms can compute with, is a warning. The text may come from anywhere. Locale does not matter.
+   urdfdom's messages go to nobody unless options.show_messages; calls from several threads wait for each
+   other, because urdfdom's console is one for all. No exception leaves, nothing stays allocated.
+*/
+#ifndef RBD_URDF_H
+#define RBD_URDF_H
+
+#include "rbd.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- options [options] ---- */
+
+/* How to read. NULL, or all zero, is a robot with its root link fixed to the world. */
+typedef struct rbd_urdf_options {
+    rbd_joint_type root;     /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
+    const char *root_joint;  /* its name, NULL = "root" */
+    const double *gravity;   /* 3, world frame, handed on to the result; NULL = (0, 0, -9.81) */
+    const char *const *keep; /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
+    int keep_all;            /* keep all fixed links as bodies */
+    int strict;              /* warnings are errors */
+    int show_messages;       /* leave urdfdom's messages to its console, which is standard error */
+} rbd_urdf_options;
+
+/* ---- status [status] ---- */
+
+/* What loading returns: 0, or a negative error; with options.strict also a warning's, which are positive. */
+typedef enum rbd_urdf_status {
+    RBD_URDF_OK = 0,
+    RBD_URDF_ERR_NULL = -1,      /* a required pointer is NULL */
+    RBD_URDF_ERR_OPTION = -2,    /* an option has no such value, or names a link that is not there */
+    RBD_URDF_ERR_FILE = -3,      /* the file cannot be read */
+    RBD_URDF_ERR_ROOM = -4,      /* an array is too short: the counts say how long they must be */
+    RBD_URDF_ERR_MEMORY = -5,    /* out of memory */
+    RBD_URDF_ERR_XML = -6,       /* not well-formed, or nested too deep */
+    RBD_URDF_ERR_ROBOT = -7,     /* not a robot, or without links */
+    RBD_URDF_ERR_NAME = -8,      /* a name is missing or stands twice */
+    RBD_URDF_ERR_NUMBER = -9,    /* not a finite number, or not as many as there must be */
+    RBD_URDF_ERR_INERTIAL = -10, /* <inertial> is incomplete, or the mass negative */
+    RBD_URDF_ERR_JOINT = -11,    /* unknown type, or parent or child is missing */
+    RBD_URDF_ERR_AXIS = -12,     /* zero, or not of unit length */
+    RBD_URDF_ERR_MIMIC = -13,    /* what it follows is missing, itself, or cannot be followed */
+    RBD_URDF_ERR_TREE = -14,     /* the links are no tree: a cycle, two parents, two roots */
+    RBD_URDF_ERR_MODEL = -15,    /* rbd_model_build would refuse it */
+    RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
+    RBD_URDF_WARN_INERTIA = 1,   /* no real body has this mass and inertia */
+    RBD_URDF_WARN_LIMIT = 2,     /* limits are missing or make no sense: read as none */
+    RBD_URDF_WARN_ROOT = 3       /* a floating root link without mass */
+} rbd_urdf_status;
+
+/* A few words for a status, English, static. */
+const char *rbd_urdf_status_string(rbd_urdf_status status);
+
+/* An error or a warning. */
+typedef struct rbd_urdf_finding {
+    rbd_urdf_status status;
+    int line;       /* of the text, from 1; 0 = none in particular */
+    char text[240]; /* a sentence that names link or joint, cut to fit */
+} rbd_urdf_finding;
+
+/* ---- robot [robot] ---- */
+
+/* A link of the URDF: where it is on the bodies of the description. */
+typedef struct rbd_urdf_frame {
+    const char *link;
+    const char *joint;  /* that carries it, NULL: it is the root */
+    int parent;         /* index of the frame that carries it, -1: it is the root */
+    int body;           /* index of the body that it is, or is merged into; -1 = the world */
+    double position[3]; /* of its origin in that body's frame */
+    double rotation[9]; /* 3 x 3, turns its vectors into that body's */
+} rbd_urdf_frame;
+
+/* The caller's arrays, and what loading puts there. bodies and names both NULL: nothing is written, only
+   the counts are set, and warnings. frames or warnings NULL: not asked for. */
+typedef struct rbd_urdf {
+    rbd_body *bodies; /* the description; its strings lie in names */
+    int bodies_max;
+    char *names;
+    size_t names_max;
+    rbd_urdf_frame *frames; /* all links, in the file's order of joints, the root first */
+    int frames_max;
+    rbd_urdf_finding *warnings; /* those beyond warnings_max are counted only */
+    int warnings_max;
+    /* results: */
+    const char *name; /* of the robot; in names */
+    int nb;           /* bodies */
+    int nframes;      /* links */
+    int nwarnings;
+    size_t names_size;      /* bytes of names */
+    double gravity[3];      /* for rbd_set_gravity */
+    double fixed_mass;      /* kg, of the links that are fixed to the world: in no body */
+    rbd_urdf_finding error; /* its status is what the call returned */
+} rbd_urdf;
+
+/* ---- calls [calls] ---- */
+
+/* Loads a file.
+   path      of the URDF file
+   options   may be NULL
+   robot     the caller's arrays; receives the description
+   Errors: all of rbd_urdf_status; robot->error has the sentence. */
+rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options, rbd_urdf *robot);
+
+/* The same from text in memory: length bytes, need not end with 0. */
+rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_options *options,
+                               rbd_urdf *robot);
+
+/* ---- lookup [lookup] ---- */
+
+/* Index of the body that this joint moves, -1 if there is none: the joint is fixed or unknown. */
+int rbd_urdf_joint(const rbd_urdf *robot, const char *joint);
+
+/* Index in frames of a link, -1 if there is none (or frames were not asked for). */
+int rbd_urdf_link(const rbd_urdf *robot, const char *link);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* RBD_URDF_H */
+
+/* ====================================================================================================
+   Implementation
+   ================================================================================================= */
+
+#if defined RBD_URDF_IMPLEMENTATION && !defined RBDI_URDF_IMPLEMENTED
+#define RBDI_URDF_IMPLEMENTED
+
+#ifndef __cplusplus
+#error "rbd_urdf.h: the file that defines RBD_URDF_IMPLEMENTATION must be C++: urdfdom is"
+#endif
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <new>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <console_bridge/console.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+namespace rbdi_urdf {
+
+typedef std::string str;
+
+/* What ends a load: thrown inside, caught at the C functions. */
+struct failure {
+    rbd_urdf_status status;
+    int line;
+    str text;
+    failure(rbd_urdf_status s, int l, const str &t) : status(s), line(l), text(t) {
+    }
+};
+
+inline str quoted(const str &name) {
+    return "'" + name + "'";
+}
+
+/* ---- XML [xml] ----
+   A reader of our own goes first: it bounds the depth, insists on well-formed text, and finds the line
+   of what it complains about. It keeps elements and attributes, of the parts that matter here only. */
+
+struct element {
+    str name;
+    int line;
+    std::vector<std::pair<str, str>> attributes;
+    std::vector<element> children;
+
+    const str *attribute(const char *key) const {
+        for (size_t i = 0; i < attributes.size(); ++i)
+            if (attributes[i].first == key)
+                return &attributes[i].second;
+        return NULL;
+    }
+    const element *child(const char *key) const {
+        for (size_t i = 0; i < children.size(); ++i)
+            if (children[i].name == key)
+                return &children[i];
+        return NULL;
+    }
+    int count(const char *key) const {
+        int n = 0;
+        for (size_t i = 0; i < children.size(); ++i)
+            n += children[i].name == key;
+        return n;
+    }
+};
+
+class reader {
+  public:
+    reader(const char *text, size_t length) : p(text), end(text + length), line(1) {
+    }
+
+    element document() {
+        element top;
+        if (starts("\xef\xbb\xbf"))
+            p += 3;
+        while (between_elements()) {
+        }
+        if (p == end)
+            fail("the text ends before any element");
+        if (*p != '<')
+            fail("text before the first element");
+        tree(top);
+        while (between_elements()) {
+        }
+        if (p != end)
+            fail("something follows the end of <" + top.name + ">");
+        return top;
+    }
+
+  private:
+    enum { MAX_DEPTH = 100 };
+    const char *p, *end;
+    int line;
+
+    void fail(const str &what) const {
+        throw failure(RBD_URDF_ERR_XML, line, what);
+    }
+
+    bool starts(const char *s) const {
+        size_t n = std::strlen(s);
+        return (size_t)(end - p) >= n && std::memcmp(p, s, n) == 0;
+    }
+    static bool is_space(char c) {
+        return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+    }
+    static bool is_name(char c) {
+        return !is_space(c) && c != '\0' && !std::strchr("<>/=\"'&!?", c);
+    }
+    void next() {
+        if (*p == '\0')
+            fail("the text has a zero byte");
+        if (*p == '\n')
+            ++line;
+        ++p;
+    }
+    void skip_spaces() {
+        while (p < end && is_space(*p))
+            next();
+    }
+    void skip_past(const char *s, const char *what) {
+        int start = line;
+        while (p < end && !starts(s))
+            next();
+        if (p == end) {
+            line = start;
+            fail(str("this ") + what + " has no end");
+        }
+        p += std::strlen(s);
+    }
+
+    /* Skips a space, a comment or a declaration; false if there is none. */
+    bool between_elements() {
+        if (p == end)
+            return false;
+        if (is_space(*p))
+            skip_spaces();
+        else if (starts("<!--"))
+            p += 4, skip_past("-->", "comment");
+        else if (starts("<?"))
+            skip_past("?>", "declaration");
+        else if (starts("<!DOCTYPE"))
+            doctype();
+        else
+            return false;
+        return true;
+    }
+    void doctype() {
+        while (p < end && *p != '>') {
+            if (*p == '[')
+                fail("declarations of entities are not supported");
+            next();
+        }
+        skip_past(">", "DOCTYPE");
+    }
+
+    str name() {
+        const char *start = p;
+        while (p < end && is_name(*p))
+            ++p;
+        if (p == start)
+            fail("a name must stand here");
+        return str(start, p);
+    }
+
+    /* The element that starts here, with all that is in it. Not recursive. */
+    void tree(element &top) {
+        std::vector<element *> open;
+        if (start_tag(top))
+            return;
+        open.push_back(&top);
+        while (!open.empty()) {
+            while (p < end && *p != '<')
+                next();
+            if (p == end)
+                fail("the text ends inside <" + open.back()->name + "> of line " +
+                     std::to_string(open.back()->line));
+            if (starts("<!--"))
+                p += 4, skip_past("-->", "comment");
+            else if (starts("<![CDATA["))
+                skip_past("]]>", "CDATA section");
+            else if (starts("<?"))
+                skip_past("?>", "declaration");
+            else if (starts("</"))
+                end_tag(open);
+            else {
+                std::vector<element> &siblings = open.back()->children;
+                siblings.push_back(element());
+                if (!start_tag(siblings.back()))
+                    open.push_back(&siblings.back());
+                if (open.size() > MAX_DEPTH)
+                    fail("elements are nested more than " + std::to_string((int)MAX_DEPTH) + " deep");
+            }
+        }
+    }
+    void end_tag(std::vector<element *> &open) {
+        p += 2;
+        str found = name();
+        if (found != open.back()->name)
+            fail("</" + found + "> ends <" + open.back()->name + "> of line " +
+                 std::to_string(open.back()->line));
+        skip_spaces();
+        if (p == end || *p != '>')
+            fail("</" + found + " is not ended by >");
+        ++p;
+        open.pop_back();
+    }
+
+    /* Returns whether the element is empty, <.../>. */
+    bool start_tag(element &e) {
+        e.line = line;
+        ++p;
+        e.name = name();
+        for (;;) {
+            bool spaced = p < end && is_space(*p);
+            skip_spaces();
+            if (starts("/>"))
+                return p += 2, true;
+            if (starts(">"))
+                return ++p, false;
+            if (p == end || !spaced || !is_name(*p))
+                fail("<" + e.name + " is not ended by >");
+            attribute(e);
+        }
+    }
+    void attribute(element &e) {
+        str key = name(), value;
+        if (e.attribute(key.c_str()))
+            fail("<" + e.name + "> has attribute " + quoted(key) + " twice");
+        skip_spaces();
+        if (p == end || *p != '=')
+            fail("attribute " + quoted(key) + " of <" + e.name + "> has no value");
+        ++p;
+        skip_spaces();
+        if (p == end || (*p != '"' && *p != '\''))
+            fail("the value of attribute " + quoted(key) + " of <" + e.name + "> is not in quotes");
+        int start = line;
+        for (char quote = *p++; p < end && *p != quote;)
+            value += *p == '&' ? entity() : character();
+        if (p == end) {
+            line = start;
+            fail("the value of attribute " + quoted(key) + " of <" + e.name + "> has no end");
+        }
+        ++p;
+        e.attributes.push_back(std::make_pair(key, value));
+    }
+    str character() {
+        char c = *p;
+        next();
+        return str(1, is_space(c) ? ' ' : c);
+    }
+    str entity() {
+        static const char *const entities[] = {"&lt;", "<",      "&gt;", ">",      "&amp;",
+                                               "&",    "&quot;", "\"",   "&apos;", "'"};
+        for (int i = 0; i < 10; i += 2)
+            if (starts(entities[i]))
+                return p += std::strlen(entities[i]), entities[i + 1];
+        if (starts("&#"))
+            return numbered_character();
+        fail("unknown entity: a plain & is written &amp;");
+        return str();
+    }
+    str numbered_character() {
+        int base = 10;
+        unsigned long code = 0;
+        p += 2;
+        if (p < end && (*p == 'x' || *p == 'X'))
+            base = 16, ++p;
+        const char *start = p;
+        for (int d; p < end && (d = digit(*p, base)) >= 0 && code < 0x110000; ++p)
+            code = code * (unsigned long)base + (unsigned long)d;
+        if (p == start || p == end || *p != ';' || code == 0 || code > 0x10ffff)
+            fail("no such character: &#...; must be the number of one");
+        ++p;
+        return utf8(code);
+    }
+    static int digit(char c, int base) {
+        if (c >= '0' && c <= '9')
+            return c - '0';
+        if (base == 16 && c >= 'a' && c <= 'f')
+            return c - 'a' + 10;
+        if (base == 16 && c >= 'A' && c <= 'F')
+            return c - 'A' + 10;
+        return -1;
+    }
+    static str utf8(unsigned long c) {
+        str s;
+        int extra = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+        static const unsigned long lead[] = {0, 0xc0, 0xe0, 0xf0};
+        s += (char)(lead[extra] | (c >> (6 * extra)));
+        while (extra-- > 0)
+            s += (char)(0x80 | ((c >> (6 * extra)) & 0x3f));
+        return s;
+    }
+};
+
+/* ---- check [check] ----
+   Everything that urdfdom takes without a word is looked at here; what it gets to see is a text of the
+   checked parts alone. */
+
+struct link_part {
+    str name;
+    int line;
+    bool inertial;
+    int joint;                 /* that carries it, -1: none */
+    std::vector<int> children; /* joints, in the file's order */
+    link_part() : line(0), inertial(false), joint(-1) {
+    }
+};
+
+struct joint_part {
+    str name, mimic;
+    int line;
+    rbd_joint_type type;
+    int parent, child; /* links */
+    double armature;
+    joint_part() : line(0), type(RBD_FIXED), parent(-1), child(-1), armature(0) {
+    }
+};
+
+struct warning_list {
+    std::vector<rbd_urdf_finding> list;
+    bool strict;
+    void add(rbd_urdf_status status, int line, const str &text) {
+        rbd_urdf_finding f;
+        if (strict)
+            throw failure(status, line, text);
+        f.status = status;
+        f.line = line;
+        std::snprintf(f.text, sizeof f.text, "%s", text.c_str());
+        list.push_back(f);
+    }
+};
+
+inline bool has_joint_axis(rbd_joint_type type) {
+    return type != RBD_FIXED && type != RBD_FLOATING;
+}
+inline bool has_one_dof(rbd_joint_type type) {
+    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC;
+}
+
+/* The part of a URDF that dynamics needs, checked, and as text for urdfdom. */
+class checked {
+  public:
+    str robot, text;
+    std::vector<link_part> links;
+    std::vector<joint_part> joints;
+    int root;
+
+    checked(const element &top, warning_list &w) : root(-1), warnings(w) {
+        if (top.name != "robot")
+            fail(RBD_URDF_ERR_ROBOT, top,
+                 "<" + top.name + "> is not a robot: <robot> must be the first element");
+        robot = name_of(top, "the robot");
+        text = "<robot name=\"" + escaped(robot) + "\">\n";
+        for (size_t i = 0; i < top.children.size(); ++i)
+            if (top.children[i].name == "link")
+                add_link(top.children[i]);
+        if (links.empty())
+            fail(RBD_URDF_ERR_ROBOT, top, "the robot has no link");
+        for (size_t i = 0; i < top.children.size(); ++i)
+            if (top.children[i].name == "joint")
+                add_joint(top.children[i]);
+        text += "</robot>\n";
+        check_tree();
+        check_mimics();
+    }
+
+    int link(const str &name) const {
+        return find(link_index, name);
+    }
+    int joint(const str &name) const {
+        return find(joint_index, name);
+    }
+
+  private:
+    warning_list &warnings;
+    std::map<str, int> link_index, joint_index;
+    str who; /* the link or joint that is being checked */
+
+    static int find(const std::map<str, int> &index, const str &name) {
+        std::map<str, int>::const_iterator i = index.find(name);
+        return i == index.end() ? -1 : i->second;
+    }
+
+    void fail(rbd_urdf_status status, const element &e, const str &what) const {
+        throw failure(status, e.line, who.empty() ? what : who + ": " + what);
+    }
+
+    static str escaped(const str &s) {
+        str out;
+        for (size_t i = 0; i < s.size(); ++i) {
+            if (s[i] == '&')
+                out += "&amp;";
+            else if (s[i] == '<')
+                out += "&lt;";
+            else if (s[i] == '>')
+                out += "&gt;";
+            else if (s[i] == '"')
+                out += "&quot;";
+            else
+                out += s[i];
+        }
+        return out;
+    }
+
+    str name_of(const element &e, const str &what) const {
+        const str *name = e.attribute("name");
+        if (!name || name->empty())
+            throw failure(RBD_URDF_ERR_NAME, e.line, what + " has no name");
+        for (size_t i = 0; i < name->size(); ++i)
+            if ((unsigned char)(*name)[i] < 0x20 || (*name)[i] == 0x7f)
+                throw failure(RBD_URDF_ERR_NAME, e.line, "the name of " + what + " has a control character");
+        return *name;
+    }
+
+    /* The child of this name, NULL if there is none; two are an error. */
+    const element *only(const element &e, const char *name) const {
+        if (e.count(name) > 1)
+            fail(RBD_URDF_ERR_XML, e, str("<") + name + "> stands twice");
+        return e.child(name);
+    }
+
+    double number(const element &e, const char *attribute, const str &token) const {
+        try {
+            double x = urdf::strToDouble(token.c_str());
+            if (std::isfinite(x))
+                return x;
+        } catch (const std::runtime_error &) {
+        }
+        str hint = token.find("${") != str::npos ? "; expand the file with xacro first" : "";
+        fail(RBD_URDF_ERR_NUMBER, e,
+             "<" + e.name + " " + attribute + ">: " + quoted(token) + " is not a finite number" + hint);
+        return 0;
+    }
+
+    /* Writes an attribute of n numbers, if it is there, and reads them into x; returns whether it is. */
+    bool copy(const element &e, const char *attribute, int n, double *x) {
+        const str *value = e.attribute(attribute);
+        str numbers;
+        int found = 0;
+        if (!value)
+            return false;
+        for (size_t i = 0; i < value->size();) {
+            size_t start = value->find_first_not_of(" ", i);
+            if (start == str::npos)
+                break;
+            i = value->find(' ', start);
+            if (i == str::npos)
+                i = value->size();
+            str token = value->substr(start, i - start);
+            double y = number(e, attribute, token);
+            if (found < n)
+                x[found] = y;
+            numbers += (found++ ? " " : "") + token;
+        }
+        if (found != n)
+            fail(RBD_URDF_ERR_NUMBER, e,
+                 "<" + e.name + " " + attribute + "> has " + std::to_string(found) + " numbers, not " +
+                     std::to_string(n));
+        text += str(" ") + attribute + "=\"" + numbers + "\"";
+        return true;
+    }
+
+    void origin(const element &e) {
+        const element *o = only(e, "origin");
+        double x[3];
+        if (!o)
+            return;
+        if (o->attribute("quat_xyzw"))
+            fail(RBD_URDF_ERR_NUMBER, *o, "<origin quat_xyzw> is not supported: give rpy");
+        text += "<origin";
+        copy(*o, "xyz", 3, x);
+        copy(*o, "rpy", 3, x);
+        text += "/>";
+    }
+
+    void add_link(const element &e) {
+        link_part l;
+        who.clear();
+        l.name = name_of(e, "a link");
+        l.line = e.line;
+        who = "link " + quoted(l.name);
+        if (!link_index.insert(std::make_pair(l.name, (int)links.size())).second)
+            fail(RBD_URDF_ERR_NAME, e, "the name stands twice");
+        text += "<link name=\"" + escaped(l.name) + "\">";
+        if (const element *inertial = only(e, "inertial")) {
+            l.inertial = true;
+            add_inertial(*inertial);
+        }
+        text += "</link>\n";
+        links.push_back(l);
+    }
+
+    void add_inertial(const element &e) {
+        static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+        const element *mass = only(e, "mass"), *inertia = only(e, "inertia");
+        double x;
+        text += "<inertial>";
+        origin(e);
+        if (!mass)
+            fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <mass>");
+        if (!inertia)
+            fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <inertia>");
+        text += "<mass";
+        if (!copy(*mass, "value", 1, &x))
+            fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
+        if (x < 0)
+            fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
+        text += "/><inertia";
+        for (int i = 0; i < 6; ++i)
+            if (!copy(*inertia, entries[i], 1, &x))
+                fail(RBD_URDF_ERR_INERTIAL, *inertia, str("<inertia> has no ") + entries[i]);
+        text += "/></inertial>";
+    }
+
+    rbd_joint_type joint_type(const element &e) const {
+        static const struct {
+            const char *name;
+            rbd_joint_type type;
+        } types[] = {{"revolute", RBD_REVOLUTE}, {"continuous", RBD_CONTINUOUS}, {"prismatic", RBD_PRISMATIC},
+                     {"fixed", RBD_FIXED},       {"floating", RBD_FLOATING},     {"planar", RBD_PLANAR}};
+        const str *type = e.attribute("type");
+        if (!type)
+            fail(RBD_URDF_ERR_JOINT, e, "it has no type");
+        for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+            if (*type == types[i].name)
+                return types[i].type;
+        fail(RBD_URDF_ERR_JOINT, e, "unknown type " + quoted(*type));
+        return RBD_FIXED;
+    }
+
+    int end_of_joint(const element &e, const char *which) {
+        const element *x = only(e, which);
+        const str *name = x ? x->attribute("link") : NULL;
+        if (!name)
+            fail(RBD_URDF_ERR_JOINT, e, str("it has no <") + which + " link=\"...\">");
+        int index = link(*name);
+        if (index < 0)
+            fail(RBD_URDF_ERR_JOINT, *x, str("its ") + which + " link " + quoted(*name) + " is missing");
+        text += str("<") + which + " link=\"" + escaped(*name) + "\"/>";
+        return index;
+    }
+
+    void add_joint(const element &e) {
+        joint_part j;
+        who.clear();
+        j.name = name_of(e, "a joint");
+        j.line = e.line;
+        who = "joint " + quoted(j.name);
+        if (!joint_index.insert(std::make_pair(j.name, (int)joints.size())).second)
+            fail(RBD_URDF_ERR_NAME, e, "the name stands twice");
+        j.type = joint_type(e);
+        text += "<joint name=\"" + escaped(j.name) + "\" type=\"" + *e.attribute("type") + "\">";
+        origin(e);
+        j.parent = end_of_joint(e, "parent");
+        j.child = end_of_joint(e, "child");
+        if (has_joint_axis(j.type))
+            axis(e);
+        if (has_one_dof(j.type))
+            limit(e, j.type);
+        dynamics(e, j);
+        mimic(e, j);
+        text += "</joint>\n";
+        hang(e, j);
+        joints.push_back(j);
+    }
+
+    void axis(const element &e) {
+        const element *a = only(e, "axis");
+        double x[3];
+        if (!a)
+            return;
+        text += "<axis";
+        if (!copy(*a, "xyz", 3, x))
+            fail(RBD_URDF_ERR_AXIS, *a, "<axis> has no xyz");
+        text += "/>";
+        double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        if (!(length > 0))
+            fail(RBD_URDF_ERR_AXIS, *a, "the axis is zero");
+        if (!(length > 0.99 && length < 1.01)) {
+            char number[32];
+            std::snprintf(number, sizeof number, "%.6g", length);
+            fail(RBD_URDF_ERR_AXIS, *a, "the axis is of length " + str(number) + ", must be a unit vector");
+        }
+    }
+
+    /* urdfdom insists on limits, dynamics does not. */
+    void limit(const element &e, rbd_joint_type type) {
+        const element *l = only(e, "limit");
+        const bool needed = type != RBD_CONTINUOUS;
+        double lower = 0, upper = 0, velocity = 0, effort = 0;
+        if (l) {
+            str written;
+            std::swap(text, written); /* number by number; what makes sense is written below */
+            copy(*l, "lower", 1, &lower);
+            copy(*l, "upper", 1, &upper);
+            if (!copy(*l, "velocity", 1, &velocity) && needed)
+                no_limit(*l, "<limit> has no velocity");
+            if (!copy(*l, "effort", 1, &effort) && needed)
+                no_limit(*l, "<limit> has no effort");
+            std::swap(text, written);
+            if (lower > upper)
+                no_limit(*l, "the lower limit exceeds the upper");
+            if (velocity < 0)
+                no_limit(*l, "the limit of velocity is negative");
+            if (effort < 0)
+                no_limit(*l, "the limit of effort is negative");
+        } else if (needed) {
+            no_limit(e, "it has no <limit>");
+        }
+        text += "<limit";
+        if (needed && lower < upper)
+            limit_number(*l, "lower"), limit_number(*l, "upper");
+        if (velocity > 0)
+            limit_number(*l, "velocity");
+        else
+            text += " velocity=\"0\"";
+        if (effort > 0)
+            limit_number(*l, "effort");
+        else
+            text += " effort=\"0\"";
+        text += "/>";
+    }
+    void limit_number(const element &e, const char *attribute) {
+        double x;
+        copy(e, attribute, 1, &x);
+    }
+    void no_limit(const element &e, const char *what) const {
+        warnings.add(RBD_URDF_WARN_LIMIT, e.line, who + ": " + what + "; read as none");
+    }
+
+    void dynamics(const element &e, joint_part &j) {
+        static const char *const names[] = {"damping", "friction", "armature"};
+        const element *d = only(e, "dynamics");
+        double x[3] = {0, 0, 0};
+        if (!d)
+            return;
+        const size_t start = text.size();
+        text += "<dynamics";
+        for (int i = 0; i < 3; ++i) {
+            copy(*d, names[i], 1, &x[i]);
+            if (x[i] < 0)
+                fail(RBD_URDF_ERR_NUMBER, *d, str("the ") + names[i] + " is negative");
+        }
+        text += "/>";
+        if (!d->attribute("damping") && !d->attribute("friction"))
+            text.resize(start); /* urdfdom refuses it */
+        j.armature = x[2];
+    }
+
+    void mimic(const element &e, joint_part &j) {
+        const element *m = only(e, "mimic");
+        double x;
+        if (!m)
+            return;
+        const str *name = m->attribute("joint");
+        if (!name || name->empty())
+            fail(RBD_URDF_ERR_MIMIC, *m, "<mimic> has no joint");
+        if (!has_one_dof(j.type))
+            fail(RBD_URDF_ERR_MIMIC, *m, "only revolute, continuous and prismatic joints can mimic");
+        j.mimic = *name;
+        text += "<mimic joint=\"" + escaped(*name) + "\"";
+        copy(*m, "multiplier", 1, &x);
+        copy(*m, "offset", 1, &x);
+        text += "/>";
+    }
+
+    void hang(const element &e, const joint_part &j) {
+        link_part &child = links[(size_t)j.child];
+        const int number = (int)joints.size();
+        if (j.parent == j.child)
+            fail(RBD_URDF_ERR_TREE, e, "parent and child are the same link " + quoted(child.name));
+        if (child.joint >= 0)
+            fail(RBD_URDF_ERR_TREE, e,
+                 "its child link " + quoted(child.name) + " is already the child of joint " +
+                     quoted(joints[(size_t)child.joint].name));
+        child.joint = number;
+        links[(size_t)j.parent].children.push_back(number);
+    }
+
+    void check_tree() {
+        size_t reached = 0;
+        for (size_t i = 0; i < links.size(); ++i) {
+            if (links[i].joint >= 0)
+                continue;
+            if (root >= 0)
+                throw failure(RBD_URDF_ERR_TREE, links[i].line,
+                              "two links are no joint's child, so there are two roots: " +
+                                  quoted(links[(size_t)root].name) + " and " + quoted(links[i].name));
+            root = (int)i;
+        }
+        std::vector<bool> seen(links.size(), false);
+        std::vector<int> todo;
+        if (root >= 0)
+            todo.push_back(root);
+        for (; !todo.empty(); ++reached) {
+            const link_part &l = links[(size_t)todo.back()];
+            seen[(size_t)todo.back()] = true;
+            todo.pop_back();
+            for (size_t k = 0; k < l.children.size(); ++k)
+                todo.push_back(joints[(size_t)l.children[k]].child);
+        }
+        for (size_t i = 0; reached < links.size() && i < links.size(); ++i)
+            if (!seen[i])
+                throw failure(RBD_URDF_ERR_TREE, links[cycle_from(i)].line,
+                              "link " + quoted(links[cycle_from(i)].name) +
+                                  " is its own ancestor: the joints form a cycle");
+    }
+
+    /* From a link that the root does not reach, towards its ancestors: one that is on the cycle. */
+    size_t cycle_from(size_t i) const {
+        for (size_t step = 0; step < links.size(); ++step)
+            i = (size_t)joints[(size_t)links[i].joint].parent;
+        return i;
+    }
+
+    void check_mimics() const {
+        for (size_t i = 0; i < joints.size(); ++i) {
+            const joint_part *j = &joints[i];
+            for (size_t steps = 0; !j->mimic.empty(); ++steps) {
+                const int source = joint(j->mimic);
+                const str start = "joint " + quoted(joints[i].name) + ": it mimics ";
+                if (source < 0)
+                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
+                                  start + quoted(j->mimic) + ", which is missing");
+                if (source == (int)i)
+                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
+                                  start + (steps ? quoted(j->mimic) + " through others" : "itself"));
+                if (!has_one_dof(joints[(size_t)source].type))
+                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
+                                  start + quoted(j->mimic) +
+                                      ", which is not revolute, continuous or prismatic");
+                if (steps > joints.size())
+                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
+                                  start + "joints that mimic each other in a circle");
+                j = &joints[(size_t)source];
+            }
+        }
+    }
+};
+
+/* ---- urdfdom [urdfdom] ---- */
+
+/* Takes urdfdom's messages while it lives, unless they shall be shown, and keeps the last one. */
+class console {
+  public:
+    explicit console(bool show) : shown(show), previous(console_bridge::getOutputHandler()) {
+        if (!shown)
+            console_bridge::useOutputHandler(&handler);
+    }
+    ~console() {
+        if (!shown)
+            console_bridge::useOutputHandler(previous);
+    }
+    const str &last() const {
+        return handler.last;
+    }
+
+  private:
+    struct keeper : console_bridge::OutputHandler {
+        str last;
+        void log(const str &message, console_bridge::LogLevel, const char *, int) override {
+            last = message;
+        }
+    } handler;
+    bool shown;
+    console_bridge::OutputHandler *previous;
+    console(const console &);
+    console &operator=(const console &);
+};
+
+/* The model of urdfdom. Its destructor would recurse from parent to child: ours unties them before. */
+class parsed {
+  public:
+    parsed(const str &text, bool show) {
+        static std::mutex one_at_a_time;
+        std::lock_guard<std::mutex> lock(one_at_a_time);
+        console messages(show);
+        model = urdf::parseURDF(text);
+        if (!model)
+            throw failure(RBD_URDF_ERR_PARSER, 0, "urdfdom refuses it: " + messages.last());
+    }
+    ~parsed() {
+        std::map<str, urdf::LinkSharedPtr>::iterator i;
+        for (i = model->links_.begin(); i != model->links_.end(); ++i) {
+            i->second->child_links.clear();
+            i->second->child_joints.clear();
+        }
+    }
+    const urdf::Link &link(const str &name) const {
+        urdf::LinkConstSharedPtr l = model->getLink(name);
+        if (!l)
+            throw failure(RBD_URDF_ERR_PARSER, 0, "link " + quoted(name) + ": urdfdom lost it");
+        return *l;
+    }
+    const urdf::Joint &joint(const str &name) const {
+        urdf::JointConstSharedPtr j = model->getJoint(name);
+        if (!j)
+            throw failure(RBD_URDF_ERR_PARSER, 0, "joint " + quoted(name) + ": urdfdom lost it");
+        return *j;
+    }
+
+  private:
+    urdf::ModelInterfaceSharedPtr model;
+    parsed(const parsed &);
+    parsed &operator=(const parsed &);
+};
+
+/* ---- description [description] ---- */
+
+/* A frame in another: rotation, row-major, turns its vectors into the other's; position of its origin. */
+struct pose {
+    double R[9], p[3];
+    pose() {
+        for (int i = 0; i < 9; ++i)
+            R[i] = i % 4 == 0;
+        for (int i = 0; i < 3; ++i)
+            p[i] = 0;
+    }
+};
+
+inline bool is_identity(const double R[9]) {
+    for (int i = 0; i < 9; ++i)
+        if (R[i] != (i % 4 == 0))
+            return false;
+    return true;
+}
+
+/* What only rounding keeps from 0, 1 or -1 is that number. */
+inline void snap(double R[9]) {
+    for (int i = 0; i < 9; ++i)
+        if (std::fabs(R[i] - std::round(R[i])) <= 1e-15)
+            R[i] = std::round(R[i]) + 0.0;
+}
+
+inline pose pose_of(const urdf::Pose &from) {
+    pose to;
+    double x, y, z, w;
+    from.rotation.getQuaternion(x, y, z, w);
+    const double R[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                         2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                         2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+    std::memcpy(to.R, R, sizeof R);
+    snap(to.R);
+    to.p[0] = from.position.x, to.p[1] = from.position.y, to.p[2] = from.position.z;
+    return to;
+}
+
+inline void turn(const double R[9], const double v[3], double out[3]) {
+    const double a = v[0], b = v[1], c = v[2];
+    for (int i = 0; i < 3; ++i)
+        out[i] = R[3 * i] * a + R[3 * i + 1] * b + R[3 * i + 2] * c;
+}
+
+inline void multiply(const double A[9], const double B[9], double out[9]) {
+    double C[9];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+    std::memcpy(out, C, sizeof C);
+}
+
+inline pose compose(const pose &a, const pose &b) {
+    pose c;
+    if (is_identity(a.R))
+        std::memcpy(c.R, b.R, sizeof c.R);
+    else
+        multiply(a.R, b.R, c.R), snap(c.R);
+    turn(a.R, b.p, c.p);
+    for (int i = 0; i < 3; ++i)
+        c.p[i] += a.p[i];
+    return c;
+}
+
+/* A rigid part: mass, centre of mass, inertia xx xy xz yy yz zz about it. */
+struct part {
+    double mass, com[3], inertia[6];
+    part() : mass(0) {
+        for (int i = 0; i < 3; ++i)
+            com[i] = 0;
+        for (int i = 0; i < 6; ++i)
+            inertia[i] = 0;
+    }
+    bool nothing() const {
+        for (int i = 0; i < 6; ++i)
+            if (inertia[i] != 0)
+                return false;
+        return mass == 0; // NOLINT
+    }
+};
+
+/* The part in the frame in which its own has this pose. */
+inline part moved(const part &from, const pose &x) {
+    part to = from;
+    turn(x.R, from.com, to.com);
+    for (int i = 0; i < 3; ++i)
+        to.com[i] += x.p[i];
+    if (is_identity(x.R))
+        return to;
+    const double *I = from.inertia;
+    const double full[9] = {I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5]};
+    const double T[9] = {x.R[0], x.R[3], x.R[6], x.R[1], x.R[4], x.R[7], x.R[2], x.R[5], x.R[8]};
+    double turned[9];
+    multiply(x.R, full, turned);
+    multiply(turned, T, turned);
+    const int upper[6] = {0, 1, 2, 4, 5, 8};
+    for (int i = 0; i < 6; ++i)
+        to.inertia[i] = turned[upper[i]];
+    return to;
+}
+
+/* Adds the share of a part whose centre of mass is d away. */
+inline void add_inertia(double I[6], const part &p, const double d[3]) {
+    const double steiner[6] = {d[1] * d[1] + d[2] * d[2], -d[0] * d[1], -d[0] * d[2],
+                               d[0] * d[0] + d[2] * d[2], -d[1] * d[2], d[0] * d[0] + d[1] * d[1]};
+    for (int i = 0; i < 6; ++i)
+        I[i] += p.inertia[i] + p.mass * steiner[i];
+}
+
+/* Parts in one frame as one; a single one stays as it is, to the bit. */
+inline part sum(const std::vector<part> &parts) {
+    part all;
+    if (parts.size() == 1)
+        return parts[0];
+    for (size_t k = 0; k < parts.size(); ++k) {
+        all.mass += parts[k].mass;
+        for (int i = 0; i < 3; ++i)
+            all.com[i] += parts[k].mass * parts[k].com[i];
+    }
+    for (int i = 0; i < 3; ++i)
+        all.com[i] = all.mass > 0 ? all.com[i] / all.mass : 0;
+    for (size_t k = 0; k < parts.size(); ++k) {
+        double d[3];
+        for (int i = 0; i < 3; ++i)
+            d[i] = parts[k].com[i] - all.com[i];
+        add_inertia(all.inertia, parts[k], d);
+    }
+    return all;
+}
+
+/* A rotation whose third column is the axis; the first lies towards the unit vector that follows the
+   axis's largest component. */
+inline void turn_z_to(const urdf::Vector3 &axis, double R[9]) {
+    const double length = std::sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
+    const double z[3] = {axis.x / length, axis.y / length, axis.z / length};
+    int k = 0;
+    for (int i = 1; i < 3; ++i)
+        if (std::fabs(z[i]) > std::fabs(z[k]))
+            k = i;
+    double x[3], square = 0;
+    for (int i = 0; i < 3; ++i)
+        x[i] = (i == (k + 1) % 3) - z[(k + 1) % 3] * z[i];
+    for (int i = 0; i < 3; ++i)
+        square += x[i] * x[i];
+    for (int i = 0; i < 3; ++i)
+        x[i] /= std::sqrt(square);
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, l = (i + 2) % 3;
+        R[3 * i] = x[i], R[3 * i + 1] = z[j] * x[l] - z[l] * x[j], R[3 * i + 2] = z[i];
+    }
+}
+
+/* A body and the parts that belong to it; strings are written later. */
+struct row {
+    rbd_body body;
+    str name, joint, mimic;
+    int line;
+    std::vector<part> parts;
+    row(int parent, rbd_joint_type type, int at_line) : body(), line(at_line) {
+        body.parent = parent;
+        body.type = type;
+    }
+    void place(const pose &x) {
+        std::memcpy(body.position, x.p, sizeof x.p);
+        std::memcpy(body.rotation, x.R, sizeof x.R);
+    }
+};
+
+struct frame {
+    int link, joint, parent, body;
+    pose at; /* in the body */
+};
+
+class description {
+  public:
+    std::vector<row> rows;
+    std::vector<frame> frames;
+    double fixed_mass;
+
+    description(const checked &c, const parsed &u, const rbd_urdf_options &o, warning_list &w)
+        : fixed_mass(0), file(c), dom(u), options(o), warnings(w), frame_of(c.links.size(), -1) {
+        std::set<int> ready; /* joints whose parent is there: the first in the file goes first */
+        check_keep();
+        add_root();
+        join(ready, file.root);
+        while (!ready.empty()) {
+            const int number = *ready.begin();
+            ready.erase(ready.begin());
+            add_joint(number);
+            join(ready, file.joints[(size_t)number].child);
+        }
+        for (size_t i = 0; i < rows.size(); ++i)
+            give_mass(rows[i]);
+        if (rows.empty())
+            throw failure(
+                RBD_URDF_ERR_ROBOT, 0,
+                "nothing moves: all links are fixed to the world, and the root link is not floating");
+        check_build();
+    }
+
+  private:
+    const checked &file;
+    const parsed &dom;
+    const rbd_urdf_options &options;
+    warning_list &warnings;
+    std::vector<int> frame_of; /* of each link */
+
+    str root_name() const {
+        return options.root_joint ? options.root_joint : "root";
+    }
+
+    void check_keep() const {
+        for (const char *const *k = options.keep; k && *k; ++k)
+            if (file.link(*k) < 0)
+                throw failure(RBD_URDF_ERR_OPTION, 0, "there is no link " + quoted(*k) + " to keep");
+    }
+    bool kept(const str &link) const {
+        for (const char *const *k = options.keep; k && *k; ++k)
+            if (link == *k)
+                return true;
+        return options.keep_all != 0;
+    }
+
+    void join(std::set<int> &ready, int link) const {
+        const std::vector<int> &children = file.links[(size_t)link].children;
+        ready.insert(children.begin(), children.end());
+    }
+
+    void add_root() {
+        const link_part &l = file.links[(size_t)file.root];
+        const bool world = l.name == "world" && !l.inertial;
+        if (options.root != RBD_FLOATING) {
+            if (kept(l.name) && !world)
+                rows.push_back(row(-1, RBD_FIXED, l.line));
+        } else {
+            if (file.joint(root_name()) >= 0)
+                throw failure(RBD_URDF_ERR_NAME, file.joints[(size_t)file.joint(root_name())].line,
+                              "joint " + quoted(root_name()) +
+                                  ": the joint of the floating root link is called so");
+            rows.push_back(row(-1, RBD_FLOATING, l.line));
+            rows.back().joint = root_name();
+        }
+        if (!rows.empty()) {
+            rows.back().name = l.name;
+            rows.back().place(pose());
+        }
+        add_frame(file.root, -1, (int)rows.size() - 1, pose());
+    }
+
+    /* Puts a link on a body, -1 = the world, and its mass there. */
+    void add_frame(int link, int joint, int body, const pose &at) {
+        frame f;
+        f.link = link, f.joint = joint, f.body = body, f.at = at;
+        f.parent = joint < 0 ? -1 : frame_of[(size_t)file.joints[(size_t)joint].parent];
+        frame_of[(size_t)link] = (int)frames.size();
+        frames.push_back(f);
+        const part p = mass_of(link);
+        if (body < 0 || rows[(size_t)body].body.type == RBD_FIXED)
+            fixed_mass += on_world(body) ? p.mass : 0;
+        if (body >= 0 && !p.nothing())
+            rows[(size_t)body].parts.push_back(moved(p, at));
+    }
+    bool on_world(int body) const {
+        while (body >= 0 && rows[(size_t)body].body.type == RBD_FIXED)
+            body = rows[(size_t)body].body.parent;
+        return body < 0;
+    }
+
+    part mass_of(int link) const {
+        const link_part &l = file.links[(size_t)link];
+        part p;
+        if (!l.inertial)
+            return p;
+        const urdf::InertialSharedPtr &in = dom.link(l.name).inertial;
+        if (!in)
+            throw failure(RBD_URDF_ERR_PARSER, l.line,
+                          "link " + quoted(l.name) + ": urdfdom lost its <inertial>");
+        const double I[6] = {in->ixx, in->ixy, in->ixz, in->iyy, in->iyz, in->izz};
+        std::memcpy(p.inertia, I, sizeof I);
+        p.mass = in->mass;
+        p = moved(p, pose_of(in->origin));
+        check_mass(l, p);
+        return p;
+    }
+
+    /* rbd's own checks, link by link, before links are merged. */
+    void check_mass(const link_part &l, const part &p) const {
+        rbd_body alone = rbd_body();
+        std::vector<unsigned char> memory(RBD_MODEL_SIZE(1));
+        const rbd_model *model;
+        rbd_report report;
+        alone.parent = -1;
+        give(alone, p);
+        if (rbd_model_build(&alone, 1, memory.data(), memory.size(), &model, &report) != RBD_OK)
+            throw failure(RBD_URDF_ERR_MODEL, l.line,
+                          "link " + quoted(l.name) + ", " + finding(report.error));
+        for (int i = 0; i < report.warnings && i < RBD_MAX_WARNINGS; ++i)
+            warnings.add(RBD_URDF_WARN_INERTIA, l.line,
+                         "link " + quoted(l.name) + ", " + finding(report.warning[i]));
+    }
+    static str finding(const rbd_finding &f) {
+        return str(f.field ? f.field : "model") + ": " + rbd_status_string(f.status);
+    }
+
+    static void give(rbd_body &b, const part &p) {
+        b.mass = p.mass;
+        std::memcpy(b.com, p.com, sizeof p.com);
+        std::memcpy(b.inertia, p.inertia, sizeof p.inertia);
+    }
+    static void give_mass(row &r) {
+        give(r.body, sum(r.parts));
+    }
+
+    void add_joint(int number) {
+        const joint_part &j = file.joints[(size_t)number];
+        const frame &parent = frames[(size_t)frame_of[(size_t)j.parent]];
+        const urdf::Joint &u = dom.joint(j.name);
+        const str &link = file.links[(size_t)j.child].name;
+        const pose at = compose(parent.at, pose_of(u.parent_to_joint_origin_transform));
+        if (j.type == RBD_FIXED && !kept(link)) {
+            add_frame(j.child, number, parent.body, at);
+            return;
+        }
+        row r(parent.body, j.type, j.line);
+        r.name = link;
+        r.joint = j.name;
+        r.place(at);
+        if (j.type != RBD_FIXED)
+            add_motion(r, j, u);
+        const bool tilted =
+            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0); // NOLINT
+        if (tilted)
+            add_tilted(r, at, u.axis);
+        else
+            rows.push_back(r);
+        add_frame(j.child, number, (int)rows.size() - 1, pose());
+    }
+
+    /* A planar joint that moves about another axis than z: on a frame turned so that it is z, and the link
+       turned back upon it. */
+    void add_tilted(row &r, const pose &at, const urdf::Vector3 &axis) {
+        pose tilt, back;
+        turn_z_to(axis, tilt.R);
+        snap(tilt.R);
+        for (int i = 0; i < 9; ++i)
+            back.R[i] = tilt.R[3 * (i % 3) + i / 3];
+        row link((int)rows.size(), RBD_FIXED, r.line);
+        link.name = r.name;
+        link.place(back);
+        r.name.clear();
+        r.place(compose(at, tilt));
+        rows.push_back(r);
+        rows.push_back(link);
+    }
+
+    void add_motion(row &r, const joint_part &j, const urdf::Joint &u) const {
+        static const int dofs[RBD_JOINT_TYPES] = {0, 1, 1, 1, 1, 1, 2, 2, 3, 3, 3, 3, 3, 3, 3, 6};
+        if (has_one_dof(j.type)) {
+            const double axis[3] = {u.axis.x, u.axis.y, u.axis.z};
+            std::memcpy(r.body.axis, axis, sizeof axis);
+        }
+        for (int i = 0; i < dofs[j.type]; ++i) {
+            r.body.damping[i] = u.dynamics ? u.dynamics->damping : 0;
+            r.body.friction[i] = u.dynamics ? u.dynamics->friction : 0;
+            r.body.armature[i] = j.armature;
+        }
+        if (has_one_dof(j.type) && u.limits) {
+            r.body.lower = u.limits->lower, r.body.upper = u.limits->upper;
+            r.body.velocity = u.limits->velocity, r.body.effort = u.limits->effort;
+        }
+        if (!j.mimic.empty())
+            add_mimic(r, j);
+    }
+
+    /* rbd's mimic joints follow joints that do not follow. */
+    void add_mimic(row &r, const joint_part &start) const {
+        double ratio = 1, offset = 0;
+        for (const joint_part *j = &start; !j->mimic.empty();
+             j = &file.joints[(size_t)file.joint(j->mimic)]) {
+            const urdf::JointMimicSharedPtr &m = dom.joint(j->name).mimic;
+            if (!m)
+                throw failure(RBD_URDF_ERR_PARSER, j->line,
+                              "joint " + quoted(j->name) + ": urdfdom lost its <mimic>");
+            offset += ratio * m->offset;
+            ratio *= m->multiplier;
+            r.mimic = j->mimic;
+        }
+        r.body.mimic_ratio = ratio;
+        r.body.mimic_offset = offset;
+    }
+
+    /* That rbd_model_build takes the description is found out by asking it. */
+    void check_build() {
+        std::vector<rbd_body> bodies;
+        for (size_t i = 0; i < rows.size(); ++i) {
+            rbd_body b = rows[i].body;
+            b.name = rows[i].name.empty() ? NULL : rows[i].name.c_str();
+            b.joint = rows[i].joint.empty() ? NULL : rows[i].joint.c_str();
+            b.mimic = rows[i].mimic.empty() ? NULL : rows[i].mimic.c_str();
+            bodies.push_back(b);
+        }
+        if (options.root == RBD_FLOATING && rows[0].parts.empty())
+            warnings.add(RBD_URDF_WARN_ROOT, rows[0].line,
+                         "link " + quoted(rows[0].name) + ": the floating root link has no mass");
+        std::vector<unsigned char> memory(rbd_model_size(bodies.data(), (int)bodies.size()) + 1);
+        const rbd_model *model;
+        rbd_report report;
+        if (rbd_model_build(bodies.data(), (int)bodies.size(), memory.data(), memory.size(), &model,
+                            &report) == RBD_OK)
+            return;
+        if (report.error.body < 0)
+            throw failure(RBD_URDF_ERR_MODEL, 0, str("the model: ") + rbd_status_string(report.error.status));
+        const row &r = rows[(size_t)report.error.body];
+        throw failure(RBD_URDF_ERR_MODEL, r.line,
+                      "link " + quoted(r.name) + ", joint " + quoted(r.joint) + ", " + finding(report.error));
+    }
+};
+
+/* ---- result [result] ---- */
+
+/* Puts strings into the caller's names, or only counts their bytes. */
+class name_store {
+  public:
+    name_store(char *memory, size_t room) : base(memory), max(memory ? room : 0), used(0) {
+    }
+    size_t size() const {
+        return used;
+    }
+    const char *put(const str &s) {
+        const size_t at = used;
+        used += s.size() + 1;
+        if (!base || used > max)
+            return NULL;
+        return (const char *)std::memcpy(base + at, s.c_str(), s.size() + 1);
+    }
+
+  private:
+    char *base;
+    size_t max, used;
+};
+
+inline void write_frames(const description &d, const std::vector<const char *> &links,
+                         const std::vector<const char *> &joints, rbd_urdf_frame *out) {
+    for (size_t i = 0; i < d.frames.size(); ++i) {
+        const frame &f = d.frames[i];
+        out[i].link = links[(size_t)f.link];
+        out[i].joint = f.joint < 0 ? NULL : joints[(size_t)f.joint];
+        out[i].parent = f.parent;
+        out[i].body = f.body;
+        std::memcpy(out[i].position, f.at.p, sizeof f.at.p);
+        std::memcpy(out[i].rotation, f.at.R, sizeof f.at.R);
+    }
+}
+
+inline void write_bodies(const checked &file, const description &d, const std::vector<const char *> &links,
+                         const std::vector<const char *> &joints, const char *root, rbd_body *out) {
+    for (size_t i = 0; i < d.rows.size(); ++i) {
+        const row &r = d.rows[i];
+        const int joint = file.joint(r.joint);
+        out[i] = r.body;
+        out[i].name = r.name.empty() ? NULL : links[(size_t)file.link(r.name)];
+        out[i].joint = r.joint.empty() ? NULL : joint < 0 ? root : joints[(size_t)joint];
+        out[i].mimic = r.mimic.empty() ? NULL : joints[(size_t)file.joint(r.mimic)];
+    }
+}
+
+inline void write_result(const checked &file, const description &d, rbd_urdf *robot) {
+    name_store names(robot->names, robot->names_max);
+    std::vector<const char *> links, joints;
+    const char *root = NULL;
+    robot->name = names.put(file.robot);
+    for (size_t i = 0; i < file.links.size(); ++i)
+        links.push_back(names.put(file.links[i].name));
+    for (size_t i = 0; i < file.joints.size(); ++i)
+        joints.push_back(names.put(file.joints[i].name));
+    if (d.rows[0].body.type == RBD_FLOATING && file.joint(d.rows[0].joint) < 0)
+        root = names.put(d.rows[0].joint);
+    robot->nb = (int)d.rows.size();
+    robot->nframes = (int)d.frames.size();
+    robot->names_size = names.size();
+    robot->fixed_mass = d.fixed_mass;
+    if (!robot->bodies && !robot->names)
+        return;
+    if (!robot->bodies || robot->bodies_max < robot->nb)
+        throw failure(RBD_URDF_ERR_ROOM, 0, "room for " + std::to_string(robot->nb) + " bodies is needed");
+    if (!robot->names || robot->names_max < names.size())
+        throw failure(RBD_URDF_ERR_ROOM, 0,
+                      "room for names of " + std::to_string(names.size()) + " bytes is needed");
+    if (robot->frames && robot->frames_max < robot->nframes)
+        throw failure(RBD_URDF_ERR_ROOM, 0,
+                      "room for " + std::to_string(robot->nframes) + " frames is needed");
+    if (robot->frames)
+        write_frames(d, links, joints, robot->frames);
+    write_bodies(file, d, links, joints, root, robot->bodies);
+}
+
+inline void check_options(const rbd_urdf_options &o) {
+    if (o.root != RBD_FIXED && o.root != RBD_FLOATING)
+        throw failure(RBD_URDF_ERR_OPTION, 0, "root must be RBD_FIXED or RBD_FLOATING");
+    if (o.root_joint && !*o.root_joint)
+        throw failure(RBD_URDF_ERR_OPTION, 0, "root_joint is empty");
+    for (int i = 0; o.gravity && i < 3; ++i)
+        if (!std::isfinite(o.gravity[i]))
+            throw failure(RBD_URDF_ERR_OPTION, 0, "gravity is not finite");
+}
+
+inline void load(const char *text, size_t length, const rbd_urdf_options &options, warning_list &warnings,
+                 rbd_urdf *robot) {
+    static const double earth[3] = {0, 0, -9.81};
+    check_options(options);
+    std::memcpy(robot->gravity, options.gravity ? options.gravity : earth, sizeof earth);
+    const checked file(reader(text, length).document(), warnings);
+    const parsed dom(file.text, options.show_messages != 0);
+    write_result(file, description(file, dom, options, warnings), robot);
+}
+
+inline rbd_urdf_status report(rbd_urdf *robot, rbd_urdf_status status, int line, const char *text) {
+    robot->error.status = status;
+    robot->error.line = line;
+    std::snprintf(robot->error.text, sizeof robot->error.text, "%s", text);
+    return status;
+}
+
+/* Runs a load and turns whatever it throws into a status. */
+inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_options *options,
+                               rbd_urdf *robot) {
+    warning_list warnings;
+    rbd_urdf_options o = rbd_urdf_options();
+    rbd_urdf_status status = RBD_URDF_OK;
+    if (options)
+        o = *options;
+    warnings.strict = o.strict != 0;
+    robot->name = NULL;
+    robot->nb = robot->nframes = robot->nwarnings = 0;
+    robot->names_size = 0;
+    robot->fixed_mass = 0;
+    report(robot, RBD_URDF_OK, 0, "");
+    try {
+        load(text, length, o, warnings, robot);
+    } catch (const failure &f) {
+        status = report(robot, f.status, f.line, f.text.c_str());
+    } catch (const std::bad_alloc &) {
+        status = report(robot, RBD_URDF_ERR_MEMORY, 0, "out of memory");
+    } catch (const std::exception &e) {
+        status = report(robot, RBD_URDF_ERR_PARSER, 0, e.what());
+    } catch (...) {
+        status = report(robot, RBD_URDF_ERR_PARSER, 0, "urdfdom threw what is not an exception");
+    }
+    robot->nwarnings = (int)warnings.list.size();
+    for (int i = 0; robot->warnings && i < robot->nwarnings && i < robot->warnings_max; ++i)
+        robot->warnings[i] = warnings.list[(size_t)i];
+    return status;
+}
+
+/* Reads a whole file. */
+inline bool read_file(const char *path, str &text) {
+    char block[65536];
+    std::FILE *file = std::fopen(path, "rb");
+    if (!file)
+        return false;
+    for (size_t n; (n = std::fread(block, 1, sizeof block, file)) > 0;)
+        text.append(block, n);
+    const bool good = !std::ferror(file);
+    std::fclose(file);
+    return good;
+}
+
+} // namespace rbdi_urdf
+
+extern "C" {
+
+rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_options *options,
+                               rbd_urdf *robot) {
+    if (!robot)
+        return RBD_URDF_ERR_NULL;
+    if (!text)
+        return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "text is NULL");
+    return rbdi_urdf::guarded(text, length, options, robot);
+}
+
+rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options, rbd_urdf *robot) {
+    if (!robot)
+        return RBD_URDF_ERR_NULL;
+    if (!path)
+        return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "path is NULL");
+    try {
+        std::string text;
+        if (rbdi_urdf::read_file(path, text))
+            return rbd_urdf_parse(text.data(), text.size(), options, robot);
+        return rbdi_urdf::report(robot, RBD_URDF_ERR_FILE, 0,
+                                 ("the file '" + std::string(path) + "' cannot be read").c_str());
+    } catch (...) {
+        return rbdi_urdf::report(robot, RBD_URDF_ERR_MEMORY, 0, "out of memory");
+    }
+}
+
+const char *rbd_urdf_status_string(rbd_urdf_status status) {
+    switch (status) {
+    case RBD_URDF_OK: return "no error";
+    case RBD_URDF_ERR_NULL: return "a required pointer is NULL";
+    case RBD_URDF_ERR_OPTION: return "an option has no such value";
+    case RBD_URDF_ERR_FILE: return "the file cannot be read";
+    case RBD_URDF_ERR_ROOM: return "an array is too short";
+    case RBD_URDF_ERR_MEMORY: return "out of memory";
+    case RBD_URDF_ERR_XML: return "not well-formed XML";
+    case RBD_URDF_ERR_ROBOT: return "not a robot";
+    case RBD_URDF_ERR_NAME: return "a name is missing or stands twice";
+    case RBD_URDF_ERR_NUMBER: return "not a finite number";
+    case RBD_URDF_ERR_INERTIAL: return "the inertial is incomplete or its mass negative";
+    case RBD_URDF_ERR_JOINT: return "a joint lacks type, parent or child";
+    case RBD_URDF_ERR_AXIS: return "an axis is zero or not of unit length";
+    case RBD_URDF_ERR_MIMIC: return "a joint cannot mimic what it names";
+    case RBD_URDF_ERR_TREE: return "the links are no tree";
+    case RBD_URDF_ERR_MODEL: return "not a model that rbd_model_build takes";
+    case RBD_URDF_ERR_PARSER: return "urdfdom refuses it";
+    case RBD_URDF_WARN_INERTIA: return "no real body has this mass and inertia";
+    case RBD_URDF_WARN_LIMIT: return "limits are missing or make no sense";
+    case RBD_URDF_WARN_ROOT: return "the floating root link has no mass";
+    }
+    return "unknown status";
+}
+
+int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
+    for (int i = 0; robot && robot->bodies && joint && i < robot->nb; ++i)
+        if (robot->bodies[i].type != RBD_FIXED && robot->bodies[i].joint &&
+            std::strcmp(robot->bodies[i].joint, joint) == 0)
+            return i;
+    return -1;
+}
+
+int rbd_urdf_link(const rbd_urdf *robot, const char *link) {
+    for (int i = 0; robot && robot->frames && link && i < robot->nframes; ++i)
+        if (std::strcmp(robot->frames[i].link, link) == 0)
+            return i;
+    return -1;
+}
+
+} // extern "C"
+
+#endif /* RBD_URDF_IMPLEMENTATION */

@@ -1,0 +1,193 @@
+#!/bin/sh
+# rbd-model and rbd-eval as their user meets them: outputs, messages, exit statuses.
+# usage: commands.sh ROOT RBD_MODEL RBD_EVAL
+set -u
+root=$(realpath "$1") rbd_model=$(realpath "$2") rbd_eval=$(realpath "$3")
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+failed=0
+
+fail() { echo "FAILED: $*"; failed=1; }
+
+# expect STATUS MESSAGE COMMAND...: the exit status, and a line that standard error has ("" = nothing at all)
+expect() {
+    status=$1 message=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    found=$?
+    [ $found -eq "$status" ] || fail "exit status $found, not $status: $*"
+    if [ -n "$message" ]; then
+        grep -qxF -- "$message" err || { fail "no line '$message': $*"; cat err; }
+    elif [ -s err ]; then
+        fail "something on standard error: $*"
+        cat err
+    fi
+}
+
+# eval_row STATUS MESSAGE ROW...: rbd-eval on a table of these lines, the cart-pole's gravity torque
+eval_row() {
+    status=$1 message=$2
+    shift 2
+    printf '%s\n' "$@" >table
+    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm gravity <table >out 2>err
+    found=$?
+    [ $found -eq "$status" ] || fail "exit status $found, not $status: $*"
+    [ -z "$message" ] || grep -qF -- "$message" err || { fail "no '$message': $*"; cat err; }
+}
+
+# ---- arguments ----
+
+for command in rbd-model rbd-eval; do
+    [ $command = rbd-model ] && program=$rbd_model || program=$rbd_eval
+    expect 0 "" "$program" --help
+    grep -q "^usage: $command" out || fail "$command --help does not say how it is used"
+    expect 0 "" "$program" --version
+    grep -q "^$command [0-9]" out || fail "$command --version does not say which"
+    expect 2 "$command: --gravity: '1,2' is not three numbers X,Y,Z; see $command --help" "$program" --gravity 1,2
+    expect 2 "$command: --keep: its value is missing; see $command --help" "$program" --keep
+done
+expect 2 "rbd-model: no file given; see rbd-model --help" "$rbd_model"
+expect 2 "rbd-model: more than one file: 'b'; see rbd-model --help" "$rbd_model" a b
+expect 2 "rbd-model: unknown option '--cc'; see rbd-model --help" "$rbd_model" --cc
+expect 2 "rbd-model: --c: '1x' is not a C identifier; see rbd-model --help" "$rbd_model" --c 1x a
+expect 2 "rbd-model: --urdf: there is only one output; see rbd-model --help" "$rbd_model" --c x --urdf a
+expect 2 "rbd-eval: --model is missing; see rbd-eval --help" "$rbd_eval" --algorithm id
+expect 2 "rbd-eval: --algorithm is missing; see rbd-eval --help" "$rbd_eval" --model a
+expect 2 "rbd-eval: --algorithm: there is no 'rnea'; see rbd-eval --help" "$rbd_eval" --algorithm rnea
+expect 2 "rbd-eval: unknown argument 'x'; see rbd-eval --help" "$rbd_eval" x
+
+# ---- rbd-model: files ----
+
+cp "$root/tests/urdf/nasty.urdf" "$root/tests/urdf/broken/mass_negative.urdf" "$root"/models/*.urdf .
+expect 1 "/no: error: the file '/no' cannot be read" "$rbd_model" /no
+expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" "$rbd_model" --check mass_negative.urdf
+expect 1 "iiwa.urdf: error: there is no link 'hand' to keep" "$rbd_model" iiwa.urdf --keep hand
+expect 0 "" "$rbd_model" --check iiwa.urdf
+[ ! -s out ] || fail "--check prints something"
+sed 's/ixx="1"/ixx="3"/' nasty.urdf >odd.urdf
+triangle="inertia: one principal moment exceeds the sum of the others: no real body is like this"
+expect 0 "odd.urdf:5: warning: link 'b', $triangle" "$rbd_model" --check odd.urdf
+expect 1 "odd.urdf:3: error: link 'a*/??/\"\\é', $triangle" "$rbd_model" --check --strict odd.urdf
+expect 0 "" "$rbd_model" odd.urdf
+grep -qxF "line 5: link 'b', $triangle" out || fail "the summary does not have the warnings"
+
+# ---- rbd-model: the summary, line by line ----
+
+expect 0 "" "$rbd_model" cart_pole.urdf
+cat >expected <<'END'
+cart_pole: 3 links, 2 bodies, 2 degrees of freedom (q has 2 numbers)
+moving mass 1.7 kg
+
+body  link      joint  type         axis  limits                    mass
+      world            (the world)
+   0    cart    rail   prismatic    x     -2 .. 2, v 5, effort 100  1.2 kg
+   1      pole  hinge  continuous   -y    v 10, effort 50           0.5 kg
+
+0 warnings
+END
+cmp -s expected out || { fail "the summary of the cart-pole"; diff expected out; }
+
+# ---- rbd-model: C tables of a robot with awkward names compile and build the same model ----
+
+expect 0 "" "$rbd_model" nasty.urdf --c nasty && cp out nasty.h
+expect 0 "" "$rbd_model" nasty.urdf --c-model nasty && cp out nasty_model.h
+expect 0 "" "$rbd_model" nasty.urdf --c nasty
+cmp -s out nasty.h || fail "the same file gave other bytes"
+cat >program.c <<'END'
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+#include "nasty.h"
+#include "nasty_model.h"
+#include <string.h>
+int main(void)
+{
+    static unsigned char memory[RBD_MODEL_SIZE(NASTY_NB)], work[NASTY_WORK_SIZE];
+    const double q[4] = {0.1, 0.2, 0.3, 0.4}, v[4] = {1, 2, 3, 4};
+    double built[4], table[4];
+    const rbd_model *m;
+    rbd_work *w;
+    if (rbd_model_build(nasty_bodies, NASTY_NB, memory, sizeof memory, &m, NULL) != RBD_OK) return 1;
+    if (rbd_nq(m) != NASTY_NQ || rbd_nv(m) != NASTY_NV || NASTY_NV != 4) return 2;
+    if (rbd_work_init(m, work, sizeof work, &w) != RBD_OK) return 3;
+    if (rbd_rnea(m, w, q, v, v, NULL, built) != RBD_OK) return 4;
+    if (rbd_work_init(&nasty_model, work, sizeof work, &w) != RBD_OK) return 5;
+    if (rbd_rnea(&nasty_model, w, q, v, v, NULL, table) != RBD_OK) return 6;
+    return memcmp(built, table, sizeof built) ? 7 : 0;
+}
+END
+for standard in c99 c11; do
+    # shellcheck disable=SC2086 # CC may be "ccache cc"
+    ${CC:-cc} -std=$standard -pedantic -Wall -Wextra -Werror -O1 -ffp-contract=off -I"$root" -I. program.c \
+        -o program -lm || fail "the tables do not compile as $standard"
+    ./program || fail "the tables differ: $?"
+done
+
+# ---- rbd-model --urdf: read back, it is the same robot ----
+
+for robot in iiwa "hyq --floating" "atlas --floating" cart_pole; do
+    name=${robot% *} option=${robot#"${robot% *}"}
+    # shellcheck disable=SC2086 # no option is none
+    expect 0 "" "$rbd_model" $name.urdf $option --urdf && mkdir -p back && cp out back/$name.urdf
+    # shellcheck disable=SC2086
+    expect 0 "" "$rbd_model" --strict back/$name.urdf $option --c x && cp out back.h
+    # shellcheck disable=SC2086
+    expect 0 "" "$rbd_model" $name.urdf $option --c x
+    cmp -s out back.h || fail "$name is another robot after --urdf"
+done
+expect 0 "" "$rbd_model" nasty.urdf --urdf && cp out merged.urdf
+{
+    "$rbd_eval" --model nasty.urdf --algorithm fd_cholesky --layout | sed -n 's/^takes //p' | paste -sd, -
+    echo 0.1,0.2,0.3,0.4,1,2,3,4,5,6,7,8
+} >table
+"$rbd_eval" --model nasty.urdf --algorithm fd_cholesky <table >a.csv || fail "rbd-eval on nasty.urdf"
+"$rbd_eval" --model merged.urdf --algorithm fd_cholesky <table >b.csv || fail "rbd-eval on merged.urdf"
+awk -F, 'NR == FNR { for (i = 1; i <= NF; i++) first[FNR, i] = $i; next }
+         { for (i = 1; i <= NF; i++) if ((d = $i - first[FNR, i]) > 1e-12 || d < -1e-12) bad = 1 }
+         END { exit bad || FNR != 2 }' a.csv b.csv || { fail "--urdf gave another robot"; cat a.csv b.csv; }
+
+# ---- rbd-model --dot ----
+
+expect 0 "" "$rbd_model" cart_pole.urdf --dot
+grep -qF 'n0 -> n1 [label="rail\nprismatic"];' out || fail "--dot does not have the rail"
+[ "$(grep -c -- '->' out)" -eq 2 ] || fail "--dot does not have two joints"
+
+# ---- rbd-eval: tables, good and bad ----
+
+eval_row 0 "" "q.hinge,q.rail" "0,0" "" "0.5,1"
+[ "$(wc -l <out)" -eq 3 ] || fail "two rows in, not two out"
+[ "$(sed -n 1p out)" = tau.rail,tau.hinge ] || fail "names of gravity's results"
+[ "$(sed -n 2p out)" = 0,0 ] || fail "gravity of a hanging pole"
+eval_row 0 "" "q.hinge,q.rail"
+eval_row 1 "no header: the table is empty"
+eval_row 1 "row 1: column 'q.hinge' is missing (--layout prints all)" "q.rail" "0"
+eval_row 1 "row 1: column 'q.rail' stands twice" "q.rail,q.hinge,q.rail" "0,0,0"
+eval_row 1 "row 3: column 'q.rail': 'one' is not a finite number" "q.rail,q.hinge" "0,0" "one,0"
+eval_row 1 "row 2: column 'q.hinge': 'nan' is not a finite number" "q.rail,q.hinge" "0,nan"
+eval_row 1 "row 2: column 'q.hinge': '' is not a finite number" "q.rail,q.hinge" "0,"
+eval_row 1 "row 2: it has 1 cells, the header 2" "q.rail,q.hinge" "0"
+eval_row 1 "row 2: it has 3 cells, the header 2" "q.rail,q.hinge" "0,0,0"
+eval_row 1 "row 2: a quote is not closed" "q.rail,q.hinge" '0,"0'
+eval_row 1 "row 2: something follows a closing quote" "q.rail,q.hinge" '0,"0"0'
+expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" \
+    "$rbd_eval" --model mass_negative.urdf --algorithm id
+
+# a singular system is named: two joints on one axis with nothing between
+cat >singular.urdf <<'END'
+<robot name="singular"><link name="a"/><link name="b"/><link name="c"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>
+END
+printf 'q.j,q.k,v.j,v.k,tau.j,tau.k\n1,2,3,4,5,6\n' >table
+"$rbd_eval" --model singular.urdf --algorithm fd <table >out 2>err && fail "a singular system gave a result"
+grep -q "^rbd-eval: row 2: the mass matrix is singular, at [jk]$" err || { fail "singular"; cat err; }
+
+# names of a floating base
+"$rbd_eval" --model hyq.urdf --floating --algorithm fd --layout >layout || fail "--layout"
+[ "$(sed -n 's/^takes q.root.//p' layout | paste -sd' ' -)" = "x y z qx qy qz qw" ] || fail "coordinates of root"
+[ "$(sed -n 's/^takes v.root.//p' layout | paste -sd' ' -)" = "wx wy wz vx vy vz" ] || fail "velocity of root"
+[ "$(sed -n 's/^gives a.root.//p' layout | paste -sd' ' -)" = "wx wy wz vx vy vz" ] || fail "acceleration of root"
+[ "$(wc -l <layout)" -eq $((19 + 18 + 18 + 18)) ] || fail "length of the layout"
+
+exit $failed

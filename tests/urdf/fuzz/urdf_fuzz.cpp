@@ -1,0 +1,70 @@
+/* urdf_fuzz.cpp - libFuzzer's target over the loader: whatever the text, it returns, and what it calls good
+   is a model that rbd_model_build takes and whose results are finite. The first byte chooses options. Run by:
+   ./run fuzz [SECONDS] */
+#define RBD_STATIC
+#define RBD_IMPLEMENTATION
+#define RBD_URDF_IMPLEMENTATION
+#include "rbd_urdf.h"
+
+static void require(bool condition) {
+    if (!condition)
+        __builtin_trap();
+}
+
+static bool moderate(const rbd_body *bodies, int nb) {
+    for (int i = 0; i < nb; i++) {
+        const rbd_body &b = bodies[i];
+        const double x[] = {b.mass,        b.com[0],      b.com[1],       b.com[2],
+                            b.position[0], b.position[1], b.position[2],  b.inertia[0],
+                            b.inertia[1],  b.inertia[2],  b.inertia[3],   b.inertia[4],
+                            b.inertia[5],  b.mimic_ratio, b.mimic_offset, b.armature[0]};
+        for (double value : x)
+            if (!(std::fabs(value) < 1e6))
+                return false;
+    }
+    return true;
+}
+
+/* Inverse dynamics of a state: numbers of a sensible size give finite torques. */
+static void compute(const rbd_body *bodies, int nb) {
+    std::vector<unsigned char> memory(rbd_model_size(bodies, nb)), scratch;
+    const rbd_model *m;
+    rbd_work *w;
+    uint64_t seed = 1;
+    require(rbd_model_build(bodies, nb, memory.data(), memory.size(), &m, NULL) == RBD_OK);
+    scratch.resize(rbd_work_size(m));
+    require(rbd_work_init(m, scratch.data(), scratch.size(), &w) == RBD_OK);
+    const size_t nv = (size_t)rbd_nv(m);
+    std::vector<double> q((size_t)rbd_nq(m) + 1), v(nv + 1, 1), tau(nv + 1);
+    rbd_random(m, &seed, q.data());
+    require(rbd_rnea(m, w, q.data(), v.data(), v.data(), NULL, tau.data()) == RBD_OK);
+    if (!moderate(bodies, nb))
+        return;
+    for (size_t i = 0; i < nv; i++)
+        require(std::isfinite(tau[i]));
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    if (size == 0)
+        return 0;
+    rbd_urdf_options options = {};
+    options.root = data[0] & 1 ? RBD_FLOATING : RBD_FIXED;
+    options.keep_all = data[0] >> 1 & 1;
+    options.strict = (data[0] >> 2 & 7) == 7;
+    const char *text = (const char *)data + 1;
+    rbd_urdf robot = {};
+    const rbd_urdf_status counted = rbd_urdf_parse(text, size - 1, &options, &robot);
+    require((counted == RBD_URDF_OK) == (robot.error.text[0] == 0));
+    require(counted != RBD_URDF_ERR_PARSER); /* what urdfdom refuses, our checks must have refused before */
+    if (counted != RBD_URDF_OK)
+        return 0;
+    std::vector<rbd_body> bodies((size_t)robot.nb);
+    std::vector<rbd_urdf_frame> frames((size_t)robot.nframes);
+    std::vector<char> names(robot.names_size);
+    robot.bodies = bodies.data(), robot.bodies_max = robot.nb;
+    robot.frames = frames.data(), robot.frames_max = robot.nframes;
+    robot.names = names.data(), robot.names_max = robot.names_size;
+    require(rbd_urdf_parse(text, size - 1, &options, &robot) == RBD_URDF_OK);
+    compute(robot.bodies, robot.nb);
+    return 0;
+}

@@ -1,0 +1,183 @@
+/* test_eval.c - the command rbd-eval, end to end, against the stored reference results: the robots' URDF
+   files in, tables through pipes, columns in another order. In the environment: RBD_ROOT, the folder of the
+   project; RBD_EVAL, the command. */
+#define _POSIX_C_SOURCE 200809L
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "rbd.h"
+
+#include "../reference.h"
+
+enum { MAX_OUT = 4000, STATES = 2, MAX_LINE = 200000 };
+
+static const char *const robots[] = {"iiwa", "hyq", "atlas"};
+
+static const ref_model *find_reference(const char *name) {
+    for (int i = 0; i < reference_count; i++)
+        if (strcmp(reference_model(i)->name, name) == 0)
+            return reference_model(i);
+    ck_abort_msg("no reference of %s", name);
+    return NULL;
+}
+
+/* "rbd-eval --model ... --algorithm ..." as a line for the shell. */
+static const char *command_line(const ref_model *model, const ref_state *s, const char *algorithm) {
+    static char line[2000];
+    snprintf(line, sizeof line,
+             "'%s' --model '%s/models/%s.urdf' %s --gravity=%.17g,%.17g,%.17g --algorithm %s",
+             getenv("RBD_EVAL"), getenv("RBD_ROOT"), model->name,
+             model->bodies[0].type == RBD_FLOATING ? "--floating" : "", s->gravity[0], s->gravity[1],
+             s->gravity[2], algorithm);
+    return line;
+}
+
+/* ---- a table of states, by the names of --layout ---- */
+
+typedef struct names {
+    char name[200][64];
+    int n;
+} names;
+
+static names names_taken(const char *command) {
+    static char line[3000];
+    names taken = {.n = 0};
+    FILE *layout;
+    snprintf(line, sizeof line, "%s --layout", command);
+    layout = popen(line, "r");
+    ck_assert(layout != NULL);
+    while (fgets(line, sizeof line, layout))
+        if (sscanf(line, "takes %63s", taken.name[taken.n]) == 1)
+            ck_assert_int_lt(++taken.n, 200);
+    ck_assert_int_eq(pclose(layout), 0);
+    return taken;
+}
+
+/* The value of column i among those taken: they stand in the order of q, v, then a or tau. */
+static double value(const ref_model *model, const ref_state *s, const char *name, int i) {
+    if (i < model->nq)
+        return s->q[i];
+    i -= model->nq;
+    if (i < model->nv)
+        return s->v[i];
+    return name[0] == 'a' ? s->vdot[i - model->nv] : s->tau[i - model->nv];
+}
+
+/* Writes the table to a file: the columns from the last to the first, and one that nobody asked for. */
+static void write_table(const char *path, const ref_model *model, const ref_state *s, const names *taken) {
+    FILE *table = fopen(path, "w");
+    ck_assert(table != NULL);
+    for (int i = taken->n; i-- > 0;)
+        fprintf(table, "%s,", taken->name[i]);
+    fprintf(table, "remark\r\n\r\n");
+    for (int i = taken->n; i-- > 0;)
+        fprintf(table, " %.17g,", value(model, s, taken->name[i], i));
+    fprintf(table, "none\r\n\n");
+    ck_assert_int_eq(fclose(table), 0);
+}
+
+/* Runs the command on the table; returns how many numbers the one row of results has. */
+static int run(const char *command, const char *path, double *out) {
+    static char line[MAX_LINE];
+    FILE *results;
+    int n = 0;
+    snprintf(line, sizeof line, "%s <'%s'", command, path);
+    results = popen(line, "r");
+    ck_assert(results && fgets(line, sizeof line, results)); /* names */
+    ck_assert(fgets(line, sizeof line, results) != NULL);
+    for (char *cell = strtok(line, ",\n"); cell; cell = strtok(NULL, ",\n")) {
+        ck_assert_int_lt(n, MAX_OUT);
+        out[n++] = strtod(cell, NULL);
+    }
+    ck_assert_ptr_null(fgets(line, sizeof line, results));
+    ck_assert_int_eq(pclose(results), 0);
+    return n;
+}
+
+static int evaluate(const ref_model *model, const ref_state *s, const char *algorithm, double *out) {
+    char path[] = "/tmp/rbd_eval_XXXXXX", command[2000];
+    const int file = mkstemp(path);
+    names taken;
+    int n;
+    ck_assert_int_ge(file, 0);
+    close(file);
+    snprintf(command, sizeof command, "%s", command_line(model, s, algorithm));
+    taken = names_taken(command);
+    write_table(path, model, s, &taken);
+    n = run(command, path, out);
+    unlink(path);
+    return n;
+}
+
+/* ---- results ---- */
+
+static void expect(const ref_model *model, const char *what, const double *found, const double *expected,
+                   int n, double bound) {
+    double scale = 1e-3;
+    for (int i = 0; i < n; i++)
+        scale = fmax(scale, fabs(expected[i]));
+    for (int i = 0; i < n; i++)
+        ck_assert_msg(fabs(found[i] - expected[i]) <= bound * scale, "%s, %s, number %d: %.17g, not %.17g",
+                      model->name, what, i, found[i], expected[i]);
+}
+
+static void check_dynamics(const ref_model *model, const ref_state *s) {
+    static double out[MAX_OUT];
+    const int nv = model->nv;
+    const double inverse = fmax(1e-11, 1e-15 * s->cond_M);
+    ck_assert_int_eq(evaluate(model, s, "id", out), nv);
+    expect(model, "id", out, s->tau_rnea, nv, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "mm", out), nv * nv);
+    expect(model, "mm", out, s->M, nv * nv, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "fd", out), nv);
+    expect(model, "fd", out, s->qdd, nv, inverse);
+    ck_assert_int_eq(evaluate(model, s, "fd_cholesky", out), nv);
+    expect(model, "fd_cholesky", out, s->qdd, nv, inverse);
+    ck_assert_int_eq(evaluate(model, s, "bias", out), nv);
+    expect(model, "bias", out, s->c, nv, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "gravity", out), nv);
+    expect(model, "gravity", out, s->g, nv, 1e-11);
+}
+
+static void check_kinematics(const ref_model *model, const ref_state *s) {
+    static double out[MAX_OUT];
+    const double energy[2] = {s->kinetic, s->potential};
+    ck_assert_int_eq(evaluate(model, s, "energy", out), 2);
+    expect(model, "energy", out, energy, 2, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "com", out), 6);
+    expect(model, "com", out, s->com, 3, 1e-11);
+    expect(model, "velocity of com", out + 3, s->com_vel, 3, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "pose", out), 12 * model->nb);
+    for (int b = 0; b < model->nb; b++) {
+        expect(model, "position", out + 12 * b, s->body_p + 3 * b, 3, 1e-11);
+        expect(model, "rotation", out + 12 * b + 3, s->body_R + 9 * b, 9, 1e-11);
+    }
+}
+
+START_TEST(rbd_eval_gives_the_reference_results) {
+    const ref_model *model = find_reference(robots[_i]);
+    for (int k = 0; k < STATES; k++) {
+        check_dynamics(model, &model->states[k]);
+        check_kinematics(model, &model->states[k]);
+    }
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("eval");
+    TCase *c = tcase_create("eval");
+    SRunner *runner;
+    int failed;
+    tcase_set_timeout(c, 120);
+    tcase_add_loop_test(c, rbd_eval_gives_the_reference_results, 0, (int)(sizeof robots / sizeof *robots));
+    suite_add_tcase(suite, c);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

@@ -1,0 +1,711 @@
+/* test_urdf.c - rbd_urdf.h: what it makes of good, odd and broken URDF files.
+   usage: test_urdf, with the folder of the project in the environment as RBD_ROOT. */
+#define _POSIX_C_SOURCE 200809L
+#include <check.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "rbd_urdf.h"
+
+#include "models/atlas.h"
+#include "models/cart_pole.h"
+#include "models/double_pendulum.h"
+#include "models/hyq.h"
+#include "models/iiwa.h"
+#include "models/pendulum.h"
+
+#include "comma_locale.h"
+
+enum { MAX_NB = 60, MAX_FRAMES = 60, MAX_NAMES = 10000, MAX_WARNINGS = 40, MAX_NV = 64 };
+
+/* ---- robots ---- */
+
+/* Arrays for a robot that is loaded. */
+typedef struct room {
+    rbd_body bodies[MAX_NB];
+    rbd_urdf_frame frames[MAX_FRAMES];
+    rbd_urdf_finding warnings[MAX_WARNINGS];
+    char names[MAX_NAMES];
+} room;
+
+static rbd_urdf with_room(room *x) {
+    rbd_urdf robot;
+    memset(&robot, 0, sizeof robot);
+    robot.bodies = x->bodies, robot.bodies_max = MAX_NB;
+    robot.names = x->names, robot.names_max = MAX_NAMES;
+    robot.frames = x->frames, robot.frames_max = MAX_FRAMES;
+    robot.warnings = x->warnings, robot.warnings_max = MAX_WARNINGS;
+    return robot;
+}
+
+static rbd_urdf_status parse(rbd_urdf *robot, const char *text, const rbd_urdf_options *options) {
+    return rbd_urdf_parse(text, strlen(text), options, robot);
+}
+
+/* Parses what must be good. */
+static rbd_urdf parsed(room *x, const char *text, const rbd_urdf_options *options) {
+    rbd_urdf robot = with_room(x);
+    ck_assert_msg(parse(&robot, text, options) == RBD_URDF_OK, "%s", robot.error.text);
+    return robot;
+}
+
+static const char *path_of(const char *folder, const char *name, const char *suffix) {
+    static char path[1000];
+    snprintf(path, sizeof path, "%s/%s/%s%s", getenv("RBD_ROOT"), folder, name, suffix);
+    return path;
+}
+
+/* ---- texts ---- */
+
+#define LINK(name) "<link name='" name "'/>"
+#define UNIT_LINK(name)                                                                                      \
+    "<link name='" name "'><inertial><mass value='1'/>"                                                      \
+    "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+#define JOINT(name, type, parent, child, inside)                                                             \
+    "<joint name='" name "' type='" type "'><parent link='" parent "'/><child link='" child "'/>" inside     \
+    "</joint>"
+#define LIMIT "<limit lower='-1' upper='2' velocity='3' effort='4'/>"
+#define ROBOT(inside) "<robot name='r'>" inside "</robot>"
+
+/* ---- results of a model ---- */
+
+typedef struct results {
+    int nq, nv;
+    double tau[MAX_NV], M[MAX_NV * MAX_NV], a[MAX_NV], energy[2], com[3];
+} results;
+
+/* All that two descriptions of one robot must agree on, in one random state. */
+static results compute(const rbd_body *bodies, int nb, uint64_t seed) {
+    static results out;
+    double q[MAX_NV + 8], v[MAX_NV], a[MAX_NV];
+    const rbd_model *m;
+    rbd_work *w;
+    size_t size = rbd_model_size(bodies, nb);
+    void *memory = malloc(size), *work;
+    memset(&out, 0, sizeof out);
+    ck_assert_int_eq(rbd_model_build(bodies, nb, memory, size, &m, NULL), RBD_OK);
+    out.nq = rbd_nq(m), out.nv = rbd_nv(m);
+    ck_assert_int_le(out.nv, MAX_NV);
+    work = malloc(rbd_work_size(m));
+    ck_assert_int_eq(rbd_work_init(m, work, rbd_work_size(m), &w), RBD_OK);
+    rbd_random(m, &seed, q);
+    for (int i = 0; i < out.nv; i++) {
+        v[i] = cos(i + (double)seed);
+        a[i] = 3 * sin(2 * i + (double)seed);
+    }
+    ck_assert_int_eq(rbd_rnea(m, w, q, v, a, NULL, out.tau), RBD_OK);
+    ck_assert_int_eq(rbd_crba(m, w, q, out.M), RBD_OK);
+    ck_assert_int_eq(rbd_aba(m, w, q, v, out.tau, NULL, out.a), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(m, w, q, v, a), RBD_OK);
+    rbd_energy(m, w, &out.energy[0], &out.energy[1]);
+    rbd_com(m, w, out.com, NULL, NULL);
+    free(memory);
+    free(work);
+    return out;
+}
+
+static void expect_close(const char *what, const double *x, const double *y, int n, double bound) {
+    double scale = 1e-3;
+    for (int i = 0; i < n; i++)
+        scale = fmax(scale, fabs(y[i]));
+    for (int i = 0; i < n; i++)
+        ck_assert_msg(fabs(x[i] - y[i]) <= bound * scale, "%s[%d]: %.17g, not %.17g", what, i, x[i], y[i]);
+}
+
+static void expect_same_results(const rbd_body *x, int nx, const rbd_body *y, int ny) {
+    for (uint64_t seed = 1; seed <= 5; seed++) {
+        const results a = compute(x, nx, seed), b = compute(y, ny, seed);
+        ck_assert_int_eq(a.nv, b.nv);
+        expect_close("tau", a.tau, b.tau, a.nv, 1e-13);
+        expect_close("M", a.M, b.M, a.nv * a.nv, 1e-13);
+        expect_close("a", a.a, b.a, a.nv, 1e-11);
+        expect_close("energy", a.energy, b.energy, 2, 1e-13);
+        expect_close("com", a.com, b.com, 3, 1e-13);
+    }
+}
+
+/* ---- the robots of models/ ---- */
+
+static const struct {
+    const char *name;
+    const rbd_body *bodies;
+    int nb;
+    rbd_joint_type root;
+} tables[] = {
+    {"iiwa", iiwa_bodies, IIWA_NB, RBD_FIXED},
+    {"hyq", hyq_bodies, HYQ_NB, RBD_FLOATING},
+    {"atlas", atlas_bodies, ATLAS_NB, RBD_FLOATING},
+    {"pendulum", pendulum_bodies, PENDULUM_NB, RBD_FIXED},
+    {"double_pendulum", double_pendulum_bodies, DOUBLE_PENDULUM_NB, RBD_FIXED},
+    {"cart_pole", cart_pole_bodies, CART_POLE_NB, RBD_FIXED},
+};
+enum { TABLES = sizeof tables / sizeof tables[0] };
+
+START_TEST(urdf_files_give_the_bits_of_the_tables) {
+    static room x;
+    rbd_urdf_options options = {.root = tables[_i].root};
+    rbd_urdf robot = with_room(&x);
+    rbd_urdf_load(path_of("models", tables[_i].name, ".urdf"), &options, &robot);
+    ck_assert_msg(robot.error.status == RBD_URDF_OK, "%s", robot.error.text);
+    ck_assert_str_eq(robot.name, tables[_i].name);
+    ck_assert_int_eq(robot.nwarnings, 0);
+    ck_assert_int_eq(robot.nb, tables[_i].nb);
+    for (int i = 0; i < robot.nb; i++) {
+        ck_assert_str_eq(robot.bodies[i].name, tables[_i].bodies[i].name);
+        ck_assert_str_eq(robot.bodies[i].joint, tables[_i].bodies[i].joint);
+        ck_assert_int_eq(robot.bodies[i].parent, tables[_i].bodies[i].parent);
+        ck_assert_int_eq(robot.bodies[i].type, tables[_i].bodies[i].type);
+        ck_assert_double_eq(robot.bodies[i].lower, tables[_i].bodies[i].lower);
+        ck_assert_double_eq(robot.bodies[i].upper, tables[_i].bodies[i].upper);
+        ck_assert_double_eq(robot.bodies[i].velocity, tables[_i].bodies[i].velocity);
+        ck_assert_double_eq(robot.bodies[i].effort, tables[_i].bodies[i].effort);
+    }
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        const results a = compute(robot.bodies, robot.nb, seed),
+                      b = compute(tables[_i].bodies, robot.nb, seed);
+        ck_assert_int_eq(memcmp(&a, &b, sizeof a), 0);
+    }
+}
+END_TEST
+
+/* ---- broken files ---- */
+
+static int count_files(const char *folder) {
+    char command[1100];
+    int n = 0;
+    FILE *list;
+    snprintf(command, sizeof command, "ls %s | grep -c '[.]urdf$'", path_of(folder, "", ""));
+    list = popen(command, "r");
+    ck_assert(list && fscanf(list, "%d", &n) == 1);
+    pclose(list);
+    return n;
+}
+
+/* broken/expected.txt has a row for each file: name|line|text of the error. */
+START_TEST(broken_files_give_the_sentence_expected) {
+    char row[600], path[1000];
+    int rows = 0;
+    FILE *expected;
+    snprintf(path, sizeof path, "%s", path_of("tests/urdf/broken", "expected.txt", ""));
+    expected = fopen(path, "r");
+    ck_assert(expected != NULL);
+    for (; fgets(row, sizeof row, expected); rows++) {
+        static room x;
+        rbd_urdf robot = with_room(&x);
+        const char *file = strtok(row, "|"), *line = strtok(NULL, "|"), *text = strtok(NULL, "\n");
+        ck_assert_int_lt(rbd_urdf_load(path_of("tests/urdf/broken", file, ""), NULL, &robot), 0);
+        ck_assert_msg(strcmp(robot.error.text, text) == 0, "%s: %s", file, robot.error.text);
+        ck_assert_msg(robot.error.line == atoi(line), "%s: line %d", file, robot.error.line);
+        ck_assert_str_ne(rbd_urdf_status_string(robot.error.status), "unknown status");
+        ck_assert_int_eq(robot.nb, 0);
+    }
+    fclose(expected);
+    ck_assert_int_eq(rows, count_files("tests/urdf/broken"));
+}
+END_TEST
+
+static const struct {
+    const char *text;
+    rbd_urdf_status status;
+} kinds[] = {
+    {"", RBD_URDF_ERR_XML},
+    {"<sdf/>", RBD_URDF_ERR_ROBOT},
+    {"<robot/>", RBD_URDF_ERR_NAME},
+    {ROBOT(LINK("a") LINK("b")), RBD_URDF_ERR_TREE},
+    {ROBOT(LINK("a") LINK("b") JOINT("j", "knee", "a", "b", "")), RBD_URDF_ERR_JOINT},
+    {ROBOT("<link name='a'><inertial/></link>"), RBD_URDF_ERR_INERTIAL},
+    {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 0'/>")),
+     RBD_URDF_ERR_AXIS},
+    {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 x'/>")),
+     RBD_URDF_ERR_NUMBER},
+    {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<mimic joint='k'/>")),
+     RBD_URDF_ERR_MIMIC},
+    {ROBOT(LINK("a") LINK("b") JOINT("j", "continuous", "a", "b", "")), RBD_URDF_ERR_MODEL},
+};
+
+START_TEST(errors_have_their_status) {
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, kinds[_i].text, NULL), kinds[_i].status);
+    ck_assert_int_eq(robot.error.status, kinds[_i].status);
+}
+END_TEST
+
+START_TEST(arguments_are_checked) {
+    static room x;
+    static const char good[] = ROBOT(LINK("a") UNIT_LINK("b") JOINT("root", "continuous", "a", "b", ""));
+    const char *const keep[] = {"b", "c", NULL};
+    const double gravity[3] = {0, 0, NAN};
+    rbd_urdf_options options = {.keep = keep};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(rbd_urdf_load("r.urdf", NULL, NULL), RBD_URDF_ERR_NULL);
+    ck_assert_int_eq(rbd_urdf_load(NULL, NULL, &robot), RBD_URDF_ERR_NULL);
+    ck_assert_int_eq(rbd_urdf_parse(NULL, 3, NULL, &robot), RBD_URDF_ERR_NULL);
+    ck_assert_int_eq(rbd_urdf_load("/no/such.urdf", NULL, &robot), RBD_URDF_ERR_FILE);
+    ck_assert_str_eq(robot.error.text, "the file '/no/such.urdf' cannot be read");
+    ck_assert_int_eq(rbd_urdf_load("/", NULL, &robot), RBD_URDF_ERR_FILE);
+    ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_ERR_OPTION);
+    ck_assert_str_eq(robot.error.text, "there is no link 'c' to keep");
+    options = (rbd_urdf_options){.gravity = gravity};
+    ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_ERR_OPTION);
+    options = (rbd_urdf_options){.root = RBD_SPHERICAL};
+    ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_ERR_OPTION);
+    options = (rbd_urdf_options){.root = RBD_FLOATING};
+    ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_ERR_NAME);
+    options.root_joint = "free";
+    ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_OK);
+    ck_assert_str_eq(robot.bodies[0].joint, "free");
+}
+END_TEST
+
+/* A text of n times the unit, in memory of its own. */
+static char *repeated(const char *head, const char *unit, int n, const char *tail) {
+    const size_t length = strlen(unit);
+    char *text = malloc(strlen(head) + length * (size_t)n + strlen(tail) + 1), *p = text;
+    p += sprintf(p, "%s", head);
+    for (int i = 0; i < n; i++, p += length)
+        memcpy(p, unit, length);
+    strcpy(p, tail);
+    return text;
+}
+
+START_TEST(deep_nesting_is_an_error_and_no_crash) {
+    static room x;
+    static const char *const openings[] = {"<a>", "<a b='/>'>", "<a><!-- </a> -->", "<a><![CDATA[</a>]]>"};
+    rbd_urdf robot = with_room(&x);
+    char *text = repeated("<robot name='r'>", openings[_i], 100000, "");
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_XML);
+    ck_assert_str_eq(robot.error.text, "elements are nested more than 100 deep");
+    free(text);
+}
+END_TEST
+
+/* Links fixed one to another, 100,000 of them: neither the parser nor its end may recurse along them. */
+START_TEST(long_chains_are_no_crash) {
+    enum { LINKS = 100000 };
+    char *text = malloc((size_t)LINKS * 150 + 500), *p = text;
+    rbd_urdf robot;
+    memset(&robot, 0, sizeof robot);
+    p += sprintf(p, "<robot name='r'>" LINK("base"));
+    for (int i = 0; i < LINKS; i++)
+        p += sprintf(p, "<link name='%d'/>", i);
+    for (int i = 1; i < LINKS; i++)
+        p += sprintf(p, JOINT("%d", "fixed", "%d", "%d", ""), i, i - 1, i);
+    sprintf(p,
+            UNIT_LINK("end") JOINT("a", "continuous", "base", "0", "")
+                JOINT("b", "fixed", "%d", "end", "") "</robot>",
+            LINKS - 1);
+    ck_assert_msg(parse(&robot, text, NULL) == RBD_URDF_OK, "%s", robot.error.text);
+    ck_assert_int_eq(robot.nb, 1);
+    ck_assert_int_eq(robot.nframes, LINKS + 2);
+    free(text);
+}
+END_TEST
+
+START_TEST(too_many_bodies_are_an_error) {
+    char *text = malloc(1001 * 400 + 100), *p = text;
+    rbd_urdf robot;
+    memset(&robot, 0, sizeof robot);
+    p += sprintf(p, "<robot name='r'>" LINK("base"));
+    for (int i = 0; i < 1001; i++)
+        p += sprintf(p, UNIT_LINK("%d") JOINT("%d", "continuous", "base", "%d", ""), i, i, i);
+    sprintf(p, "</robot>");
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_MODEL);
+    ck_assert_str_eq(robot.error.text, "the model: the number of bodies is below 1 or above RBD_MAX_BODIES");
+    free(text);
+}
+END_TEST
+
+/* ---- counting and room ---- */
+
+START_TEST(the_first_call_counts) {
+    static room x;
+    rbd_urdf count, full = with_room(&x);
+    memset(&count, 0, sizeof count);
+    const char *path = path_of("models", "atlas", ".urdf");
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &count), RBD_URDF_OK);
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &full), RBD_URDF_OK);
+    ck_assert_int_eq(count.nb, 30);
+    ck_assert_int_eq(count.nb, full.nb);
+    ck_assert_int_eq(count.nframes, 31);
+    ck_assert_uint_eq(count.names_size, full.names_size);
+    ck_assert_ptr_null(count.name);
+
+    full.names_max = count.names_size; /* exactly enough is enough */
+    full.bodies_max = count.nb;
+    full.frames_max = count.nframes;
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &full), RBD_URDF_OK);
+    full.bodies_max--;
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &full), RBD_URDF_ERR_ROOM);
+    ck_assert_str_eq(full.error.text, "room for 30 bodies is needed");
+    full.bodies_max++, full.names_max--;
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &full), RBD_URDF_ERR_ROOM);
+    full.names_max++, full.frames_max--;
+    ck_assert_int_eq(rbd_urdf_load(path, NULL, &full), RBD_URDF_ERR_ROOM);
+    ck_assert_str_eq(full.error.text, "room for 31 frames is needed");
+}
+END_TEST
+
+/* ---- what becomes of links and joints ---- */
+
+START_TEST(the_order_is_that_of_the_file_but_parents_go_first) {
+    static room x;
+    rbd_urdf robot =
+        parsed(&x,
+               ROBOT(UNIT_LINK("d") UNIT_LINK("c") LINK("a") UNIT_LINK("b") UNIT_LINK("e")
+                         JOINT("cd", "continuous", "c", "d", "") JOINT("ae", "continuous", "a", "e", "")
+                             JOINT("ab", "continuous", "a", "b", "") JOINT("bc", "continuous", "b", "c", "")),
+               NULL);
+    const char *const order[] = {"ae", "ab", "bc", "cd"};
+    ck_assert_int_eq(robot.nb, 4);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_str_eq(robot.bodies[i].joint, order[i]);
+        ck_assert_int_eq(rbd_urdf_joint(&robot, order[i]), i);
+    }
+    ck_assert_int_eq(rbd_urdf_joint(&robot, "ba"), -1);
+    ck_assert_int_eq(rbd_urdf_joint(&robot, NULL), -1);
+    ck_assert_int_eq(robot.bodies[3].parent, 2);
+}
+END_TEST
+
+START_TEST(joints_keep_type_axis_limits_and_dynamics) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") UNIT_LINK("e")
+                  JOINT("r", "revolute", "a", "b",
+                        "<axis xyz='0 1 0'/>" LIMIT "<dynamics damping='0.5' friction='0.25' armature='2'/>")
+                      JOINT("c", "continuous", "b", "c", LIMIT "<dynamics armature='3'/>")
+                          JOINT("p", "prismatic", "c", "d", "<axis xyz='0 0 -1'/>" LIMIT)
+                              JOINT("f", "floating", "d", "e", "<origin xyz='1 2 3'/>")),
+        NULL);
+    const rbd_body *b = robot.bodies;
+    ck_assert_int_eq(b[0].type, RBD_REVOLUTE);
+    ck_assert(b[0].axis[0] == 0 && b[0].axis[1] == 1 && b[0].axis[2] == 0);
+    ck_assert(b[0].lower == -1 && b[0].upper == 2 && b[0].velocity == 3 && b[0].effort == 4);
+    ck_assert(b[0].damping[0] == 0.5 && b[0].friction[0] == 0.25 && b[0].armature[0] == 2);
+    ck_assert_int_eq(b[1].type, RBD_CONTINUOUS);
+    ck_assert(b[1].axis[0] == 1 && b[1].axis[1] == 0 && b[1].axis[2] == 0); /* URDF's default */
+    ck_assert(b[1].lower == 0 && b[1].upper == 0 && b[1].velocity == 3 && b[1].effort == 4);
+    ck_assert(b[1].armature[0] == 3 && b[1].damping[0] == 0);
+    ck_assert_int_eq(b[2].type, RBD_PRISMATIC);
+    ck_assert(b[2].axis[2] == -1 && b[2].lower == -1 && b[2].upper == 2);
+    ck_assert_int_eq(b[3].type, RBD_FLOATING);
+    ck_assert(b[3].position[0] == 1 && b[3].position[1] == 2 && b[3].position[2] == 3);
+    ck_assert_int_eq(robot.nwarnings, 0);
+}
+END_TEST
+
+START_TEST(mimic_joints_follow_through_others) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d")
+                  JOINT("k", "continuous", "a", "b", "<mimic joint='j' multiplier='2' offset='0.5'/>")
+                      JOINT("j", "continuous", "b", "c", "<mimic joint='i' multiplier='-3' offset='0.25'/>")
+                          JOINT("i", "continuous", "c", "d", "")),
+        NULL);
+    /* k = 2 j + 0.5 = 2 (-3 i + 0.25) + 0.5 */
+    ck_assert_str_eq(robot.bodies[0].mimic, "i");
+    ck_assert_double_eq(robot.bodies[0].mimic_ratio, -6);
+    ck_assert_double_eq(robot.bodies[0].mimic_offset, 1);
+    ck_assert_str_eq(robot.bodies[1].mimic, "i");
+    ck_assert_double_eq(robot.bodies[1].mimic_ratio, -3);
+    ck_assert_ptr_null(robot.bodies[2].mimic);
+}
+END_TEST
+
+/* Several levels of fixed links with inertias turned about, on a moving link and on the world. */
+#define HEAVY(name, m, xyz, rpy)                                                                             \
+    "<link name='" name "'><inertial><origin xyz='" xyz "' rpy='" rpy "'/><mass value='" m "'/>"             \
+    "<inertia ixx='0.3' ixy='0.01' ixz='-0.02' iyy='0.25' iyz='0.03' izz='0.2'/></inertial></link>"
+static const char fixed_links[] = ROBOT(
+    HEAVY("base", "5", "0 0 0", "0 0 0") HEAVY("arm", "2", "0.1 0.2 0.3", "0.4 0.5 0.6") HEAVY(
+        "plate", "3", "-0.2 0.1 0", "1 -1 2") LINK("bracket") HEAVY("tool", "0.5", "0 0 0.1", "0 0 0")
+        HEAVY("hand", "1", "0 0.1 0", "0 1 0") HEAVY("pedestal", "7", "0 0 0", "0 0 0") JOINT(
+            "b", "fixed", "plate", "bracket", "<origin xyz='0.1 0 0' rpy='0.3 0.2 0.1'/><axis xyz='0 0 0'/>")
+            JOINT("t", "fixed", "bracket", "tool", "<origin xyz='0 0.2 0' rpy='1 0 0'/>")
+                JOINT("s", "revolute", "pedestal", "arm", "<axis xyz='0 1 0'/>" LIMIT)
+                    JOINT("p", "fixed", "arm", "plate", "<origin xyz='0 0 1' rpy='0 1.5707963267948966 0'/>")
+                        JOINT("h", "prismatic", "tool", "hand", "<origin xyz='1 1 1'/>" LIMIT)
+                            JOINT("w", "fixed", "base", "pedestal", "<origin xyz='0 0 0.5'/>"));
+
+START_TEST(fixed_links_are_merged_or_kept_with_the_same_dynamics) {
+    static room x, y;
+    const rbd_urdf_options all = {.keep_all = 1};
+    rbd_urdf merged = parsed(&x, fixed_links, NULL), kept = parsed(&y, fixed_links, &all);
+    ck_assert_int_eq(merged.nb, 2);
+    ck_assert_int_eq(kept.nb, 7);
+    ck_assert_int_eq(merged.nframes, 7);
+    ck_assert_double_eq(merged.fixed_mass, 12);
+    ck_assert_double_eq(kept.fixed_mass, 12);
+    ck_assert_double_eq_tol(merged.bodies[0].mass, 5.5, 1e-15);
+    expect_same_results(merged.bodies, merged.nb, kept.bodies, kept.nb);
+}
+END_TEST
+
+START_TEST(a_tool_frame_can_be_asked_for_by_name) {
+    static room x, y;
+    const char *const keep[] = {"tool", NULL};
+    const rbd_urdf_options options = {.keep = keep};
+    static unsigned char memory[RBD_MODEL_SIZE(4)], work[RBD_WORK_SIZE(4, 4)];
+    const double q[2] = {0.7, 0.3};
+    double R[9], p[3], own[9], origin[3];
+    const rbd_model *m;
+    rbd_work *w;
+    rbd_urdf kept = parsed(&x, fixed_links, &options), merged = parsed(&y, fixed_links, NULL);
+    const rbd_urdf_frame *f = &merged.frames[rbd_urdf_link(&merged, "tool")];
+    ck_assert_int_eq(kept.nb, 3);
+    ck_assert_int_eq(rbd_urdf_link(&merged, "nothing"), -1);
+    ck_assert_int_eq(rbd_model_build(kept.bodies, kept.nb, memory, sizeof memory, &m, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_work_init(m, work, sizeof work, &w), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(m, w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(m, w, rbd_body_index(m, "tool"), R, p), RBD_OK);
+    /* the same from the frame of the merged description, on body 0, the arm */
+    ck_assert_int_eq(f->body, 0);
+    ck_assert_str_eq(f->joint, "t");
+    ck_assert_str_eq(merged.frames[f->parent].link, "bracket");
+    ck_assert_int_eq(rbd_body_pose(m, w, rbd_body_index(m, "arm"), own, origin), RBD_OK);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            ck_assert_double_eq_tol(R[3 * i + j],
+                                    own[3 * i] * f->rotation[j] + own[3 * i + 1] * f->rotation[3 + j] +
+                                        own[3 * i + 2] * f->rotation[6 + j],
+                                    1e-15);
+        ck_assert_double_eq_tol(p[i],
+                                origin[i] + own[3 * i] * f->position[0] + own[3 * i + 1] * f->position[1] +
+                                    own[3 * i + 2] * f->position[2],
+                                1e-15);
+    }
+}
+END_TEST
+
+/* Where a planar joint about an axis puts its link, at q = (1, 2, pi/2). */
+static void planar_pose(const char *axis, double R[9], double p[3]) {
+    static room x;
+    static unsigned char memory[RBD_MODEL_SIZE(2)], work[RBD_WORK_SIZE(2, 3)];
+    const double q[3] = {1, 2, 2 * atan(1)};
+    char text[800];
+    const rbd_model *m;
+    rbd_work *w;
+    snprintf(text, sizeof text,
+             ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "planar", "a", "b", "<axis xyz='%s'/>")), axis);
+    rbd_urdf robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(rbd_model_build(robot.bodies, robot.nb, memory, sizeof memory, &m, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_nq(m), 3);
+    ck_assert_int_eq(rbd_work_init(m, work, sizeof work, &w), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(m, w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(m, w, rbd_body_index(m, "b"), R, p), RBD_OK);
+}
+
+START_TEST(a_planar_joint_moves_across_its_axis) {
+    static const struct {
+        const char *axis;
+        double R[9], p[3];
+    } cases[] = {
+        {"0 0 1", {0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, 2, 0}},
+        {"1 0 0", {1, 0, 0, 0, 0, -1, 0, 1, 0}, {0, 1, 2}},
+        {"0 1 0", {0, 0, 1, 0, 1, 0, -1, 0, 0}, {2, 0, 1}},
+        {"0 0 -1", {0, 1, 0, -1, 0, 0, 0, 0, 1}, {1, -2, 0}},
+        /* axis (0.6, 0, 0.8): the largest component is z, so the first coordinate lies along x, made square
+           to the axis: (0.8, 0, -0.6); the second is y */
+        {"0.6 0 0.8", {0.36, -0.8, 0.48, 0.8, 0, -0.6, 0.48, 0.6, 0.64}, {0.8, 2, -0.6}},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double R[9], p[3];
+        planar_pose(cases[k].axis, R, p);
+        expect_close(cases[k].axis, R, cases[k].R, 9, 1e-15);
+        expect_close(cases[k].axis, p, cases[k].p, 3, 1e-15);
+    }
+}
+END_TEST
+
+START_TEST(inertias_are_turned_by_their_origin) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") "<link name='b'><inertial><origin rpy='0 0 1.5707963267948966'/>"
+                        "<mass value='1'/><inertia ixx='1' ixy='0.1' ixz='0.2' iyy='2' "
+                        "iyz='0.3' izz='2.5'/></inertial></link>" JOINT("j", "continuous", "a", "b", "")),
+        NULL);
+    /* a quarter turn about z: x becomes y, y becomes -x */
+    const double turned[6] = {2, -0.1, -0.3, 1, 0.2, 2.5};
+    for (int i = 0; i < 6; i++)
+        ck_assert_double_eq_tol(robot.bodies[0].inertia[i], turned[i], 1e-15);
+}
+END_TEST
+
+START_TEST(a_floating_root_link_is_body_zero) {
+    static room x;
+    const double moon[3] = {0, 0, -1.62};
+    rbd_urdf_options options = {.root = RBD_FLOATING, .gravity = moon};
+    rbd_urdf robot = parsed(&x, fixed_links, &options);
+    ck_assert_int_eq(robot.bodies[0].type, RBD_FLOATING);
+    ck_assert_str_eq(robot.bodies[0].name, "base");
+    ck_assert_str_eq(robot.bodies[0].joint, "root");
+    ck_assert_double_eq(robot.bodies[0].mass, 12);
+    ck_assert_double_eq(robot.fixed_mass, 0);
+    ck_assert_double_eq(robot.gravity[2], -1.62);
+    ck_assert_int_eq(robot.frames[0].body, 0);
+    ck_assert_int_eq(parse(&robot,
+                           ROBOT(LINK("world") UNIT_LINK("b") JOINT("j", "continuous", "world", "b", "")),
+                           &options),
+                     RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 1);
+    ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_ROOT);
+    ck_assert_str_eq(robot.warnings[0].text, "link 'world': the floating root link has no mass");
+}
+END_TEST
+
+START_TEST(geometry_and_extensions_are_left_unread) {
+    static room x;
+    rbd_urdf robot =
+        parsed(&x,
+               "\xef\xbb\xbf<?xml version='1.0' encoding='UTF-8'?>\n<!DOCTYPE robot>\n"
+               "<robot name='r &amp; &#x41;&#228;' xmlns:xacro='x' version='2.0'><material/>"
+               "<gazebo reference='b'><mu1>0.2</mu1></gazebo>" LINK(
+                   "a\\&quot;") "<link name='b'>"
+                                "<visual><geometry><mesh/></geometry></visual><inertial><mass value=' 1\t'/>"
+                                "<inertia ixx='1.' ixy='0' ixz='0' iyy='+1e0' iyz='0' izz='1'/></inertial>"
+                                "<collision><origin xyz='?'/></collision></link>\n" JOINT(
+                                    "j", "continuous", "a\\&quot;", "b",
+                                    "<origin xyz='1\n2  3 '/><safety_controller/>") "</robot>\n",
+               NULL);
+    ck_assert_str_eq(robot.name, "r & A\xc3\xa4");
+    ck_assert_str_eq(robot.frames[0].link, "a\\\"");
+    ck_assert(robot.bodies[0].position[0] == 1 && robot.bodies[0].position[1] == 2 &&
+              robot.bodies[0].position[2] == 3);
+    ck_assert_double_eq(robot.bodies[0].mass, 1);
+}
+END_TEST
+
+/* ---- warnings ---- */
+
+#define TENSOR_LINK(name, mass, ixx, ixy, iyy, izz)                                                          \
+    "<link name='" name "'>\n<inertial><mass value='" mass "'/><inertia ixx='" ixx "' ixy='" ixy             \
+    "' ixz='0' iyy='" iyy "' iyz='0' izz='" izz "'/></inertial></link>"
+static const char unreal[] = ROBOT(
+    LINK("a") TENSOR_LINK("point", "1", "0", "0", "0", "0") TENSOR_LINK("broken", "1", "1", "0", "1", "3")
+        TENSOR_LINK("negative", "1", "1", "1.001", "1", "2")
+            TENSOR_LINK("weightless", "0", "1", "0", "1", "1") JOINT("j", "continuous", "a", "point", "")
+                JOINT("k", "fixed", "point", "broken", "") JOINT("l", "continuous", "broken", "negative", "")
+                    JOINT("m", "continuous", "a", "weightless", ""));
+
+START_TEST(links_that_no_real_body_is_like_give_warnings_by_name) {
+    static room x;
+    static const char *const texts[] = {
+        "link 'point', inertia: zero for a body with mass: no real body is like this",
+        "link 'broken', inertia: one principal moment exceeds the sum of the others: no real body is like "
+        "this",
+        "link 'negative', inertia: has a negative principal moment: no real body is like this",
+        "link 'weightless', mass: zero for a body with inertia: no real body is like this"};
+    const rbd_urdf_options strict = {.strict = 1};
+    rbd_urdf robot = parsed(&x, unreal, NULL);
+    ck_assert_int_eq(robot.nwarnings, 4);
+    for (int i = 0; i < 4; i++) {
+        int found = 0;
+        for (int k = 0; k < 4; k++)
+            found += strcmp(robot.warnings[k].text, texts[i]) == 0 && robot.warnings[k].line == 1 + i;
+        ck_assert_msg(found == 1, "%s", texts[i]);
+    }
+    ck_assert_int_eq(parse(&robot, unreal, &strict), RBD_URDF_WARN_INERTIA);
+    ck_assert_str_eq(robot.error.text, texts[0]);
+    ck_assert_int_eq(robot.nb, 0);
+}
+END_TEST
+
+START_TEST(limits_that_make_no_sense_are_none_with_a_warning) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") JOINT("j", "revolute", "a", "b", "")
+                  JOINT("k", "prismatic", "b", "c", "<limit lower='1' upper='-1' velocity='-2'/>")
+                      JOINT("l", "continuous", "c", "d", "<limit effort='2'/>")),
+        NULL);
+    ck_assert_int_eq(robot.nwarnings, 4);
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'j': it has no <limit>; read as none");
+    ck_assert_str_eq(robot.warnings[1].text, "joint 'k': <limit> has no effort; read as none");
+    ck_assert_str_eq(robot.warnings[2].text, "joint 'k': the lower limit exceeds the upper; read as none");
+    ck_assert_str_eq(robot.warnings[3].text, "joint 'k': the limit of velocity is negative; read as none");
+    for (int i = 0; i < 3; i++)
+        ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0 && robot.bodies[i].velocity == 0);
+    ck_assert_double_eq(robot.bodies[2].effort, 2);
+}
+END_TEST
+
+/* ---- surroundings ---- */
+
+START_TEST(a_comma_locale_changes_nothing) {
+    static room x, y;
+    rbd_urdf classic = parsed(&x, fixed_links, NULL), robot;
+    comma_locale(); /* of C++, and of C where the system has one */
+    robot = parsed(&y, fixed_links, NULL);
+    classic_locale();
+    for (int i = 0; i < classic.nb; i++) {
+        ck_assert_double_eq(robot.bodies[i].mass, classic.bodies[i].mass);
+        ck_assert_mem_eq(robot.bodies[i].position, classic.bodies[i].position, 3 * sizeof(double));
+        ck_assert_mem_eq(robot.bodies[i].inertia, classic.bodies[i].inertia, 6 * sizeof(double));
+    }
+}
+END_TEST
+
+START_TEST(nothing_is_printed) {
+    char path[] = "/tmp/rbd_urdf_XXXXXX", row[600], list[1000];
+    const int saved = dup(2), file = mkstemp(path);
+    FILE *expected;
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    snprintf(list, sizeof list, "%s", path_of("tests/urdf/broken", "expected.txt", ""));
+    expected = fopen(list, "r");
+    ck_assert(saved >= 0 && file >= 0 && expected);
+    dup2(file, 2);
+    while (fgets(row, sizeof row, expected))
+        rbd_urdf_load(path_of("tests/urdf/broken", strtok(row, "|"), ""), NULL, &robot);
+    parse(&robot, unreal, NULL);
+    fflush(stderr);
+    dup2(saved, 2);
+    ck_assert_int_eq(lseek(file, 0, SEEK_END), 0);
+    fclose(expected);
+    close(file);
+    close(saved);
+    unlink(path);
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("urdf");
+    TCase *c = tcase_create("urdf");
+    SRunner *runner;
+    int failed;
+    tcase_set_timeout(c, 60);
+    tcase_add_loop_test(c, urdf_files_give_the_bits_of_the_tables, 0, TABLES);
+    tcase_add_test(c, broken_files_give_the_sentence_expected);
+    tcase_add_loop_test(c, errors_have_their_status, 0, (int)(sizeof kinds / sizeof *kinds));
+    tcase_add_test(c, arguments_are_checked);
+    tcase_add_loop_test(c, deep_nesting_is_an_error_and_no_crash, 0, 4);
+    tcase_add_test(c, long_chains_are_no_crash);
+    tcase_add_test(c, too_many_bodies_are_an_error);
+    tcase_add_test(c, the_first_call_counts);
+    tcase_add_test(c, the_order_is_that_of_the_file_but_parents_go_first);
+    tcase_add_test(c, joints_keep_type_axis_limits_and_dynamics);
+    tcase_add_test(c, mimic_joints_follow_through_others);
+    tcase_add_test(c, fixed_links_are_merged_or_kept_with_the_same_dynamics);
+    tcase_add_test(c, a_tool_frame_can_be_asked_for_by_name);
+    tcase_add_test(c, a_planar_joint_moves_across_its_axis);
+    tcase_add_test(c, inertias_are_turned_by_their_origin);
+    tcase_add_test(c, a_floating_root_link_is_body_zero);
+    tcase_add_test(c, geometry_and_extensions_are_left_unread);
+    tcase_add_test(c, links_that_no_real_body_is_like_give_warnings_by_name);
+    tcase_add_test(c, limits_that_make_no_sense_are_none_with_a_warning);
+    tcase_add_test(c, a_comma_locale_changes_nothing);
+    tcase_add_test(c, nothing_is_printed);
+    suite_add_tcase(suite, c);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

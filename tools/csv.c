@@ -1,0 +1,122 @@
+/* Tables of comma-separated values. SPDX-License-Identifier: MIT */
+#include "csv.h"
+#include "robot.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int csv_error(const csv *c, const char *format, ...) {
+    va_list arguments;
+    fprintf(stderr, "%s: row %d: ", program, c->line);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "\n");
+    return -1;
+}
+
+/* Memory twice as large, or the end of the program. */
+static void *grown(void *memory, size_t size) {
+    void *larger = realloc(memory, size);
+    if (!larger) {
+        fprintf(stderr, "%s: out of memory\n", program);
+        exit(EXIT_BAD);
+    }
+    return larger;
+}
+
+/* Reads a line into text, without its end. Returns 0 at the end of the input. */
+static int read_line(csv *c) {
+    size_t length = 0;
+    int character;
+    for (;;) {
+        if (length + 1 >= c->room)
+            c->text = grown(c->text, c->room = 2 * c->room + 1000);
+        character = getchar();
+        if (character == EOF || character == '\n')
+            break;
+        c->text[length++] = (char)character;
+    }
+    c->line++;
+    c->text[length] = 0;
+    return character != EOF || length > 0;
+}
+
+static char *trimmed(char *start, char *end) {
+    while (start < end && strchr(" \t\r", *start))
+        start++;
+    while (end > start && strchr(" \t\r", end[-1]))
+        end--;
+    *end = 0;
+    return start;
+}
+
+/* Takes the cell that begins at p out of the text; *next is where the next one begins, NULL after the last.
+ */
+static char *take_cell(csv *c, char *p, char **next) {
+    char *end;
+    p += strspn(p, " \t");
+    if (*p != '"') {
+        end = p + strcspn(p, ",");
+        *next = *end ? end + 1 : NULL;
+        return trimmed(p, end);
+    }
+    char *to = end = ++p;
+    for (; *end && (*end != '"' || end[1] == '"'); end++) {
+        end += *end == '"'; /* two stand for one */
+        *to++ = *end;
+    }
+    if (!*end) {
+        csv_error(c, "a quote is not closed");
+        return NULL;
+    }
+    end += 1 + strspn(end + 1, " \t\r");
+    if (*end && *end != ',') {
+        csv_error(c, "something follows a closing quote");
+        return NULL;
+    }
+    *next = *end ? end + 1 : NULL;
+    *to = 0;
+    return p;
+}
+
+int csv_read(csv *c) {
+    char *next;
+    do {
+        if (!read_line(c))
+            return 0;
+        next = c->text;
+        if (c->line == 1 && strncmp(next, "\xef\xbb\xbf", 3) == 0)
+            next += 3;
+    } while (next[strspn(next, " \t\r")] == 0);
+    for (c->n = 0; next; c->n++) {
+        if (c->n == c->max)
+            c->cells = grown(c->cells, (size_t)(c->max = 2 * c->max + 100) * sizeof *c->cells);
+        c->cells[c->n] = take_cell(c, next, &next);
+        if (!c->cells[c->n])
+            return -1;
+    }
+    return 1;
+}
+
+void csv_free(csv *c) {
+    free(c->cells);
+    free(c->text);
+}
+
+void csv_print(const char *cell, int first) {
+    if (!first)
+        putchar(',');
+    if (!cell[strcspn(cell, ",\"")]) {
+        fputs(cell, stdout);
+        return;
+    }
+    putchar('"');
+    for (; *cell; cell++) {
+        if (*cell == '"')
+            putchar('"');
+        putchar(*cell);
+    }
+    putchar('"');
+}

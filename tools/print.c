@@ -1,0 +1,68 @@
+/* Numbers, strings and names, as the writers of rbd-model share them. SPDX-License-Identifier: MIT */
+#include "print.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *number_text(double x, char text[NUMBER_SIZE]) {
+    if (x > -1e6 && x < 1e6 && x == (int)x) {
+        snprintf(text, NUMBER_SIZE, "%d", (int)x);
+        return text;
+    }
+    for (int digits = 1; digits <= 17; digits++) {
+        snprintf(text, NUMBER_SIZE, "%.*g", digits, x);
+        if (strtod(text, NULL) == x)
+            break;
+    }
+    return text;
+}
+
+void print_c_string(const char *s) {
+    if (!s) {
+        printf("NULL");
+        return;
+    }
+    putchar('"');
+    for (; *s; s++) {
+        const unsigned char c = (unsigned char)*s;
+        if (c < 0x20 || c >= 0x7f || c == '?') /* a question mark may begin a trigraph */
+            printf("\\%03o", (unsigned)c);
+        else if (c == '"' || c == '\\')
+            printf("\\%c", c);
+        else
+            putchar(c);
+    }
+    putchar('"');
+}
+
+void print_upper(const char *s) {
+    for (; *s; s++)
+        putchar(toupper((unsigned char)*s));
+}
+
+void print_in_comment(const char *s) {
+    for (; *s; s++)
+        if (!strchr("*?\\", *s)) /* what may end the comment, or begin a trigraph */
+            putchar(*s);
+}
+
+const char *file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static const char *const types[RBD_JOINT_TYPES][2] = {
+    {"fixed", "RBD_FIXED"},       {"revolute", "RBD_REVOLUTE"},   {"continuous", "RBD_CONTINUOUS"},
+    {"", "RBD_CONTINUOUS_CS"},    {"prismatic", "RBD_PRISMATIC"}, {"", "RBD_HELICAL"},
+    {"", "RBD_CYLINDRICAL"},      {"", "RBD_UNIVERSAL"},          {"", "RBD_SPHERICAL"},
+    {"", "RBD_EULER_ZYX"},        {"", "RBD_EULER_XYZ"},          {"", "RBD_EULER_YXZ"},
+    {"", "RBD_EULER_ZXY"},        {"planar", "RBD_PLANAR"},       {"", "RBD_TRANSLATION"},
+    {"floating", "RBD_FLOATING"},
+};
+const char *joint_type_name(rbd_joint_type type) {
+    return types[type][0];
+}
+const char *joint_type_constant(rbd_joint_type type) {
+    return types[type][1];
+}

@@ -1,0 +1,114 @@
+/* The description of a robot as a C table that a person can read and edit. SPDX-License-Identifier: MIT */
+#include "print.h"
+#include <stdio.h>
+
+static void number(double x) {
+    char text[NUMBER_SIZE];
+    printf("%s", number_text(x, text));
+}
+
+static void numbers(const double *x, int n) {
+    printf("{");
+    for (int i = 0; i < n; i++) {
+        if (i)
+            printf(", ");
+        number(x[i]);
+    }
+    printf("}");
+}
+
+/* Of six numbers, those up to the last that is not zero, one at least. */
+static void leading_numbers(const double x[6]) {
+    int n = 6;
+    while (n > 1 && x[n - 1] == 0)
+        n--;
+    numbers(x, n);
+}
+
+static void print_joint(const rbd_body *b, int index, const rbd_body *bodies) {
+    printf("    {");
+    print_c_string(b->name);
+    printf(", ");
+    print_c_string(b->joint);
+    printf(", %d, %s, /* body %d, parent ", b->parent, joint_type_constant(b->type), index);
+    print_in_comment(b->parent < 0 ? "world" : bodies[b->parent].name ? bodies[b->parent].name : "nameless");
+    printf(" */\n     ");
+    numbers(b->axis, 3);
+    printf(", {0, 0, 0}, 0,\n     ");
+    numbers(b->position, 3);
+    printf(",\n     ");
+    numbers(b->rotation, 9);
+    printf(",\n     ");
+}
+
+static void print_body(const rbd_body *b, int index, const rbd_body *bodies) {
+    const double *const passive[] = {b->armature, b->damping, b->friction};
+    const double limits[] = {b->lower, b->upper, b->velocity, b->effort};
+    print_joint(b, index, bodies);
+    number(b->mass);
+    printf(", ");
+    numbers(b->com, 3);
+    printf(",\n     ");
+    numbers(b->inertia, 6);
+    printf(",\n     ");
+    for (int i = 0; i < 3; i++) {
+        leading_numbers(passive[i]);
+        printf(i < 2 ? ", " : ",\n     ");
+    }
+    for (int i = 0; i < 4; i++) {
+        number(limits[i]);
+        printf(i < 3 ? ", " : ",\n     ");
+    }
+    print_c_string(b->mimic);
+    printf(", ");
+    number(b->mimic_ratio);
+    printf(", ");
+    number(b->mimic_offset);
+    printf("},\n");
+}
+
+static void print_head(const robot *r, const char *name) {
+    const int floating = r->urdf.bodies[0].type == RBD_FLOATING && r->urdf.frames[0].body == 0;
+    printf("/* %s.h - ", name);
+    print_in_comment(r->urdf.name);
+    printf(", %s: the description that rbd_model_build takes.\n",
+           floating ? "on a floating joint" : "fixed to the world");
+    printf("   Include rbd.h before. Written by rbd-model from ");
+    print_in_comment(file_name(r->path));
+    printf(": change that instead. */\n");
+}
+
+static void print_count(const char *name, const char *what, int n, const char *comment) {
+    printf("#define ");
+    print_upper(name);
+    printf("_%s %d /* %s */\n", what, n, comment);
+}
+
+void print_c(const robot *r, const char *name) {
+    print_head(r, name);
+    printf("#ifndef ");
+    print_upper(name);
+    printf("_H\n#define ");
+    print_upper(name);
+    printf("_H\n\n");
+    print_count(name, "NB", r->urdf.nb, "bodies");
+    print_count(name, "NQ", rbd_nq(r->model), "length of q");
+    print_count(name, "NV", rbd_nv(r->model), "degrees of freedom");
+    printf("\n/* clang-format off */\n"
+           "/* A row: {link, joint, parent, type,\n"
+           "           axis, axis2, pitch,\n"
+           "           position,\n"
+           "           rotation,\n"
+           "           mass, com,\n"
+           "           inertia,\n"
+           "           armature, damping, friction,\n"
+           "           lower, upper, velocity, effort,\n"
+           "           mimic, mimic_ratio, mimic_offset}, as rbd_body says. */\n"
+           "static const rbd_body %s_bodies[",
+           name);
+    print_upper(name);
+    printf("_NB] = {\n");
+    for (int i = 0; i < r->urdf.nb; i++)
+        print_body(&r->urdf.bodies[i], i, r->urdf.bodies);
+    printf("};\n/* clang-format on */\n\n#endif\n");
+}

@@ -1,0 +1,130 @@
+/* rbd-model: looks at a robot's URDF file, and turns it into C tables. SPDX-License-Identifier: MIT */
+#include "print.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *program = "rbd-model";
+
+static const char help[] =
+    "usage: rbd-model [OPTION...] FILE.urdf\n"
+    "\n"
+    "Reads a robot's URDF file and prints a summary: its tree of links, joints, masses, and what is odd.\n"
+    "With one of these it writes something else to standard output, and the warnings to standard error:\n"
+    "  --c NAME            the description, NAME_bodies, a C table for rbd_model_build\n"
+    "  --c-model NAME      the built model, NAME_model, a C table for firmware\n"
+    "  --urdf              URDF of what dynamics needs, fixed links merged\n"
+    "  --dot               the tree, for Graphviz: rbd-model --dot FILE | dot -Tsvg\n"
+    "  --check             nothing: only the messages and the exit status\n"
+    "How the file is read:\n";
+static const char help_end[] =
+    "\n"
+    "Exit status: 0, 1 if the file has an error (with --strict: or a warning), 2 for bad arguments.\n";
+
+typedef enum output { SUMMARY, C, C_MODEL, URDF, DOT, CHECK } output;
+
+typedef struct options {
+    output output;
+    const char *name; /* of the C table */
+    const char *path;
+    settings settings;
+} options;
+
+static int is_identifier(const char *s) {
+    if (!isalpha((unsigned char)*s) && *s != '_')
+        return 0;
+    while (isalnum((unsigned char)*s) || *s == '_')
+        s++;
+    return *s == 0;
+}
+
+static int read_name(options *o, char **argv, int *i) {
+    const char *option = argv[*i];
+    o->name = option_value(argv, i);
+    if (!o->name)
+        return EXIT_USAGE;
+    return is_identifier(o->name) ? 0 : usage_error("%s: '%s' is not a C identifier", option, o->name);
+}
+
+/* Reads an option that says what to write; -1 if the argument is none. */
+static int read_output(options *o, char **argv, int *i) {
+    static const struct {
+        const char *name;
+        output output;
+    } outputs[] = {{"--c", C}, {"--c-model", C_MODEL}, {"--urdf", URDF}, {"--dot", DOT}, {"--check", CHECK}};
+    for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
+        const int named = outputs[k].output == C || outputs[k].output == C_MODEL;
+        if (named ? !option_is(argv[*i], outputs[k].name) : strcmp(argv[*i], outputs[k].name) != 0)
+            continue;
+        if (o->output != SUMMARY)
+            return usage_error("%s: there is only one output", argv[*i]);
+        o->output = outputs[k].output;
+        return named ? read_name(o, argv, i) : 0;
+    }
+    return -1;
+}
+
+/* Returns 0 to go on, or 1 + the exit status to end with. */
+static int read_options(options *o, char **argv) {
+    for (int i = 1; argv[i]; i++) {
+        int status;
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            printf("%s%s%s", help, settings_help, help_end);
+            return 1 + EXIT_SUCCESS;
+        }
+        if (strcmp(argv[i], "--version") == 0) {
+            puts("rbd-model " RBD_VERSION);
+            return 1 + EXIT_SUCCESS;
+        }
+        status = read_output(o, argv, &i);
+        if (status < 0)
+            status = settings_read(&o->settings, argv, &i);
+        if (status < 0 && argv[i][0] == '-')
+            status = usage_error("unknown option '%s'", argv[i]);
+        if (status < 0) {
+            status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;
+            o->path = argv[i];
+        }
+        if (status > 0)
+            return 1 + status;
+    }
+    return o->path ? 0 : 1 + usage_error("no file given");
+}
+
+static void print_output(const options *o, const robot *r) {
+    switch (o->output) {
+    case SUMMARY: print_summary(r); break;
+    case C: print_c(r, o->name); break;
+    case C_MODEL: print_c_model(r, o->name); break;
+    case URDF: print_urdf(r); break;
+    case DOT: print_dot(r); break;
+    case CHECK: break;
+    }
+}
+
+static int run(const options *o) {
+    robot r;
+    int status = robot_open(&r, o->path, &o->settings);
+    if (status == 0) {
+        if (o->output != SUMMARY)
+            robot_print_warnings(&r);
+        print_output(o, &r);
+        if (fflush(stdout) != 0 || ferror(stdout)) {
+            fprintf(stderr, "%s: cannot write the output\n", program);
+            status = EXIT_BAD;
+        }
+    }
+    robot_close(&r);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    options o = {0};
+    int status;
+    o.settings.keep = allocate((size_t)argc, sizeof *o.settings.keep);
+    status = read_options(&o, argv);
+    status = status ? status - 1 : run(&o);
+    free(o.settings.keep);
+    return status;
+}

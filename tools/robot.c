@@ -1,0 +1,146 @@
+/* Robots from URDF files, and the options that say how. SPDX-License-Identifier: MIT */
+#include "robot.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void *allocate(size_t n, size_t size) {
+    void *memory = calloc(n ? n : 1, size ? size : 1);
+    if (!memory) {
+        fprintf(stderr, "%s: out of memory\n", program);
+        exit(EXIT_BAD);
+    }
+    return memory;
+}
+
+/* ---- options ---- */
+
+int usage_error(const char *format, ...) {
+    va_list arguments;
+    fprintf(stderr, "%s: ", program);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "; see %s --help\n", program);
+    return EXIT_USAGE;
+}
+
+int option_is(const char *argument, const char *name) {
+    const size_t length = strlen(name);
+    return strncmp(argument, name, length) == 0 && (argument[length] == 0 || argument[length] == '=');
+}
+
+const char *option_value(char **argv, int *i) {
+    const char *equals = strchr(argv[*i], '=');
+    if (equals)
+        return equals + 1;
+    if (!argv[*i + 1]) {
+        usage_error("%s: its value is missing", argv[*i]);
+        return NULL;
+    }
+    return argv[++*i];
+}
+
+const char settings_help[] =
+    "  --floating          the root link is on a floating joint, not fixed to the world\n"
+    "  --root-joint NAME   what that joint is called (root)\n"
+    "  --gravity X,Y,Z     in the world frame, m/s^2 (0,0,-9.81)\n"
+    "  --keep LINK         keep this fixed link as a body, a frame; may stand several times\n"
+    "  --keep-all          keep all fixed links\n"
+    "  --strict            warnings are errors\n"
+    "  --messages          show what urdfdom has to say\n"
+    "  --help, --version\n";
+
+static int read_gravity(settings *s, const char *text) {
+    int length = 0;
+    if (sscanf(text, "%lf,%lf,%lf%n", &s->gravity[0], &s->gravity[1], &s->gravity[2], &length) != 3 ||
+        text[length] != 0)
+        return usage_error("--gravity: '%s' is not three numbers X,Y,Z", text);
+    s->urdf.gravity = s->gravity;
+    return 0;
+}
+
+int settings_read(settings *s, char **argv, int *i) {
+    const char *argument = argv[*i], *value;
+    if (strcmp(argument, "--floating") == 0)
+        s->urdf.root = RBD_FLOATING;
+    else if (strcmp(argument, "--keep-all") == 0)
+        s->urdf.keep_all = 1;
+    else if (strcmp(argument, "--strict") == 0)
+        s->urdf.strict = 1;
+    else if (strcmp(argument, "--messages") == 0)
+        s->urdf.show_messages = 1;
+    else if (option_is(argument, "--gravity"))
+        return (value = option_value(argv, i)) ? read_gravity(s, value) : EXIT_USAGE;
+    else if (option_is(argument, "--root-joint"))
+        return (s->urdf.root_joint = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    else if (option_is(argument, "--keep")) {
+        if (!(value = option_value(argv, i)))
+            return EXIT_USAGE;
+        s->keep[s->nkeep++] = value;
+        s->urdf.keep = s->keep;
+    } else
+        return -1;
+    return 0;
+}
+
+/* ---- robots ---- */
+
+static void print_finding(const char *path, const char *what, const rbd_urdf_finding *f) {
+    fprintf(stderr, "%s:", path);
+    if (f->line)
+        fprintf(stderr, "%d:", f->line);
+    fprintf(stderr, " %s: %s\n", what, f->text);
+}
+
+void robot_print_warnings(const robot *r) {
+    for (int i = 0; i < r->urdf.nwarnings; i++)
+        print_finding(r->path, "warning", &r->urdf.warnings[i]);
+}
+
+static int load(robot *r, const settings *s) {
+    rbd_urdf *u = &r->urdf;
+    if (rbd_urdf_load(r->path, &s->urdf, u) != RBD_URDF_OK) /* counts */
+        return EXIT_BAD;
+    u->bodies = allocate((size_t)(u->bodies_max = u->nb), sizeof *u->bodies);
+    u->names = allocate(u->names_max = u->names_size, 1);
+    u->frames = allocate((size_t)(u->frames_max = u->nframes), sizeof *u->frames);
+    u->warnings = allocate((size_t)(u->warnings_max = u->nwarnings), sizeof *u->warnings);
+    return rbd_urdf_load(r->path, &s->urdf, u) == RBD_URDF_OK ? 0 : EXIT_BAD;
+}
+
+static int build(robot *r) {
+    rbd_report report;
+    char text[200];
+    const size_t size = rbd_model_size(r->urdf.bodies, r->urdf.nb);
+    rbd_model *model;
+    r->model_memory = allocate(size, 1);
+    if (rbd_model_build(r->urdf.bodies, r->urdf.nb, r->model_memory, size, &r->model, &report) != RBD_OK) {
+        fprintf(stderr, "%s: error: %s\n", r->path, rbd_finding_text(&report.error, text, sizeof text));
+        return EXIT_BAD;
+    }
+    model = (rbd_model *)r->model; /* it lies in our memory */
+    model->gravity.x = r->urdf.gravity[0];
+    model->gravity.y = r->urdf.gravity[1];
+    model->gravity.z = r->urdf.gravity[2];
+    return 0;
+}
+
+int robot_open(robot *r, const char *path, const settings *s) {
+    memset(r, 0, sizeof *r);
+    r->path = path;
+    if (load(r, s) != 0) {
+        print_finding(path, "error", &r->urdf.error);
+        return EXIT_BAD;
+    }
+    return build(r);
+}
+
+void robot_close(robot *r) {
+    free(r->urdf.bodies);
+    free(r->urdf.names);
+    free(r->urdf.frames);
+    free(r->urdf.warnings);
+    free(r->model_memory);
+}

@@ -1,0 +1,51 @@
+/* robot.h - what rbd-model and rbd-eval share: a robot from a URDF file, with its messages, and options.
+   SPDX-License-Identifier: MIT */
+#ifndef TOOLS_ROBOT_H
+#define TOOLS_ROBOT_H
+
+#include "rbd_urdf.h"
+
+enum { EXIT_BAD = 1, EXIT_USAGE = 2 }; /* a bad file or row; bad arguments */
+
+/* Of the command, for messages; set by main. */
+extern const char *program;
+
+/* Prints "PROGRAM: ..." with a hint at --help to standard error; returns EXIT_USAGE. */
+int usage_error(const char *format, ...);
+
+/* How to load, as options say. */
+typedef struct settings {
+    rbd_urdf_options urdf;
+    double gravity[3];
+    const char **keep; /* room for argc names */
+    int nkeep;
+} settings;
+
+/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --strict or
+   --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status. */
+int settings_read(settings *s, char **argv, int *i);
+extern const char settings_help[];
+
+/* The value of argument *i, "--name VALUE" or "--name=VALUE"; NULL after a message if there is none.
+   option_is tells whether the argument is this option. */
+const char *option_value(char **argv, int *i);
+int option_is(const char *argument, const char *name);
+
+typedef struct robot {
+    const char *path;
+    rbd_urdf urdf;
+    const rbd_model *model; /* with the gravity asked for */
+    void *model_memory;
+} robot;
+
+/* Loads and builds. Errors go to standard error, with file and line. Returns 0 or EXIT_BAD. */
+int robot_open(robot *r, const char *path, const settings *s);
+void robot_close(robot *r);
+
+/* Prints the warnings, "FILE:LINE: warning: ...", to standard error. */
+void robot_print_warnings(const robot *r);
+
+/* Memory or the end of the program: n things of some size, zeroed; at least one byte. */
+void *allocate(size_t n, size_t size);
+
+#endif
