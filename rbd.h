@@ -1339,15 +1339,24 @@ RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
     return A;
 }
 
-/* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
-RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 w, rbdi_v3 wd)
+/* [w]x [w]x. */
+RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 w)
 {
     rbd_real xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
     rbdi_mat O;
     O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
-    O.xy = w.x * w.y - wd.z, O.yx = w.x * w.y + wd.z;
-    O.xz = w.x * w.z + wd.y, O.zx = w.x * w.z - wd.y;
-    O.yz = w.y * w.z - wd.x, O.zy = w.y * w.z + wd.x;
+    O.xy = O.yx = w.x * w.y;
+    O.xz = O.zx = w.x * w.z;
+    O.yz = O.zy = w.y * w.z;
+    return O;
+}
+/* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
+RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 w, rbdi_v3 wd)
+{
+    rbdi_mat O = rbdi_omega_steady(w);
+    O.xy = O.xy - wd.z, O.yx = O.yx + wd.z;
+    O.xz = O.xz + wd.y, O.zx = O.zx - wd.y;
+    O.yz = O.yz - wd.x, O.zy = O.zy + wd.x;
     return O;
 }
 
@@ -1701,9 +1710,8 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
 
 /* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_v3 w, rbdi_v3 wd, const rbdi_v3 *acc)
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_mat O, const rbdi_v3 *acc)
 {
-    const rbdi_mat O = rbdi_omega(w, wd);
     const rbdi_csym S = l->S;
     const rbdi_c3 h = l->h;
     rbdi_force F;
@@ -1745,10 +1753,10 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     if (l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
     if (l->kind == RBDI_BLOCK) {
         s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
-        if (wrench) *F = rbdi_wrench(l, RBDI_FULL, s.w, s.wd, &s.acc);
+        if (wrench) *F = rbdi_wrench(l, RBDI_FULL, rbdi_omega(s.w, s.wd), &s.acc);
     } else {
         RBDI_BY_FORM(l, s = rbdi_forward_axis(l, f, rbdi_trig_of(m, w, i, f), s, v[l->iv], a[l->iv]);
-                     if (wrench) *F = rbdi_wrench(l, f, s.w, s.wd, &s.acc));
+                     if (wrench) *F = rbdi_wrench(l, f, rbdi_omega(s.w, s.wd), &s.acc));
     }
     if (l->slot >= 0) w->slot[l->slot].state = s;
     return s;
@@ -1946,9 +1954,9 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
 }
 
 #ifdef RBD_SPECIALISE
-#define RBDI_CRBA_BATCH 1
+#define RBDI_LOOP_BATCH 1
 #else
-#define RBDI_CRBA_BATCH RBDI_BATCH
+#define RBDI_LOOP_BATCH RBDI_BATCH
 #endif
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
    that a batch of them moves at once; batches count from the last dof down and may reach below the first:
@@ -1958,8 +1966,8 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, f);
     const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
-    RBDI_UNROLL for (int k = l->end - RBDI_CRBA_BATCH; k > l->first - RBDI_CRBA_BATCH; k -= RBDI_CRBA_BATCH) {
-#if RBDI_CRBA_BATCH > 1
+    RBDI_UNROLL for (int k = l->end - RBDI_LOOP_BATCH; k > l->first - RBDI_LOOP_BATCH; k -= RBDI_LOOP_BATCH) {
+#if RBDI_LOOP_BATCH > 1
         rbdi_batch x[6];
         rbd_real *n = &w->F[k], *p = n + 3 * stride;
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
@@ -2212,10 +2220,10 @@ RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v
         if (l->kind == RBDI_BLOCK) {
             w->link[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
                                                    &omega);
-            w->link[i].f = rbdi_wrench(l, RBDI_FULL, omega, rbdi_vec0(), NULL);
+            w->link[i].f = rbdi_wrench(l, RBDI_FULL, rbdi_omega_steady(omega), NULL);
         } else {
             RBDI_BY_FORM(l, w->link[i].c = rbdi_aba_velocity(l, f, rbdi_trig_of(m, w, i, f), v[l->iv], &omega);
-                         w->link[i].f = rbdi_wrench(l, f, omega, rbdi_vec0(), NULL));
+                         w->link[i].f = rbdi_wrench(l, f, rbdi_omega_steady(omega), NULL));
         }
         if (l->slot >= 0) {
             w->slot[l->slot].state.w = omega;
@@ -2246,9 +2254,12 @@ RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, int f, const rbdi_dof *dof
     *pivot = D;
     inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
     u = (tau - rbdi_along_axis(l, f, *p)) * inverse;
-    V.n = rbdi_scale(inverse, U.n);
+    V.n.x = inverse * U.n.x;
+    V.n.y = inverse * U.n.y;
     V.f = rbdi_scale(inverse, U.f);
-    own->U = V;
+    own->U.n.x = V.n.x;
+    own->U.n.y = V.n.y;
+    own->U.f = V.f;
     own->u = u;
 
     X->I.xx = X->I.xx - U.n.x * V.n.x;
@@ -2267,6 +2278,7 @@ RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, int f, const rbdi_dof *dof
     p->f.z = p->f.z + (X->H.xz * c->w.x + X->H.yz * c->w.y) + U.f.z * u;
     p->f = rbdi_add(p->f, rbdi_mul_sym(X->M, c->v));
     if (full) {
+        own->U.n.z = V.n.z = inverse * U.n.z;
         X->I.xz = X->I.xz - U.n.x * V.n.z;
         X->I.yz = X->I.yz - U.n.y * V.n.z;
         X->I.zz = X->I.zz - U.n.z * V.n.z;
@@ -2306,7 +2318,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
 }
 
 /* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
-   without a body between; so the pivots are those of M = L'DL. Of a floating base (keep = 0) only what the
+   without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
    axes before it still need is kept up: the lower triangle. */
 RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, int first, int n, int keep,
                                         const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
@@ -2318,17 +2330,21 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, 
         rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_reciprocal(D, dof->scale * RBDI_NOISE, bad);
         pivot[l->iv + k] = D;
         bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
-        RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-            U[i] = i < end ? A[s][i] : rbdi_zero();
+        RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
+            U[i] = A[s][i];
             bw->U[k][i] = U[i] * inverse;
         }
-        if (!keep) bw->U[k][s] = A[s][s] * inverse;
         RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
             const int columns = keep ? 6 : i + 1;
             RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
             P[i] = P[i] + U[i] * bw->u[k];
         }
     }
+}
+/* A floating base on the world, without armature. */
+RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b)
+{
+    return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
 }
 RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
                               rbdi_force *p, rbdi_mask *bad)
@@ -2339,7 +2355,7 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbd_real A[6][6], P[6], C[6];
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_FULL, *X), A);
     rbdi_store_force(P, 1, *p);
-    if (l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE)) {
+    if (rbdi_free_base(l, b)) {
         rbdi_aba_release_block(m, l, 0, 6, 0, tau, A, P, bw, w->pivot, bad);
         return;
     }
@@ -2390,17 +2406,15 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return bad;
 }
 
-RBDI_INLINE rbd_real rbdi_pair(rbdi_force F, rbdi_motion V) { return rbdi_dot(F.n, V.w) + rbdi_dot(F.f, V.v); }
-
 /* Pass 3: y = (wd, classical acceleration minus gravity) of the parent becomes the link's;
-   qdd = u/D - (U/D).y'. */
+   qdd = u/D - (U/D).y'. Where U_z / D = 1 this is the link's wd_z less what the parent gives. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int f, rbdi_motion y,
                                       rbd_real *a)
 {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, f);
-    rbd_real qdd;
+    rbd_real x, qdd;
     if (!(f & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, f, y.w));
     y.w = rbdi_down(l, f, t, y.w);
     y.v = rbdi_down(l, f, t, y.v);
@@ -2409,7 +2423,13 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
         y.v.y = y.v.y - t.d * y.w.x;
     }
     y = rbdi_motion_add(y, own->c);
-    qdd = own->u - rbdi_pair(own->U, y);
+    x = own->u - (own->U.n.x * y.w.x + own->U.n.y * y.w.y) - rbdi_dot(own->U.f, y.v);
+    if (!(f & (RBDI_SCREWS | RBDI_ARMATURE))) {
+        a[l->iv] = x - y.w.z;
+        y.w.z = x;
+        return y;
+    }
+    qdd = x - own->U.n.z * y.w.z;
     if (f & RBDI_SCREWS) {
         y.w.z = y.w.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
@@ -2428,6 +2448,15 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.w, bw->X.r)));
     y.w = rbdi_mul(bw->X.E, y.w);
     rbdi_motion_to_array(rbdi_motion_add(y, w->link[i].c), all);
+    if (rbdi_free_base(l, b)) {
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
+            rbd_real x = bw->u[k];
+            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j) x = x - bw->U[k][j] * all[j];
+            a[l->iv + k] = x - all[k];
+            all[k] = x;
+        }
+        return rbdi_motion_from_array(all);
+    }
     RBDI_UNROLL_SIX for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
@@ -2469,48 +2498,75 @@ RBDI_PART rbd_status rbdi_singular(const rbd_model *m, rbd_work *w, rbdi_mask ba
 
 /* ---- cholesky [cholesky] ---- */
 
-/* Parent dof and row start of the matrix that is factored: the tree's, or dense with mimic joints. */
-RBDI_INLINE int rbdi_lambda(const rbd_model *m, int k) { return m->nmimic ? k - 1 : m->dof[k].lambda; }
-RBDI_INLINE int rbdi_depth(const rbd_model *m, int k) { return m->nmimic ? k : m->dof[k].depth; }
-RBDI_INLINE int rbdi_row(const rbd_model *m, int k) { return m->nmimic ? k * (k + 1) / 2 : m->dof[k].row; }
+/* Parent dof, place of the diagonal and row start of the matrix that is factored: the tree's, or dense with
+   mimic joints. */
+RBDI_INLINE int rbdi_dense(const rbd_model *m) { return m->nmimic > 0; }
+RBDI_INLINE int rbdi_lambda(const rbd_model *m, int dense, int k) { return dense ? k - 1 : m->dof[k].lambda; }
+RBDI_INLINE int rbdi_depth(const rbd_model *m, int dense, int k) { return dense ? k : m->dof[k].depth; }
+RBDI_INLINE int rbdi_row(const rbd_model *m, int dense, int k)
+{
+    return dense ? k * (k + 1) / 2 : m->dof[k].row;
+}
+
+/* y -= k x, a batch at a time. */
+RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n)
+{
+    int j = 0;
+#if RBDI_LOOP_BATCH > 1
+    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
+        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
+#endif
+    RBDI_UNROLL for (; j < n; ++j) y[j] = y[j] - k * x[j];
+}
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
-RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
+RBDI_INLINE rbdi_mask rbdi_factor_as(const rbd_model *m, int dense, rbd_work *w, rbd_real *H)
 {
     rbdi_mask bad = rbdi_less(rbdi_zero(), rbdi_zero());
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
-        rbd_real *hk = &H[rbdi_row(m, k)];
-        int d = rbdi_depth(m, k), i = rbdi_lambda(m, k);
+        rbd_real *hk = &H[rbdi_row(m, dense, k)];
+        int d = rbdi_depth(m, dense, k), i = rbdi_lambda(m, dense, k);
         rbd_real inverse = rbdi_reciprocal(hk[d], m->dof[k].scale * RBDI_NOISE, &bad);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
-        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, i)) {
-            rbd_real *hi = &H[rbdi_row(m, i)], x = hk[t] * inverse;
-            RBDI_UNROLL for (int j = 0; j <= t; ++j) hi[j] = hi[j] - x * hk[j];
+        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, dense, i)) {
+            const rbd_real x = hk[t] * inverse;
+            rbdi_subtract(&H[rbdi_row(m, dense, i)], x, hk, t + 1);
             hk[t] = x;
         }
     }
     return bad;
 }
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
+{
+    return rbdi_dense(m) ? rbdi_factor_as(m, 1, w, H) : rbdi_factor_as(m, 0, w, H);
+}
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
+RBDI_INLINE void rbdi_solve_as(const rbd_model *m, int dense, const rbd_real *L, rbd_real *x)
 {
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[rbdi_row(m, k)];
-        int d = rbdi_depth(m, k);
-        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
-            x[i] = x[i] - l[t] * x[k];
+        const rbd_real *l = &L[rbdi_row(m, dense, k)], y = x[k];
+        int d = rbdi_depth(m, dense, k);
+        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, dense, k); t >= 0; --t, i = rbdi_lambda(m, dense, i))
+            x[i] = x[i] - l[t] * y;
     }
     RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[rbdi_row(m, k)];
-        int d = rbdi_depth(m, k);
+        const rbd_real *l = &L[rbdi_row(m, dense, k)];
+        int d = rbdi_depth(m, dense, k);
         rbd_real y = x[k] * l[d];
-        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, k); t >= 0; --t, i = rbdi_lambda(m, i))
+        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, dense, k); t >= 0; --t, i = rbdi_lambda(m, dense, i))
             y = y - l[t] * x[i];
         x[k] = y;
     }
+}
+RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
+{
+    if (rbdi_dense(m))
+        rbdi_solve_as(m, 1, L, x);
+    else
+        rbdi_solve_as(m, 0, L, x);
 }
 
 /* ---- dynamics: the public calls ---- */
@@ -2566,16 +2622,16 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBD_API int rbd_packed_size(const rbd_model *m)
 {
     if (!m || m->nv == 0) return 0;
-    return rbdi_row(m, m->nv - 1) + rbdi_depth(m, m->nv - 1) + 1;
+    return rbdi_row(m, rbdi_dense(m), m->nv - 1) + rbdi_depth(m, rbdi_dense(m), m->nv - 1) + 1;
 }
 
 RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
 {
     int row = i > j ? i : j, column = i > j ? j : i, t;
     if (!m || column < 0 || row >= m->nv) return -1;
-    t = rbdi_depth(m, row);
-    for (int k = row; k >= column; k = rbdi_lambda(m, k), --t)
-        if (k == column) return rbdi_row(m, row) + t;
+    t = rbdi_depth(m, rbdi_dense(m), row);
+    for (int k = row; k >= column; k = rbdi_lambda(m, rbdi_dense(m), k), --t)
+        if (k == column) return rbdi_row(m, rbdi_dense(m), row) + t;
     return -1;
 }
 
@@ -2618,9 +2674,9 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
 {
     if (!m || !w || !M || !L) return RBD_ERR_NULL;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
-        int d = rbdi_depth(m, i);
-        rbd_real *row = &L[rbdi_row(m, i)];
-        for (int t = d, j = i; t >= 0; --t, j = rbdi_lambda(m, j)) w->bias[t] = M[i * m->nv + j];
+        int d = rbdi_depth(m, rbdi_dense(m), i);
+        rbd_real *row = &L[rbdi_row(m, rbdi_dense(m), i)];
+        for (int t = d, j = i; t >= 0; --t, j = rbdi_lambda(m, rbdi_dense(m), j)) w->bias[t] = M[i * m->nv + j];
         for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
     }
     return rbd_cholesky_factor_packed(m, w, L);
