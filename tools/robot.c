@@ -48,6 +48,7 @@ const char settings_help[] =
     "  --gravity X,Y,Z     in the world frame, m/s^2 (0,0,-9.81)\n"
     "  --keep LINK         keep this fixed link as a body, a frame; may stand several times\n"
     "  --keep-all          keep all fixed links\n"
+    "  --lock              hold joints still that move no mass (else they are an error)\n"
     "  --strict            warnings are errors\n"
     "  --messages          show what urdfdom has to say\n"
     "  --help, --version\n";
@@ -69,6 +70,8 @@ int settings_read(settings *s, char **argv, int *i) {
         s->urdf.keep_all = 1;
     else if (strcmp(argument, "--strict") == 0)
         s->urdf.strict = 1;
+    else if (strcmp(argument, "--lock") == 0)
+        s->urdf.lock_massless = 1;
     else if (strcmp(argument, "--messages") == 0)
         s->urdf.show_messages = 1;
     else if (option_is(argument, "--gravity"))

@@ -21,8 +21,8 @@ typedef struct settings {
     int nkeep;
 } settings;
 
-/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --strict or
-   --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status. */
+/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --lock,
+   --strict or --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status. */
 int settings_read(settings *s, char **argv, int *i);
 extern const char settings_help[];
 
