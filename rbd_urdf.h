@@ -38,6 +38,9 @@
                   that only rounding keeps from 0, 1 or -1 are that
      Geometry, materials, sensors, transmissions and everything unknown is left unread.
 
+   Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
+   robot.nwarnings say how long the arrays must be for the second call.
+
    An error says what is wrong and names link or joint; a link that no real body is like, but that the
    algorithms can compute with, is a warning. The text may come from anywhere. Locale does not matter.
    urdfdom's messages go to nobody unless options.show_messages; calls from several threads wait for each
@@ -1090,7 +1093,7 @@ struct part {
         for (int i = 0; i < 6; ++i)
             if (inertia[i] != 0)
                 return false;
-        return mass == 0; // NOLINT
+        return mass == 0;
     }
 };
 
@@ -1343,7 +1346,7 @@ class description {
         if (j.type != RBD_FIXED)
             add_motion(r, j, u);
         const bool tilted =
-            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0); // NOLINT
+            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0);
         if (tilted)
             add_tilted(r, at, u.axis);
         else
