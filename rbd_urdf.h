@@ -38,6 +38,9 @@
                   that only rounding keeps from 0, 1 or -1 are that
      Geometry, materials, sensors, transmissions and everything unknown is left unread.
 
+   Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
+   robot.nwarnings say how long the arrays must be for the second call.
+
    An error says what is wrong and names link or joint; a link that no real body is like, but that the
    algorithms can compute with, is a warning. The text may come from anywhere. Locale does not matter.
    urdfdom's messages go to nobody unless options.show_messages; calls from several threads wait for each
@@ -61,6 +64,7 @@ typedef struct rbd_urdf_options {
     const double *gravity;   /* 3, world frame, handed on to the result; NULL = (0, 0, -9.81) */
     const char *const *keep; /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
     int keep_all;            /* keep all fixed links as bodies */
+    int lock_massless;       /* hold joints still that move no mass, with a warning; else an error */
     int strict;              /* warnings are errors */
     int show_messages;       /* leave urdfdom's messages to its console, which is standard error */
 } rbd_urdf_options;
@@ -88,7 +92,8 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
     RBD_URDF_WARN_INERTIA = 1,   /* no real body has this mass and inertia */
     RBD_URDF_WARN_LIMIT = 2,     /* limits are missing or make no sense: read as none */
-    RBD_URDF_WARN_ROOT = 3       /* a floating root link without mass */
+    RBD_URDF_WARN_ROOT = 3,      /* a floating root link without mass */
+    RBD_URDF_WARN_LOCKED = 4     /* a joint that moves no mass is held still */
 } rbd_urdf_status;
 
 /* A few words for a status, English, static. */
@@ -472,10 +477,10 @@ class reader {
 struct link_part {
     str name;
     int line;
-    bool inertial;
+    bool inertial, massive;    /* has <inertial>; mass or inertia in it is not zero */
     int joint;                 /* that carries it, -1: none */
     std::vector<int> children; /* joints, in the file's order */
-    link_part() : line(0), inertial(false), joint(-1) {
+    link_part() : line(0), inertial(false), massive(false), joint(-1) {
     }
 };
 
@@ -518,7 +523,7 @@ class checked {
     std::vector<joint_part> joints;
     int root;
 
-    checked(const element &top, warning_list &w) : root(-1), warnings(w) {
+    checked(const element &top, bool lock, warning_list &w) : root(-1), warnings(w) {
         if (top.name != "robot")
             fail(RBD_URDF_ERR_ROBOT, top,
                  "<" + top.name + "> is not a robot: <robot> must be the first element");
@@ -534,6 +539,8 @@ class checked {
                 add_joint(top.children[i]);
         text += "</robot>\n";
         check_tree();
+        if (lock)
+            lock_massless();
         check_mimics();
     }
 
@@ -547,7 +554,8 @@ class checked {
   private:
     warning_list &warnings;
     std::map<str, int> link_index, joint_index;
-    str who; /* the link or joint that is being checked */
+    std::vector<int> outwards; /* links, parents first */
+    str who;                   /* the link or joint that is being checked */
 
     static int find(const std::map<str, int> &index, const str &name) {
         std::map<str, int>::const_iterator i = index.find(name);
@@ -657,16 +665,17 @@ class checked {
         text += "<link name=\"" + escaped(l.name) + "\">";
         if (const element *inertial = only(e, "inertial")) {
             l.inertial = true;
-            add_inertial(*inertial);
+            l.massive = add_inertial(*inertial);
         }
         text += "</link>\n";
         links.push_back(l);
     }
 
-    void add_inertial(const element &e) {
+    /* Returns whether anything in it is not zero. */
+    bool add_inertial(const element &e) {
         static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
         const element *mass = only(e, "mass"), *inertia = only(e, "inertia");
-        double x;
+        double x, largest;
         text += "<inertial>";
         origin(e);
         if (!mass)
@@ -678,11 +687,15 @@ class checked {
             fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
         if (x < 0)
             fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
+        largest = x;
         text += "/><inertia";
-        for (int i = 0; i < 6; ++i)
+        for (int i = 0; i < 6; ++i) {
             if (!copy(*inertia, entries[i], 1, &x))
                 fail(RBD_URDF_ERR_INERTIAL, *inertia, str("<inertia> has no ") + entries[i]);
+            largest = std::fmax(largest, std::fabs(x));
+        }
         text += "/></inertial>";
+        return largest > 0;
     }
 
     rbd_joint_type joint_type(const element &e) const {
@@ -756,48 +769,54 @@ class checked {
         }
     }
 
-    /* urdfdom insists on limits, dynamics does not. */
+    /* urdfdom insists on limits, dynamics does not: what is missing, infinite or makes no sense is none. */
     void limit(const element &e, rbd_joint_type type) {
+        static const char *const names[] = {"lower", "upper", "velocity", "effort"};
         const element *l = only(e, "limit");
         const bool needed = type != RBD_CONTINUOUS;
-        double lower = 0, upper = 0, velocity = 0, effort = 0;
-        if (l) {
-            str written;
-            std::swap(text, written); /* number by number; what makes sense is written below */
-            copy(*l, "lower", 1, &lower);
-            copy(*l, "upper", 1, &upper);
-            if (!copy(*l, "velocity", 1, &velocity) && needed)
-                no_limit(*l, "<limit> has no velocity");
-            if (!copy(*l, "effort", 1, &effort) && needed)
-                no_limit(*l, "<limit> has no effort");
-            std::swap(text, written);
-            if (lower > upper)
-                no_limit(*l, "the lower limit exceeds the upper");
-            if (velocity < 0)
-                no_limit(*l, "the limit of velocity is negative");
-            if (effort < 0)
-                no_limit(*l, "the limit of effort is negative");
-        } else if (needed) {
+        double x[4] = {0, 0, 0, 0};
+        bool finite[4] = {true, true, true, true};
+        if (!l && needed)
             no_limit(e, "it has no <limit>");
-        }
+        for (int i = 0; l && i < 4; ++i)
+            finite[i] = read_limit(*l, names[i], needed && i >= 2, x[i]);
+        if (x[0] > x[1])
+            no_limit(*l, "the lower limit exceeds the upper");
+        const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
         text += "<limit";
-        if (needed && lower < upper)
-            limit_number(*l, "lower"), limit_number(*l, "upper");
-        if (velocity > 0)
-            limit_number(*l, "velocity");
-        else
-            text += " velocity=\"0\"";
-        if (effort > 0)
-            limit_number(*l, "effort");
-        else
-            text += " effort=\"0\"";
+        for (int i = 0; i < 4; ++i) {
+            if (i < 2 ? bounds : x[i] > 0)
+                copy(*l, names[i], 1, &x[i]);
+            else if (i >= 2)
+                text += str(" ") + names[i] + "=\"0\"";
+        }
         text += "/>";
     }
-    void limit_number(const element &e, const char *attribute) {
-        double x;
-        copy(e, attribute, 1, &x);
+
+    /* Returns whether the limit is finite. */
+    bool read_limit(const element &l, const char *name, bool needed, double &x) {
+        const str *value = l.attribute(name);
+        str aside;
+        if (value && is_infinite(*value)) {
+            no_limit(l, str("the ") + name + " limit is infinite");
+            return false;
+        }
+        std::swap(text, aside); /* it is not written yet */
+        if (!copy(l, name, 1, &x) && needed)
+            no_limit(l, str("<limit> has no ") + name);
+        std::swap(text, aside);
+        if (needed && x < 0)
+            no_limit(l, str("the ") + name + " limit is negative");
+        return true;
     }
-    void no_limit(const element &e, const char *what) const {
+    static bool is_infinite(const str &value) {
+        str word;
+        for (size_t i = 0; i < value.size(); ++i)
+            if (!std::strchr("+- .", value[i]))
+                word += (char)(value[i] | 0x20); /* lower case */
+        return word == "inf" || word == "infinity";
+    }
+    void no_limit(const element &e, const str &what) const {
         warnings.add(RBD_URDF_WARN_LIMIT, e.line, who + ": " + what + "; read as none");
     }
 
@@ -862,15 +881,13 @@ class checked {
             root = (int)i;
         }
         std::vector<bool> seen(links.size(), false);
-        std::vector<int> todo;
         if (root >= 0)
-            todo.push_back(root);
-        for (; !todo.empty(); ++reached) {
-            const link_part &l = links[(size_t)todo.back()];
-            seen[(size_t)todo.back()] = true;
-            todo.pop_back();
+            outwards.push_back(root);
+        for (; reached < outwards.size(); ++reached) {
+            const link_part &l = links[(size_t)outwards[reached]];
+            seen[(size_t)outwards[reached]] = true;
             for (size_t k = 0; k < l.children.size(); ++k)
-                todo.push_back(joints[(size_t)l.children[k]].child);
+                outwards.push_back(joints[(size_t)l.children[k]].child);
         }
         for (size_t i = 0; reached < links.size() && i < links.size(); ++i)
             if (!seen[i])
@@ -884,6 +901,25 @@ class checked {
         for (size_t step = 0; step < links.size(); ++step)
             i = (size_t)joints[(size_t)links[i].joint].parent;
         return i;
+    }
+
+    /* Makes joints fixed that move no mass and have no armature. */
+    void lock_massless() {
+        std::vector<bool> massive(links.size());
+        for (size_t k = outwards.size(); k-- > 1;) {
+            const link_part &l = links[(size_t)outwards[k]];
+            joint_part &j = joints[(size_t)l.joint];
+            if (l.massive)
+                massive[(size_t)outwards[k]] = true;
+            if (massive[(size_t)outwards[k]])
+                massive[(size_t)j.parent] = true;
+            else if (j.type != RBD_FIXED && !(j.armature > 0)) {
+                warnings.add(RBD_URDF_WARN_LOCKED, j.line,
+                             "joint " + quoted(j.name) + ": it moves no mass; held still");
+                j.type = RBD_FIXED;
+                j.mimic.clear();
+            }
+        }
     }
 
     void check_mimics() const {
@@ -1057,7 +1093,7 @@ struct part {
         for (int i = 0; i < 6; ++i)
             if (inertia[i] != 0)
                 return false;
-        return mass == 0; // NOLINT
+        return mass == 0;
     }
 };
 
@@ -1310,7 +1346,7 @@ class description {
         if (j.type != RBD_FIXED)
             add_motion(r, j, u);
         const bool tilted =
-            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0); // NOLINT
+            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0);
         if (tilted)
             add_tilted(r, at, u.axis);
         else
@@ -1491,7 +1527,7 @@ inline void load(const char *text, size_t length, const rbd_urdf_options &option
     static const double earth[3] = {0, 0, -9.81};
     check_options(options);
     std::memcpy(robot->gravity, options.gravity ? options.gravity : earth, sizeof earth);
-    const checked file(reader(text, length).document(), warnings);
+    const checked file(reader(text, length).document(), options.lock_massless != 0, warnings);
     const parsed dom(file.text, options.show_messages != 0);
     write_result(file, description(file, dom, options, warnings), robot);
 }
@@ -1598,6 +1634,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_WARN_INERTIA: return "no real body has this mass and inertia";
     case RBD_URDF_WARN_LIMIT: return "limits are missing or make no sense";
     case RBD_URDF_WARN_ROOT: return "the floating root link has no mass";
+    case RBD_URDF_WARN_LOCKED: return "a joint that moves no mass is held still";
     }
     return "unknown status";
 }

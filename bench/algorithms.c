@@ -52,7 +52,7 @@ static bool same_name(const char *a, const char *b) {
 }
 
 bool library_wanted(const struct library *library, const struct robot *r, const struct options *o) {
-    if (!library || (library->robot && strcmp(library->robot, r->name) != 0))
+    if (!library || (library->robot && (!r->reference || strcmp(library->robot, r->name) != 0)))
         return false;
     const bool name = o->library == ALL || same_name(library->name, library_names[o->library]);
     const bool scalar = o->scalar == ALL || strcmp(library->scalar, scalar_names[o->scalar]) == 0;

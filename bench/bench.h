@@ -16,11 +16,13 @@
 enum format { FORMAT_TABLE, FORMAT_CSV, FORMAT_JSON };
 
 struct options {
-    int robot;     /* index of a robot, or ALL */
-    int algorithm; /* index of an algorithm, or ALL */
-    int scalar;    /* index of a scalar, or ALL */
-    int variant;   /* RUN_TIME and so on, or ALL */
-    int library;   /* index in library_names, or ALL */
+    int robot;         /* index of a robot, or ALL */
+    const char *model; /* URDF file of the robot instead, or NULL */
+    bool floating;     /* its root link is on a floating joint */
+    int algorithm;     /* index of an algorithm, or ALL */
+    int scalar;        /* index of a scalar, or ALL */
+    int variant;       /* RUN_TIME and so on, or ALL */
+    int library;       /* index in library_names, or ALL */
     int samples;
     int experiments;
     uint64_t seed;
@@ -94,15 +96,18 @@ struct robot {
     int nb, nq, nv;
     int packed; /* entries of the packed mass matrix */
     int samples;
-    const ref_model *reference;
+    const ref_model *reference;           /* NULL: there is none of a robot from a file */
     double *numbers;                      /* scratch of conversions: nv x nv, or a state */
     struct instance instances[LIBRARIES]; /* DOUBLE and, if there is one, QUAD are always open */
 };
 
 extern const char *const robot_names[]; /* ended by NULL */
 
-/* Builds robot number index for the libraries that the options ask for, and draws its random states.
-   Returns 0, or -1 after a message. */
+/* Loads the robot of o->model. Returns 0, or -1 after a message. (model_file.c) */
+int robot_load(struct robot *r, const struct options *o);
+
+/* Builds robot number index, or that of o->model, for the libraries that the options ask for, and draws its
+   random states. Returns 0, or -1 after a message. */
 int robot_open(struct robot *r, int index, const struct options *o);
 void robot_close(struct robot *r);
 

@@ -12,10 +12,10 @@ struct bench {
 };
 
 static int open_robots(struct bench *b, const struct options *o) {
-    for (int i = 0; robot_names[i] && b->robot_count < MAX_ROBOTS; i++) {
+    for (int i = 0; robot_names[i] && b->robot_count < (o->model ? 1 : MAX_ROBOTS); i++) {
         if (o->robot != ALL && o->robot != i)
             continue;
-        progress("drawing %d states: %s", o->samples, robot_names[i]);
+        progress("drawing %d states: %s", o->samples, o->model ? o->model : robot_names[i]);
         if (robot_open(&b->robots[b->robot_count++], i, o) != 0)
             return -1;
     }

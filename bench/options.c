@@ -10,6 +10,8 @@ static const char help[] =
     "Verifies rbd's inverse dynamics, mass matrix and forward dynamics, then times them.\n"
     "\n"
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
+    "  --model FILE       the robot of this URDF file instead of these\n"
+    "  --floating         its root link is on a floating joint, not fixed to the world\n"
     "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all)\n"
     "  --scalar NAME      double, float or all (default double)\n"
     "  --variant NAME     run-time, compile-time, lanes, threads or all (default all)\n"
@@ -71,6 +73,12 @@ static int read_robot(struct options *o, const char *option, const char *value) 
     for (int i = 0; i < MAX_ROBOTS && robot_names[i]; i++)
         names[i + 1] = robot_names[i];
     return read_name(option, value, names, &o->robot);
+}
+
+static int read_model(struct options *o, const char *option, const char *value) {
+    (void)option;
+    o->model = value;
+    return 0;
 }
 
 static int read_algorithm(struct options *o, const char *option, const char *value) {
@@ -143,10 +151,17 @@ struct option {
 };
 
 static const struct option with_value[] = {
-    {"--robot", read_robot},     {"--algorithm", read_algorithm},     {"--samples", read_samples},
-    {"--seed", read_seed},       {"--experiments", read_experiments}, {"--format", read_format},
-    {"--output", read_output},   {"--scalar", read_scalar},           {"--variant", read_variant},
+    {"--robot", read_robot},
+    {"--algorithm", read_algorithm},
+    {"--samples", read_samples},
+    {"--seed", read_seed},
+    {"--experiments", read_experiments},
+    {"--format", read_format},
+    {"--output", read_output},
+    {"--scalar", read_scalar},
+    {"--variant", read_variant},
     {"--library", read_library},
+    {"--model", read_model},
 };
 
 /* The option that the argument, "--name" or "--name=value", begins with. */
@@ -173,6 +188,10 @@ static int read_argument(struct options *o, char **argv, int *i) {
         o->gravity = true;
         return -1;
     }
+    if (strcmp(argument, "--floating") == 0) {
+        o->floating = true;
+        return -1;
+    }
     if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)
         return fputs(help, stdout) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
     if (strcmp(argument, "--version") == 0)
@@ -194,5 +213,9 @@ int options_read(struct options *o, int argc, char **argv) {
         if (status >= 0)
             return status;
     }
+    if (o->model && o->robot != ALL)
+        return usage_error("--model: it stands instead of --robot");
+    if (o->floating && !o->model)
+        return usage_error("--floating: it belongs to --model");
     return -1;
 }

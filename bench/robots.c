@@ -245,8 +245,20 @@ static int give_states(struct robot *r, struct instance *other) {
     return 0;
 }
 
+static bool has_mimic(const struct robot *r) {
+    for (int i = 0; i < r->nb; i++)
+        if (r->bodies[i].mimic)
+            return true;
+    return false;
+}
+
 /* Another library that is timed. One that is not rbd may be without this robot. */
 static int open_other(struct robot *r, const struct library *library, struct instance *other) {
+    if (!library_is_ours(library) && has_mimic(r)) {
+        fprintf(stderr, "rbd-bench: %s, %s: left out, it would not know the mimic joints\n", r->title,
+                library->name);
+        return 0;
+    }
     if (instance_open(other, r, library) == 0)
         return give_states(r, other);
     if (library_is_ours(library))
@@ -255,12 +267,20 @@ static int open_other(struct robot *r, const struct library *library, struct ins
     return 0;
 }
 
-int robot_open(struct robot *r, int index, const struct options *o) {
+/* A robot of the table. */
+static void describe(struct robot *r, int index) {
     const struct description *d = &descriptions[index];
     *r = (struct robot){.name = robot_names[index], .title = d->title, .bodies = d->bodies, .nb = d->nb};
     r->reference = d->reference;
     r->nq = d->reference->nq;
     r->nv = d->reference->nv;
+}
+
+int robot_open(struct robot *r, int index, const struct options *o) {
+    if (!o->model)
+        describe(r, index);
+    else if (robot_load(r, o) != 0)
+        return -1;
     r->samples = o->samples;
     if (open_double(r, o->seed) != 0)
         return -1;

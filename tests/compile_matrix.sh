@@ -1,8 +1,8 @@
 #!/bin/sh
 # Compiles rbd.h alone with every compiler found, as every standard, with all warnings as errors:
-# declarations only, with the implementation, with RBD_STATIC; for double and float; at -O0, and with
-# the first standard also at -O2, where the compiler sees more. Then the batch calls for several numbers of
-# lanes, with the SIMD unit for them where the compiler has it.
+# declarations only, with the implementation, with RBD_STATIC, and the declarations of rbd_urdf.h; for double
+# and float; at -O0, and with the first standard also at -O2, where the compiler sees more. Then the batch
+# calls for several numbers of lanes, with the SIMD unit for them where the compiler has it.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -18,6 +18,7 @@ combinations=0
 # The three ways to include, as C and as C++ file.
 for suffix in c cpp; do
     echo '#include "rbd.h"' >"$scratch/declarations.$suffix"
+    echo '#include "rbd_urdf.h"' >"$scratch/urdf.$suffix"
     printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/implementation.$suffix"
     printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/static.$suffix"
     for lanes in 2 4 8; do
@@ -48,6 +49,7 @@ all() {
     for standard; do
         for scalar in double float; do
             compile "$compiler" "$standard" "$suffix" declarations "$scalar" -O0
+            compile "$compiler" "$standard" "$suffix" urdf "$scalar" -O0
             compile "$compiler" "$standard" "$suffix" static "$scalar" -O0
             compile "$compiler" "$standard" "$suffix" implementation "$scalar" -O0
             [ -z "$level" ] || compile "$compiler" "$standard" "$suffix" implementation "$scalar" "$level"

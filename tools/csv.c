@@ -16,16 +16,6 @@ int csv_error(const csv *c, const char *format, ...) {
     return -1;
 }
 
-/* Memory twice as large, or the end of the program. */
-static void *grown(void *memory, size_t size) {
-    void *larger = realloc(memory, size);
-    if (!larger) {
-        fprintf(stderr, "%s: out of memory\n", program);
-        exit(EXIT_BAD);
-    }
-    return larger;
-}
-
 /* Reads a line into text, without its end. Returns 0 at the end of the input. */
 static int read_line(csv *c) {
     size_t length = 0;

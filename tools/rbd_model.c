@@ -10,7 +10,7 @@ const char *program = "rbd-model";
 static const char help[] =
     "usage: rbd-model [OPTION...] FILE.urdf\n"
     "\n"
-    "Reads a robot's URDF file and prints a summary: its tree of links, joints, masses, and what is odd.\n"
+    "Prints a summary of a robot's URDF file (- is standard input): links, joints, masses, what is odd.\n"
     "With one of these it writes something else to standard output, and the warnings to standard error:\n"
     "  --c NAME            the description, NAME_bodies, a C table for rbd_model_build\n"
     "  --c-model NAME      the built model, NAME_model, a C table for firmware\n"
@@ -80,7 +80,7 @@ static int read_options(options *o, char **argv) {
         status = read_output(o, argv, &i);
         if (status < 0)
             status = settings_read(&o->settings, argv, &i);
-        if (status < 0 && argv[i][0] == '-')
+        if (status < 0 && argv[i][0] == '-' && argv[i][1])
             status = usage_error("unknown option '%s'", argv[i]);
         if (status < 0) {
             status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;

@@ -14,6 +14,15 @@ void *allocate(size_t n, size_t size) {
     return memory;
 }
 
+void *grown(void *memory, size_t size) {
+    void *larger = realloc(memory, size);
+    if (!larger) {
+        fprintf(stderr, "%s: out of memory\n", program);
+        exit(EXIT_BAD);
+    }
+    return larger;
+}
+
 /* ---- options ---- */
 
 int usage_error(const char *format, ...) {
@@ -48,6 +57,7 @@ const char settings_help[] =
     "  --gravity X,Y,Z     in the world frame, m/s^2 (0,0,-9.81)\n"
     "  --keep LINK         keep this fixed link as a body, a frame; may stand several times\n"
     "  --keep-all          keep all fixed links\n"
+    "  --lock              hold joints still that move no mass (else they are an error)\n"
     "  --strict            warnings are errors\n"
     "  --messages          show what urdfdom has to say\n"
     "  --help, --version\n";
@@ -69,6 +79,8 @@ int settings_read(settings *s, char **argv, int *i) {
         s->urdf.keep_all = 1;
     else if (strcmp(argument, "--strict") == 0)
         s->urdf.strict = 1;
+    else if (strcmp(argument, "--lock") == 0)
+        s->urdf.lock_massless = 1;
     else if (strcmp(argument, "--messages") == 0)
         s->urdf.show_messages = 1;
     else if (option_is(argument, "--gravity"))
@@ -99,15 +111,52 @@ void robot_print_warnings(const robot *r) {
         print_finding(r->path, "warning", &r->urdf.warnings[i]);
 }
 
-static int load(robot *r, const settings *s) {
-    rbd_urdf *u = &r->urdf;
-    if (rbd_urdf_load(r->path, &s->urdf, u) != RBD_URDF_OK) /* counts */
+/* The whole of a file, or of standard input for "-"; NULL if it cannot be read. */
+static char *read_file(const char *path, size_t *length) {
+    FILE *file = strcmp(path, "-") == 0 ? stdin : fopen(path, "rb");
+    char *text = NULL;
+    size_t room = 0, n;
+    *length = 0;
+    if (!file)
+        return NULL;
+    do {
+        if (*length == room)
+            text = grown(text, room = 2 * room + 65536);
+        *length += n = fread(text + *length, 1, room - *length, file);
+    } while (n > 0);
+    if (ferror(file)) {
+        free(text);
+        text = NULL;
+    }
+    if (file != stdin)
+        fclose(file);
+    return text;
+}
+
+/* Loads twice: to count, and to fill. */
+static int load_text(rbd_urdf *u, const char *text, size_t length, const settings *s) {
+    if (rbd_urdf_parse(text, length, &s->urdf, u) != RBD_URDF_OK)
         return EXIT_BAD;
     u->bodies = allocate((size_t)(u->bodies_max = u->nb), sizeof *u->bodies);
     u->names = allocate(u->names_max = u->names_size, 1);
     u->frames = allocate((size_t)(u->frames_max = u->nframes), sizeof *u->frames);
     u->warnings = allocate((size_t)(u->warnings_max = u->nwarnings), sizeof *u->warnings);
-    return rbd_urdf_load(r->path, &s->urdf, u) == RBD_URDF_OK ? 0 : EXIT_BAD;
+    return rbd_urdf_parse(text, length, &s->urdf, u) == RBD_URDF_OK ? 0 : EXIT_BAD;
+}
+
+static int load(robot *r, const settings *s) {
+    size_t length;
+    char *text = read_file(r->path, &length);
+    int status;
+    if (!text) {
+        fprintf(stderr, "%s: error: the file cannot be read\n", r->path);
+        return EXIT_BAD;
+    }
+    status = load_text(&r->urdf, text, length, s);
+    if (status != 0)
+        print_finding(r->path, "error", &r->urdf.error);
+    free(text);
+    return status;
 }
 
 static int build(robot *r) {
@@ -130,11 +179,7 @@ static int build(robot *r) {
 int robot_open(robot *r, const char *path, const settings *s) {
     memset(r, 0, sizeof *r);
     r->path = path;
-    if (load(r, s) != 0) {
-        print_finding(path, "error", &r->urdf.error);
-        return EXIT_BAD;
-    }
-    return build(r);
+    return load(r, s) == 0 ? build(r) : EXIT_BAD;
 }
 
 void robot_close(robot *r) {

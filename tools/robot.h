@@ -21,8 +21,9 @@ typedef struct settings {
     int nkeep;
 } settings;
 
-/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --strict or
-   --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status. */
+/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --lock,
+   --strict or --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status.
+ */
 int settings_read(settings *s, char **argv, int *i);
 extern const char settings_help[];
 
@@ -38,7 +39,8 @@ typedef struct robot {
     void *model_memory;
 } robot;
 
-/* Loads and builds. Errors go to standard error, with file and line. Returns 0 or EXIT_BAD. */
+/* Loads and builds; the path "-" is standard input. Errors go to standard error, with file and line. Returns
+ * 0 or EXIT_BAD. */
 int robot_open(robot *r, const char *path, const settings *s);
 void robot_close(robot *r);
 
@@ -47,5 +49,8 @@ void robot_print_warnings(const robot *r);
 
 /* Memory or the end of the program: n things of some size, zeroed; at least one byte. */
 void *allocate(size_t n, size_t size);
+
+/* The memory, which may be NULL, made larger; or the end of the program. */
+void *grown(void *memory, size_t size);
 
 #endif

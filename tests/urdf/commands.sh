@@ -60,7 +60,10 @@ expect 2 "rbd-eval: unknown argument 'x'; see rbd-eval --help" "$rbd_eval" x
 # ---- rbd-model: files ----
 
 cp "$root/tests/urdf/nasty.urdf" "$root/tests/urdf/broken/mass_negative.urdf" "$root"/models/*.urdf .
-expect 1 "/no: error: the file '/no' cannot be read" "$rbd_model" /no
+expect 1 "/no: error: the file cannot be read" "$rbd_model" /no
+expect 1 "/: error: the file cannot be read" "$rbd_model" /
+expect 1 "-:1: error: the text ends before any element" "$rbd_model" -
+"$rbd_model" --check - <iiwa.urdf || fail "standard input"
 expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" "$rbd_model" --check mass_negative.urdf
 expect 1 "iiwa.urdf: error: there is no link 'hand' to keep" "$rbd_model" iiwa.urdf --keep hand
 expect 0 "" "$rbd_model" --check iiwa.urdf

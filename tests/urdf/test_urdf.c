@@ -619,6 +619,10 @@ END_TEST
 
 START_TEST(limits_that_make_no_sense_are_none_with_a_warning) {
     static room x;
+    static const char *const texts[] = {"joint 'j': it has no <limit>; read as none",
+                                        "joint 'k': the velocity limit is negative; read as none",
+                                        "joint 'k': <limit> has no effort; read as none",
+                                        "joint 'k': the lower limit exceeds the upper; read as none"};
     rbd_urdf robot = parsed(
         &x,
         ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") JOINT("j", "revolute", "a", "b", "")
@@ -626,13 +630,46 @@ START_TEST(limits_that_make_no_sense_are_none_with_a_warning) {
                       JOINT("l", "continuous", "c", "d", "<limit effort='2'/>")),
         NULL);
     ck_assert_int_eq(robot.nwarnings, 4);
-    ck_assert_str_eq(robot.warnings[0].text, "joint 'j': it has no <limit>; read as none");
-    ck_assert_str_eq(robot.warnings[1].text, "joint 'k': <limit> has no effort; read as none");
-    ck_assert_str_eq(robot.warnings[2].text, "joint 'k': the lower limit exceeds the upper; read as none");
-    ck_assert_str_eq(robot.warnings[3].text, "joint 'k': the limit of velocity is negative; read as none");
+    for (int i = 0; i < 4; i++)
+        ck_assert_str_eq(robot.warnings[i].text, texts[i]);
     for (int i = 0; i < 3; i++)
         ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0 && robot.bodies[i].velocity == 0);
     ck_assert_double_eq(robot.bodies[2].effort, 2);
+}
+END_TEST
+
+START_TEST(infinite_limits_are_none_with_a_warning) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") UNIT_LINK("b") JOINT(
+            "j", "revolute", "a", "b", "<limit lower='-inf' upper='2' velocity='INF' effort='Infinity'/>")),
+        NULL);
+    ck_assert_int_eq(robot.nwarnings, 3);
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'j': the lower limit is infinite; read as none");
+    ck_assert(robot.bodies[0].lower == 0 && robot.bodies[0].upper == 0 && robot.bodies[0].velocity == 0);
+}
+END_TEST
+
+/* b has mass, the chain c, d has not, e has armature. */
+static const char massless[] =
+    ROBOT(LINK("a") UNIT_LINK("b") LINK("c") LINK("d") LINK("e") JOINT("ab", "continuous", "a", "b", "")
+              JOINT("bc", "continuous", "b", "c", "") JOINT("cd", "continuous", "c", "d", "")
+                  JOINT("de", "continuous", "b", "e", "<dynamics armature='1'/>"));
+
+START_TEST(joints_that_move_no_mass_are_an_error_or_locked) {
+    static room x;
+    const rbd_urdf_options lock = {.lock_massless = 1};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, massless, NULL), RBD_URDF_ERR_MODEL);
+    ck_assert(strncmp(robot.error.text, "link 'd', joint 'cd', mass: ", 28) == 0);
+    ck_assert_int_eq(parse(&robot, massless, &lock), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nb, 2);
+    ck_assert_str_eq(robot.bodies[1].name, "e");
+    ck_assert_int_eq(robot.nwarnings, 2);
+    ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_LOCKED);
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'cd': it moves no mass; held still");
+    ck_assert_str_eq(robot.warnings[1].text, "joint 'bc': it moves no mass; held still");
 }
 END_TEST
 
@@ -677,17 +714,18 @@ END_TEST
 
 int main(void) {
     Suite *suite = suite_create("urdf");
-    TCase *c = tcase_create("urdf");
+    TCase *c = tcase_create("urdf"), *large = tcase_create("large");
     SRunner *runner;
     int failed;
     tcase_set_timeout(c, 60);
+    tcase_set_timeout(large, 60);
     tcase_add_loop_test(c, urdf_files_give_the_bits_of_the_tables, 0, TABLES);
     tcase_add_test(c, broken_files_give_the_sentence_expected);
     tcase_add_loop_test(c, errors_have_their_status, 0, (int)(sizeof kinds / sizeof *kinds));
     tcase_add_test(c, arguments_are_checked);
-    tcase_add_loop_test(c, deep_nesting_is_an_error_and_no_crash, 0, 4);
-    tcase_add_test(c, long_chains_are_no_crash);
-    tcase_add_test(c, too_many_bodies_are_an_error);
+    tcase_add_loop_test(large, deep_nesting_is_an_error_and_no_crash, 0, 4);
+    tcase_add_test(large, long_chains_are_no_crash);
+    tcase_add_test(large, too_many_bodies_are_an_error);
     tcase_add_test(c, the_first_call_counts);
     tcase_add_test(c, the_order_is_that_of_the_file_but_parents_go_first);
     tcase_add_test(c, joints_keep_type_axis_limits_and_dynamics);
@@ -700,9 +738,12 @@ int main(void) {
     tcase_add_test(c, geometry_and_extensions_are_left_unread);
     tcase_add_test(c, links_that_no_real_body_is_like_give_warnings_by_name);
     tcase_add_test(c, limits_that_make_no_sense_are_none_with_a_warning);
+    tcase_add_test(c, infinite_limits_are_none_with_a_warning);
+    tcase_add_test(c, joints_that_move_no_mass_are_an_error_or_locked);
     tcase_add_test(c, a_comma_locale_changes_nothing);
     tcase_add_test(c, nothing_is_printed);
     suite_add_tcase(suite, c);
+    suite_add_tcase(suite, large);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

@@ -7,10 +7,10 @@ seconds=${2:-60}
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../../.." && pwd)
 mkdir -p "$folder/corpus" "$folder/seeds"
 
-# A seed is a byte of options and a file.
-for file in "$root"/models/*.urdf "$root"/tests/urdf/broken/*.urdf "$root"/tests/urdf/fuzz/corpus/*.urdf; do
-    [ -e "$file" ] || continue
-    for options in 0 1 2; do
+# A seed is a byte of options and a file; the corpus has that byte already.
+cp "$root"/tests/urdf/fuzz/corpus/* "$folder/seeds"
+for file in "$root"/models/*.urdf "$root"/tests/urdf/nasty.urdf "$root"/tests/urdf/broken/*.urdf; do
+    for options in 0 1 2 5; do
         { printf '%s' "$options"; cat "$file"; } >"$folder/seeds/$options.$(basename "$file")"
     done
 done

@@ -50,7 +50,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     rbd_urdf_options options = {};
     options.root = data[0] & 1 ? RBD_FLOATING : RBD_FIXED;
     options.keep_all = data[0] >> 1 & 1;
-    options.strict = (data[0] >> 2 & 7) == 7;
+    options.lock_massless = data[0] >> 2 & 1;
+    options.strict = (data[0] >> 3 & 7) == 7;
     const char *text = (const char *)data + 1;
     rbd_urdf robot = {};
     const rbd_urdf_status counted = rbd_urdf_parse(text, size - 1, &options, &robot);

@@ -1,0 +1,55 @@
+/* A robot from a URDF file. SPDX-License-Identifier: MIT */
+#include "bench.h"
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef BENCH_URDF
+#include "rbd_urdf.h"
+
+/* The arrays of the one file robot; they stay until the end. */
+static rbd_urdf loaded;
+
+static int load_error(const char *path) {
+    fprintf(stderr, "rbd-bench: %s:%d: %s\n", path, loaded.error.line, loaded.error.text);
+    return -1;
+}
+
+/* Lengths of q and v, by building the model once. */
+static int take_lengths(struct robot *r) {
+    const size_t size = rbd_model_size(r->bodies, r->nb);
+    const rbd_model *m;
+    void *memory = malloc(size);
+    const int good = memory && rbd_model_build(r->bodies, r->nb, memory, size, &m, NULL) == RBD_OK;
+    if (good) {
+        r->nq = rbd_nq(m);
+        r->nv = rbd_nv(m);
+    }
+    free(memory);
+    return good ? 0 : -1;
+}
+
+int robot_load(struct robot *r, const struct options *o) {
+    const rbd_urdf_options options = {.root = o->floating ? RBD_FLOATING : RBD_FIXED};
+    if (rbd_urdf_load(o->model, &options, &loaded) != RBD_URDF_OK) /* counts */
+        return load_error(o->model);
+    loaded.bodies = calloc((size_t)(loaded.bodies_max = loaded.nb), sizeof *loaded.bodies);
+    loaded.names = malloc(loaded.names_max = loaded.names_size);
+    if (!loaded.bodies || !loaded.names || rbd_urdf_load(o->model, &options, &loaded) != RBD_URDF_OK)
+        return load_error(o->model);
+    for (char *c = loaded.names; *c; c++) /* the robot's name stands first: fit for CSV and JSON */
+        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c))
+            *c = '_';
+    *r = (struct robot){.name = loaded.name, .title = loaded.name, .bodies = loaded.bodies, .nb = loaded.nb};
+    return take_lengths(r);
+}
+
+#else
+
+int robot_load(struct robot *r, const struct options *o) {
+    (void)r;
+    fprintf(stderr, "rbd-bench: %s: this build is without urdfdom and reads no URDF files\n", o->model);
+    return -1;
+}
+
+#endif
