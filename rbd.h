@@ -65,7 +65,14 @@
                       straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
                       64 bytes the memory of a work must then have
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
-     RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only)
+     RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only), and likewise, for
+                      linkers that keep all functions of a file:
+     RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
+     RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
+     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, rbd_joint, rbd_dof_body
+     RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
+                      fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
+                      mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
@@ -156,6 +163,13 @@ extern "C" {
 #define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
 #endif
 #define rbd_batch_init RBDI_PASTE(rbd_batch_init, RBD_REAL)
+#endif
+
+#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
+#define RBDI_NO_FD_CHOLESKY
+#endif
+#if defined RBD_BATCH_IMPLEMENTATION && (defined RBDI_NO_FD_CHOLESKY || defined RBD_NO_ABA)
+#error "rbd: the batch calls need RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA and RBD_NO_CHOLESKY undefined"
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
@@ -249,8 +263,10 @@ typedef enum rbd_status {
     RBD_WARN_FIXED = 5             /* a fixed joint with an axis: is its type missing? */
 } rbd_status;
 
+#ifndef RBD_NO_TEXT
 /* One sentence for a status, English, static. */
 RBD_API const char *rbd_status_string(rbd_status status);
+#endif
 
 /* One finding of the build. */
 typedef struct rbd_finding {
@@ -268,9 +284,11 @@ typedef struct rbd_report {
     rbd_finding warning[RBD_MAX_WARNINGS];
 } rbd_report;
 
+#ifndef RBD_NO_TEXT
 /* Writes a finding as a sentence, e.g. "body 3 'left_foot', field 'mass': negative or not finite",
    cut to fit, always terminated. text: size bytes. Returns text. */
 RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
+#endif
 
 /* ---- build [build] ---- */
 
@@ -338,6 +356,7 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
    same shape, but must not overlap otherwise. All include armature; none includes damping and
    friction. Errors: RBD_ERR_NULL, and RBD_ERR_SINGULAR where said. */
 
+#ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
@@ -348,13 +367,16 @@ RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 
 /* Gravity torque g = tau at v = a = 0: what holds the robot still. */
 RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
+#endif
 
+#ifndef RBD_NO_CRBA
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
 RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
    are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. */
 RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
+#endif
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
 RBD_API int rbd_packed_size(const rbd_model *m);
@@ -362,16 +384,21 @@ RBD_API int rbd_packed_size(const rbd_model *m);
 /* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
 RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
+#ifndef RBD_NO_ABA
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. A model with
    mimic joints goes by rbd_fd_cholesky. Also RBD_ERR_SINGULAR. */
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+#endif
 
+#ifndef RBDI_NO_FD_CHOLESKY
 /* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
 RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    rbd_real *a);
+#endif
 
+#ifndef RBD_NO_CHOLESKY
 /* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
    M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
@@ -385,6 +412,7 @@ RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, r
 /* Solves M x = b with the factor L. b, x: nv; may be the same. */
 RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L,
                                       const rbd_real *b, rbd_real *x);
+#endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
@@ -394,6 +422,7 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 
 /* ---- kinematics [kinematics] ---- */
 
+#ifndef RBD_NO_KINEMATICS
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics.
    Errors: RBD_ERR_NULL. */
@@ -431,10 +460,12 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBD_API rbd_const rbd_mass(const rbd_model *m);
+#endif
 
 /* ---- configuration manifold [manifold] ----
    q: nq, v and d: nv, in the coordinates of [conventions]. Errors: RBD_ERR_NULL. */
 
+#ifndef RBD_NO_MANIFOLD
 /* The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0). */
 RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 
@@ -450,6 +481,7 @@ RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const 
 /* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
    (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
 RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
+#endif
 
 /* ---- lookup [lookup] ---- */
 
@@ -457,6 +489,7 @@ RBD_API int rbd_nb(const rbd_model *m); /* number of bodies */
 RBD_API int rbd_nq(const rbd_model *m); /* length of q */
 RBD_API int rbd_nv(const rbd_model *m); /* length of v, a, tau: degrees of freedom */
 
+#ifndef RBD_NO_LOOKUP
 /* Index of a body by the name of its link, or of the joint that carries it; -1 if there is none. */
 RBD_API int rbd_body_index(const rbd_model *m, const char *name);
 RBD_API int rbd_joint_index(const rbd_model *m, const char *name);
@@ -477,6 +510,7 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
 
 /* The body whose joint has this degree of freedom, -1 if there is none. */
 RBD_API int rbd_dof_body(const rbd_model *m, int dof);
+#endif
 
 /* ---- batches [batch] ----
    Many states at once, RBD_LANES of them by each SIMD instruction, from and to ordinary arrays. A file of
@@ -1605,6 +1639,8 @@ RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int f, rbdi_force F)
     return f & RBDI_SCREWS ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
+RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
+
 RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a)
 {
     a[0] = V.w.x, a[1] = V.w.y, a[2] = V.w.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
@@ -2571,6 +2607,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
 
 /* ---- dynamics: the public calls ---- */
 
+#ifndef RBD_NO_RNEA
 RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
 {
@@ -2594,7 +2631,9 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
+#endif
 
+#ifndef RBD_NO_CRBA
 RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
 {
     if (!m || !w || !q || !H) return RBD_ERR_NULL;
@@ -2618,6 +2657,7 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_crba(m, w, NULL, M);
     return RBD_OK;
 }
+#endif
 
 RBD_API int rbd_packed_size(const rbd_model *m)
 {
@@ -2635,12 +2675,15 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
     return -1;
 }
 
+#ifndef RBD_NO_ABA
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a)
 {
     rbdi_mask bad;
     if (!m || !w || !q || !v || !tau || !a) return RBD_ERR_NULL;
+#ifndef RBDI_NO_FD_CHOLESKY
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
+#endif
     rbdi_joints(m, w, q);
     rbdi_aba_pass1(m, w, v);
     rbdi_external(m, w, f_ext);
@@ -2648,7 +2691,9 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     rbdi_aba_pass3(m, w, a);
     return rbdi_singular(m, w, bad);
 }
+#endif
 
+#ifndef RBDI_NO_FD_CHOLESKY
 RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    rbd_real *a)
@@ -2663,7 +2708,9 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_solve(m, w->H, a);
     return rbdi_singular(m, w, bad);
 }
+#endif
 
+#ifndef RBD_NO_CHOLESKY
 RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H)
 {
     if (!m || !w || !H) return RBD_ERR_NULL;
@@ -2690,6 +2737,7 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     rbdi_solve(m, L, x);
     return RBD_OK;
 }
+#endif
 
 RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
@@ -2709,6 +2757,7 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
     return RBD_OK;
 }
 
+#ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
 RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v)
@@ -2806,8 +2855,6 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
 }
-
-RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
                                  rbd_real p[3])
@@ -2921,7 +2968,9 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
     if (potential) *potential = V;
     return RBD_OK;
 }
+#endif
 
+#ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 
 /* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
@@ -3234,6 +3283,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
     }
     return RBD_OK;
 }
+#endif
 
 /* ---- work ---- */
 
@@ -3269,6 +3319,9 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     int n, padded;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
+#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_ABA
+    if (m->nmimic) return RBD_ERR_MIMIC; /* rbd_aba would need it */
+#endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic;
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
@@ -3315,7 +3368,7 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3])
 
 /* ---- lookup ---- */
 
-static int rbdi_same(const char *a, const char *b)
+RBDI_PART int rbdi_same(const char *a, const char *b)
 {
     if (!a || !b) return 0;
     while (*a && *a == *b) ++a, ++b;
@@ -3326,6 +3379,7 @@ RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
 RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
 RBD_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
+#ifndef RBD_NO_LOOKUP
 RBD_API int rbd_body_index(const rbd_model *m, const char *name)
 {
     for (int b = 0; m && b < m->nb; ++b)
@@ -3369,7 +3423,9 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof)
 {
     return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
 }
+#endif
 
+#ifndef RBD_NO_TEXT
 RBD_API const char *rbd_status_string(rbd_status status)
 {
     switch (status) {
@@ -3452,6 +3508,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
     rbdi_append(text, size, at, rbd_status_string(finding->status));
     return text;
 }
+#endif
 
 #if defined __GNUC__ && !defined __clang__
 #pragma GCC pop_options

@@ -1,0 +1,410 @@
+#!/usr/bin/env python3
+"""Builds rbd for microcontrollers, runs it under QEMU, proves and measures it: ./run firmware --help
+
+bench/firmware/README.md has the method. SPDX-License-Identifier: MIT"""
+import argparse
+import csv
+import io
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+CROSS = ROOT / "examples/firmware/cross"
+ACCEPTED = ROOT / "bench/results/firmware.csv"
+TARGETS = ["cortex-m0", "cortex-m3", "cortex-m4f", "stm32f405", "cortex-m7", "cortex-m33", "cortex-m55", "rv32imafc",
+           "rv64gc"]
+SCALARS = ["float", "double"]
+LEVELS = ["s", "2"]
+ROBOTS = ["iiwa", "hyq", "atlas"]
+ALGORITHMS = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
+              "kinematics": "rbd_kinematics"}
+KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
+FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
+BUDGETS = ["code", "model", "work", "stack", "frames"]
+UNSTATED = 128  # bytes of stack without a callgraph, at most
+SLACK = 0.05  # by which a budget may be exceeded
+CLOCK_MHZ, CPI = 100, 1.5  # of the estimated rates
+
+problems = []
+
+
+def say(*words):
+    print(*words, file=sys.stderr, flush=True)
+
+
+def problem(text):
+    problems.append(text)
+    say("firmware: FAILED:", text)
+
+
+def die(text):
+    sys.exit("firmware: " + text)
+
+
+def output_of(*command):
+    """What a command prints; ends with its messages if it fails."""
+    done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    if done.returncode:
+        say(done.stdout)
+        die("failed: " + " ".join(str(word) for word in command))
+    return done.stdout
+
+
+# ---- what a target needs ----
+
+def is_riscv(target):
+    return target.startswith("rv")
+
+
+def tool(target, name):
+    return ("riscv64-unknown-elf-" if is_riscv(target) else "arm-none-eabi-") + name
+
+
+def missing(target):
+    """The programs and the library that this machine lacks for a target."""
+    emulator = {"rv3": "qemu-system-riscv32", "rv6": "qemu-system-riscv64"}.get(target[:3], "qemu-system-arm")
+    lacks = [name for name in (tool(target, "gcc"), emulator) if not shutil.which(name)]
+    if not lacks and not pathlib.Path("/usr/lib/picolibc", tool(target, "")[:-1]).exists():
+        lacks.append("picolibc for " + tool(target, "gcc"))
+    return lacks
+
+
+def compiler(target):
+    return "gcc " + output_of(tool(target, "gcc"), "-dumpfullversion").strip()
+
+
+# ---- build and run ----
+
+def build(target, folder):
+    if not (folder / "build.ninja").exists():
+        family = "riscv.ini" if is_riscv(target) else "arm.ini"
+        output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
+                  CROSS / (target + ".ini"), "--cross-file", CROSS / family, folder, ROOT)
+    output_of("ninja", "-C", folder, "--quiet")
+
+
+def run_tests(target, folder):
+    """Runs the examples, the reference tests and the figures; returns what each printed, by name."""
+    log = folder / "meson-logs/testlog.json"
+    log.unlink(missing_ok=True)
+    subprocess.run(["meson", "test", "-C", folder, "--no-rebuild", "-q"], stdin=subprocess.DEVNULL,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    if not log.exists():
+        die(target + ": meson test did not run")
+    printed = {}
+    for line in log.read_text().splitlines():
+        test = json.loads(line)
+        printed[test["name"].split("/")[-1].split(":")[-1].strip()] = test.get("stdout", "").strip()
+        if test["result"] != "OK":
+            problem(f"{target}: {test['name']}: {test['result']}\n{test.get('stdout', '')}{test.get('stderr', '')}")
+    if not printed:
+        problem(target + ": no tests")
+    return printed
+
+
+# ---- proofs ----
+
+# What any compiler may call for: memory functions, and its own arithmetic.
+ARITHMETIC = r"__((add|sub|mul|div|neg|eq|ne|lt|le|gt|ge|unord|powi){0}[23]|fix\w*{0}[sd]i|float\w*{0})"
+HELPERS = re.compile(r"mem(cpy|set|move)|__aeabi_\w+|__\w+[sd]i[23]?|__gnu_thumb1_case_\w+|"
+                     + ARITHMETIC.format("[sd]f") + "|__extendsfdf2|__truncdfsf2")
+DOUBLE = re.compile(r"__aeabi_(c?d\w+|\w+2d)|__extendsfdf2|__truncdfsf2|" + ARITHMETIC.format("df"))
+DOUBLE_INSTRUCTION = re.compile(r"\t(v\w+(\.\w+)*\.f64|f\w+(\.\w+)*\.d)\b")
+
+
+def undefined(target, library):
+    symbols = set(re.findall(r"^\s+U (\S+)", output_of(tool(target, "nm"), "-u", library), re.M))
+    return sorted(symbols)
+
+
+def double_arithmetic(target, library, symbols):
+    """The compiler's helpers for it that a library calls, and the instructions that it contains."""
+    code = output_of(tool(target, "objdump"), "-d", library)
+    instructions = {m[1] for m in DOUBLE_INSTRUCTION.finditer(code)}
+    return sorted(instructions | {s for s in symbols if DOUBLE.fullmatch(s)})
+
+
+def prove(target, folder):
+    """What the objects of the library may show and what not; returns a line a proof."""
+    lines = []
+    here = folder / "bench/firmware"
+    for library in [*sorted(here.glob("librbd_*.a")), *sorted(here.glob("libfreestanding_*.a"))]:
+        name, scalar = library.stem.split("_")[:2]
+        suffix = "f" if scalar == "float" else ""
+        symbols = undefined(target, library)
+        libm = {x + suffix for x in ("sin", "cos", "sqrt")}
+        if name == "libfreestanding":  # this one has the model build, which is in double
+            libm |= {"sin", "cos", "sqrt"}
+        foreign = [s for s in symbols if s not in libm and not HELPERS.fullmatch(s)]
+        lines.append(f"{library.stem}: undefined: {' '.join(symbols)}")
+        if foreign:
+            problem(f"{target}: {library.stem} needs {' '.join(foreign)}")
+        if name == "librbd":
+            doubles = double_arithmetic(target, library, symbols)
+            lines.append(f"{library.stem}: double arithmetic: {' '.join(doubles) or 'none'}")
+            if (scalar == "double") != bool(doubles):  # seen where it is, none where it must not be
+                problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
+    if len(lines) < 10:
+        problem(f"{target}: libraries are missing: {lines}")
+    for program in ("computed_torque", "gravity_compensation"):
+        symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
+        names = {line.split()[-1] for line in symbols.splitlines()}
+        unwanted = sorted(n for n in names if DOUBLE.fullmatch(n) or n in ("malloc", "free", "sbrk", "_sbrk"))
+        lines.append(f"{program}: of {len(names)} symbols, double arithmetic or a heap: {' '.join(unwanted) or 'none'}")
+        if unwanted:
+            problem(f"{target}: {program} has {' '.join(unwanted)}")
+    return lines
+
+
+# ---- figures ----
+
+def flash_bytes(target, path):
+    """Code and constants, and what variables start with."""
+    fields = output_of(tool(target, "size"), path).splitlines()[1].split()
+    return int(fields[0]) + int(fields[1])
+
+
+def worst_frames(graph_file):
+    """The deepest sum of stack frames from each function, as GCC's -fcallgraph-info=su states them."""
+    frame, calls = {}, {}
+    for line in graph_file.read_text().splitlines():
+        node = re.match(r'node: \{ title: "([^"]*)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"', line)
+        edge = re.match(r'edge: \{ sourcename: "([^"]*)" targetname: "([^"]*)"', line)
+        if node and node[2]:
+            frame[node[1]] = int(node[2])
+            if node[3] != "static":
+                problem(f"{node[1]}: the stack frame is {node[3]}")
+        if edge:
+            calls.setdefault(edge[1], set()).add(edge[2])
+    worst, open_calls = {}, []
+
+    def depth(function):
+        if function in open_calls:
+            problem("recursion: " + " ".join(open_calls + [function]))
+            return 0
+        if function not in worst:
+            open_calls.append(function)
+            worst[function] = frame.get(function, 0) + max(map(depth, calls.get(function, ())), default=0)
+            open_calls.pop()
+        return worst[function]
+
+    return {function: depth(function) for function in list(frame)}
+
+
+def figures(target, folder, printed):
+    here, title, rows = folder / "bench/firmware", compiler(target), []
+    for scalar in SCALARS:
+        model = {r: flash_bytes(target, here / f"libmodel_{scalar}_{r}.a") for r in ROBOTS}
+        for level in LEVELS:
+            name = f"{scalar}_{level}"
+            code = {g: flash_bytes(target, here / f"code_{name}_{g}") for g in ALGORITHMS}
+            frames = worst_frames(next((here / f"librbd_{name}.a.p").glob("*.ci")))
+            for line in re.findall(r"^\w+,\w+,\d+,\d+,\d+$", printed.get("figures " + name, ""), re.M):
+                robot, algorithm, work, stack, instructions = line.split(",")
+                row = dict(target=target, compiler=title, scalar=scalar, level=level, robot=robot, algorithm=algorithm,
+                           code=code[algorithm], model=model[robot], work=int(work), stack=int(stack),
+                           frames=frames[ALGORITHMS[algorithm]], instructions=int(instructions))
+                check_stack(row)
+                rows.append(row)
+    if len(rows) < 4 * len(ALGORITHMS):
+        problem(f"{target}: only {len(rows)} rows of figures")
+    return rows
+
+
+def check_stack(row):
+    """The painted stack is no more than the compiler states, but for the call's own arguments and the frames of
+    what has no callgraph, the compiler's helpers."""
+    if not 0 < row["stack"] <= row["frames"] + UNSTATED:
+        problem(f"{key(row)}: stack {row['stack']} painted, {row['frames']} by -fstack-usage")
+
+
+def key(row):
+    return " ".join(row[k] for k in KEYS if k != "compiler")
+
+
+# ---- budgets ----
+
+def read_accepted():
+    if not ACCEPTED.exists():
+        return []
+    with open(ACCEPTED, newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row.update({f: int(row[f]) for f in FIGURES})
+    return rows
+
+
+def excess(row, budget):
+    """What exceeds its budget, as sentences."""
+    return [f"{figure} {row[figure]}, budget {budget[figure]}: {100 * (row[figure] / budget[figure] - 1):+.1f} %"
+            for figure in BUDGETS if row[figure] > budget[figure] * (1 + SLACK)]
+
+
+def check_budgets(target, rows):
+    """Returns a sentence for a person."""
+    accepted = {key(r): r for r in read_accepted() if r["target"] == target}
+    titles = {r["compiler"] for r in accepted.values()}
+    if not accepted:
+        problem(f"{target}: no accepted figures in {ACCEPTED.name}; ./run firmware --accept")
+        return "no budgets"
+    if titles != {rows[0]["compiler"]}:
+        return f"budgets NOT checked: they are of {', '.join(titles)}, this is {rows[0]['compiler']}"
+    for row in rows:
+        if key(row) not in accepted:
+            problem(f"{key(row)}: no accepted figures; ./run firmware --accept")
+            continue
+        for text in excess(row, accepted[key(row)]):
+            problem(f"{key(row)}: {text}")
+    return f"{len(rows) * len(BUDGETS)} figures within their budgets"
+
+
+def as_csv(rows):
+    text = io.StringIO()
+    writer = csv.DictWriter(text, KEYS + FIGURES, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def accept(rows):
+    new = {r["target"] for r in rows}
+    rows = [r for r in read_accepted() if r["target"] not in new] + rows
+    rows.sort(key=lambda r: TARGETS.index(r["target"]))
+    ACCEPTED.parent.mkdir(exist_ok=True)
+    partial = ACCEPTED.with_suffix(".new")
+    partial.write_text(as_csv(rows))
+    partial.replace(ACCEPTED)
+    say("firmware: accepted, in", ACCEPTED.relative_to(ROOT))
+
+
+# ---- report ----
+
+def rate(instructions):
+    """Calls per second at the stated clock and cycles per instruction, with three digits."""
+    hertz = CLOCK_MHZ * 1e6 / (CPI * instructions)
+    return f"{hertz / 1000:.3g} kHz" if hertz >= 1000 else f"{hertz:.3g} Hz"
+
+
+def table(rows, robots):
+    lines = [f"Bytes and executed instructions per call (not cycles); rate: at {CLOCK_MHZ} MHz and {CPI} cycles per "
+             "instruction, an estimate."]
+    groups = {}
+    for row in rows:
+        groups.setdefault((row["target"], row["compiler"], row["scalar"], row["level"]), []).append(row)
+    for (target, title, scalar, level), group in groups.items():
+        there = [r for r in robots if any(row["robot"] == r for row in group)]
+        lines += ["", f"{f'{target}, {scalar}, -O{level}, {title}':40}" + "".join(f"{r:>21}" for r in there),
+                  f"{'':14}{'code':>8}{'stack':>7}{'':11}" + f"{'instr.':>10}{'rate':>11}" * len(there)]
+        for algorithm in ALGORITHMS:
+            some = [row for row in group if row["algorithm"] == algorithm]
+            by_robot = {row["robot"]: row for row in some}
+            lines.append(f"  {algorithm:12}{some[0]['code']:>8}{max(r['stack'] for r in some):>7}{'':11}" + "".join(
+                f"{by_robot[r]['instructions']:>10}{rate(by_robot[r]['instructions']):>11}" for r in there))
+        for figure, text in (("model", "model, in flash"), ("work", "work, in RAM")):
+            lines.append(f"  {text:38}" + "".join(
+                f"{next(row[figure] for row in group if row['robot'] == r):>10}{'':11}" for r in there).rstrip())
+    return "\n".join(lines)
+
+
+def readme_table(rows):
+    """The README's: a line per target, float at -O2; and what each robot needs, which hardly depends on it."""
+    some = {(r["target"], r["robot"], r["algorithm"]): r for r in rows if r["scalar"] == "float" and r["level"] == "2"}
+    lines = ["| float, -O2 | RNEA: code | stack | iiwa | HyQ | Atlas | ABA: code | stack | iiwa | HyQ | Atlas |",
+             "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
+    for target in TARGETS:
+        cells = [target]
+        for algorithm in ("id", "fd"):
+            there = [some.get((target, robot, algorithm)) for robot in ROBOTS]
+            cells += [there[0]["code"], max(r["stack"] for r in there if r)]
+            cells += [r["instructions"] if r else "–" for r in there]
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    lines += ["", "| cortex-m4f | iiwa | HyQ | Atlas |", "|---|--:|--:|--:|"]
+    for figure, name in (("model", "model, in flash"), ("work", "work, in RAM")):
+        lines.append(f"| {name} | " + " | ".join(str(some["cortex-m4f", r, "id"][figure]) for r in ROBOTS) + " |")
+    return "\n".join(lines)
+
+
+# ---- the course ----
+
+def options():
+    parser = argparse.ArgumentParser(
+        prog="./run firmware", description="Build rbd for microcontrollers, run the examples and the reference tests "
+        "under QEMU, check proofs and budgets, and print what each call costs.")
+    parser.add_argument("directory", type=pathlib.Path, help=argparse.SUPPRESS)
+    parser.add_argument("--target", action="append", choices=TARGETS + ["all"], help="once or several times; default: "
+                        "all")
+    parser.add_argument("--scalar", choices=SCALARS + ["all"], default="float", help="to show; default: float")
+    parser.add_argument("--level", choices=LEVELS + ["all"], default="2", help="of optimisation, to show: -Os or -O2; "
+                        "default: 2")
+    parser.add_argument("--robot", choices=ROBOTS + ["all"], default="all", help="to show; default: all")
+    parser.add_argument("--format", choices=["table", "csv", "readme"], default="table")
+    parser.add_argument("--proofs", action="store_true", help="print what the proofs found")
+    parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv")
+    parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
+    parser.add_argument("--check", action="store_true", help="only check that budgets are sharp and that the README's table "
+                        "is the accepted one")
+    return parser.parse_args()
+
+
+def do_target(target, directory, proofs):
+    say(f"firmware: {target}: building")
+    build(target, directory / target)
+    say(f"firmware: {target}: running")
+    printed = run_tests(target, directory / target)
+    for name, text in printed.items():
+        if not name.startswith("figures"):
+            say(f"  {name}: {text}")
+    found = prove(target, directory / target)
+    if proofs:
+        say("  " + "\n  ".join(found))
+    return figures(target, directory / target, printed)
+
+
+def check_accepted():
+    """Budgets refuse what exceeds them by more than the slack and nothing else; README.md has the table."""
+    rows = read_accepted()
+    for factor, refused in ((1, False), (1 + SLACK - 0.01, False), (1 + SLACK + 0.01, True)):
+        for figure in BUDGETS:
+            row = dict(rows[0], **{figure: int(rows[0][figure] * factor)})
+            over = excess(row, rows[0])
+            if bool(over) != refused:
+                sys.exit(f"{factor:.2f} of the budget for {figure}: {over or 'accepted'}")
+    shown = readme_table(rows)
+    if shown not in (ROOT / "README.md").read_text():
+        sys.exit("README.md has not this table:\n" + shown)
+    print(f"budgets are sharp; README.md has the table of {len(rows)} accepted rows")
+
+
+def main():
+    wanted = options()
+    if wanted.check:
+        check_accepted()
+        return
+    targets = TARGETS if not wanted.target or "all" in wanted.target else wanted.target
+    for target in targets:
+        if missing(target):
+            say(f"firmware: {target} needs {' and '.join(missing(target))}")
+            sys.exit(77 if wanted.if_possible else 1)
+    wanted.directory.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for target in targets:
+        rows += do_target(target, wanted.directory, wanted.proofs)
+        if not wanted.accept:
+            say(f"  {check_budgets(target, [r for r in rows if r['target'] == target])}")
+    shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and wanted.level in ("all", r["level"])
+             and wanted.robot in ("all", r["robot"])]
+    robots = ROBOTS if wanted.robot == "all" else [wanted.robot]
+    print({"table": lambda: table(shown, robots), "csv": lambda: as_csv(shown).rstrip(),
+           "readme": lambda: readme_table(read_accepted())}[wanted.format]())
+    if problems:
+        sys.exit(f"firmware: {len(problems)} problems, the first: {problems[0]}")
+    if wanted.accept:
+        accept(rows)
+
+
+main()

@@ -1,0 +1,173 @@
+/* figures.c - on a microcontroller under QEMU: the worst stack and the instructions of each call, in random
+   states. Prints ROBOT,ALGORITHM,WORK_BYTES,STACK_BYTES,INSTRUCTIONS; ends with status 1 if a result is
+   wrong. SPDX-License-Identifier: MIT */
+#include <stdio.h>
+
+#include "examples/firmware/board.h"
+#include "rbd.h"
+
+#include "models/atlas_model.h"
+#include "models/hyq_model.h"
+#include "models/iiwa_model.h"
+
+/* How many of the robots fit into the board's RAM. */
+#if FIGURES_ROBOTS == 1
+#define WORK_SIZE IIWA_WORK_SIZE
+enum { MAX_NQ = 7, MAX_NV = 7, PAINTED = 3000 };
+#elif FIGURES_ROBOTS == 2
+#define WORK_SIZE HYQ_WORK_SIZE
+enum { MAX_NQ = 19, MAX_NV = 18, PAINTED = 3000 };
+#else
+#define WORK_SIZE ATLAS_WORK_SIZE
+enum { MAX_NQ = 37, MAX_NV = 36, PAINTED = 7000 };
+#endif
+
+enum { STATES = 8 };
+
+static unsigned char memory[WORK_SIZE];
+static rbd_real q[MAX_NQ], v[MAX_NV], a[MAX_NV], tau[MAX_NV], out[MAX_NV * MAX_NV];
+static rbd_work *w;
+
+/* ---- instructions ---- */
+
+/* With -icount shift=4 an instruction takes 16 ns of the timer's time; RISC-V's minstret then counts ns. */
+enum { INSTRUCTION_PS = 16000 };
+
+static uint32_t now(void) {
+#ifdef __riscv
+    uint32_t count;
+    __asm__ volatile("csrr %0, minstret" : "=r"(count));
+    return count;
+#else
+    return board_now();
+#endif
+}
+
+static double instructions(uint32_t from, uint32_t to) {
+#ifdef __riscv
+    return (double)(to - from) * 1000 / INSTRUCTION_PS;
+#else
+    return (double)((to - from) & BOARD_TICK_MASK) * BOARD_TICK_PS / INSTRUCTION_PS;
+#endif
+}
+
+/* ---- algorithms: each one call, not inlined, from the state above ---- */
+
+#define CALL(name, call)                                                                                     \
+    static __attribute__((noinline)) rbd_status name(const rbd_model *m) {                                   \
+        return call;                                                                                         \
+    }
+CALL(nothing, m ? RBD_OK : RBD_ERR_NULL)
+CALL(id, rbd_rnea(m, w, q, v, a, NULL, out))
+CALL(mm, rbd_crba(m, w, q, out))
+CALL(fd, rbd_aba(m, w, q, v, tau, NULL, out))
+CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
+CALL(kinematics, rbd_kinematics(m, w, q, v, a))
+
+typedef struct algorithm {
+    const char *name;
+    rbd_status (*call)(const rbd_model *m);
+} algorithm;
+
+static const algorithm algorithms[] = {
+    {"id", id}, {"mm", mm}, {"fd", fd}, {"fd_cholesky", fd_cholesky}, {"kinematics", kinematics}};
+
+/* ---- stack ---- */
+
+#ifdef __riscv
+#define STACK_POINTER(sp) __asm__ volatile("mv %0, sp" : "=r"(sp))
+#else
+#define STACK_POINTER(sp) __asm__ volatile("mov %0, sp" : "=r"(sp))
+#endif
+
+/* Paints what lies below the stack pointer, calls, and looks how deep the paint is gone. */
+static __attribute__((noinline)) int stack_of(rbd_status (*call)(const rbd_model *m), const rbd_model *m) {
+    enum { PAINT = 0xa5 };
+    volatile unsigned char *sp;
+    STACK_POINTER(sp);
+    for (int i = 1; i <= PAINTED; i++)
+        sp[-i] = PAINT;
+    const rbd_status status = call(m);
+    int depth = PAINTED;
+    while (depth > 0 && sp[-depth] == PAINT)
+        depth--;
+    return status == RBD_OK && depth < PAINTED ? depth : -1;
+}
+
+/* ---- robots ---- */
+
+typedef struct robot {
+    const char *name;
+    const rbd_model *model;
+} robot;
+
+static const robot robots[] = {{"iiwa", &iiwa_model}, {"hyq", &hyq_model}, {"atlas", &atlas_model}};
+
+/* Uniform in [-bound, bound), by a linear congruential generator. */
+static void draw(rbd_real *x, int n, rbd_real bound, uint32_t *seed) {
+    for (int i = 0; i < n; i++) {
+        *seed = *seed * 1664525u + 1013904223u;
+        x[i] = bound * ((rbd_real)(*seed >> 8) * (rbd_real)(1.0 / (1 << 23)) - 1);
+    }
+}
+
+static rbd_status draw_state(const rbd_model *m, uint64_t *seed_q, uint32_t *seed) {
+    const rbd_status status = rbd_random(m, seed_q, q);
+    draw(v, rbd_nv(m), 2, seed);
+    draw(a, rbd_nv(m), 3, seed);
+    draw(tau, rbd_nv(m), 20, seed);
+    return status;
+}
+
+/* The calls agree: forward dynamics of the torque that inverse dynamics gives is the acceleration. */
+static int is_right(const rbd_model *m) {
+    const rbd_real bound = sizeof(rbd_real) == sizeof(float) ? (rbd_real)2e-2 : (rbd_real)1e-9;
+    if (rbd_rnea(m, w, q, v, a, NULL, tau) != RBD_OK)
+        return 0;
+    for (int way = 0; way < 2; way++) {
+        if ((way ? fd_cholesky(m) : fd(m)) != RBD_OK)
+            return 0;
+        for (int i = 0; i < rbd_nv(m); i++)
+            if (!(out[i] - a[i] < bound && a[i] - out[i] < bound))
+                return 0;
+    }
+    return 1;
+}
+
+static int print_row(const robot *r, const algorithm *g) {
+    uint64_t seed_q = 1;
+    uint32_t seed = 2;
+    double sum = 0;
+    int stack = 0;
+    for (int i = 0; i < STATES; i++) {
+        if (draw_state(r->model, &seed_q, &seed) != RBD_OK)
+            return 0;
+        const uint32_t start = now();
+        const rbd_status status = nothing(r->model);
+        const uint32_t middle = now();
+        const rbd_status again = g->call(r->model);
+        const uint32_t end = now();
+        const int depth = stack_of(g->call, r->model);
+        if (status != RBD_OK || again != RBD_OK || depth < 0)
+            return 0;
+        sum += instructions(middle, end) - instructions(start, middle);
+        stack = depth > stack ? depth : stack;
+        if (!is_right(r->model))
+            return 0;
+    }
+    printf("%s,%s,%lu,%d,%lu\n", r->name, g->name, (unsigned long)rbd_work_size(r->model), stack,
+           (unsigned long)(sum / STATES + 0.5));
+    return 1;
+}
+
+int main(void) {
+    board_start();
+    for (size_t i = 0; i < FIGURES_ROBOTS; i++)
+        for (size_t j = 0; j < sizeof algorithms / sizeof *algorithms; j++)
+            if (rbd_work_init(robots[i].model, memory, sizeof memory, &w) != RBD_OK ||
+                !print_row(&robots[i], &algorithms[j])) {
+                printf("%s, %s: wrong\n", robots[i].name, algorithms[j].name);
+                return 1;
+            }
+    return 0;
+}

@@ -1,0 +1,133 @@
+#!/bin/sh
+# RBD_NO_...: with each part left out alone, with each pair, with all but one, and with all, the header compiles
+# without a warning, and what it declares is what it defines. What a part holds is checked part by part; models with
+# mimic joints are refused where nothing is left to solve them; batches without their calls are an error.
+# usage: parts.sh DIRECTORY_OF_RBD_H
+set -u
+
+root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
+parts="BUILD RNEA CRBA ABA CHOLESKY KINEMATICS MANIFOLD LOOKUP TEXT"
+combinations=0
+failures=0
+
+echo '#include "rbd.h"' >"$scratch/declarations.c"
+printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/rbd.c"
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# flags PART...
+flags() {
+    for part; do printf -- '-DRBD_NO_%s ' "$part"; done
+}
+
+# compile FLAG...
+compile() {
+    # shellcheck disable=SC2086 # words wanted
+    ${CC:-cc} -std=c99 -O0 $warnings -I"$root" "$@" -c "$scratch/rbd.c" -o "$scratch/rbd.o" 2>"$scratch/messages"
+}
+
+# leave_out PART...
+leave_out() {
+    combinations=$((combinations + 1))
+    # shellcheck disable=SC2046 # words wanted
+    if ! compile $(flags "$@"); then
+        fail "without $*"
+        sed -n '1,5p' "$scratch/messages"
+        return
+    fi
+    # shellcheck disable=SC2046,SC2086 # words wanted
+    ${CC:-cc} -std=c99 -E -P $(flags "$@") -I"$root" "$scratch/declarations.c" | tr '\n' ' ' |
+        grep -o 'extern [^;(]* \**rbd_[a-z_]* *(' | sed 's/.*rbd_/rbd_/; s/ *($//' | grep -v '^rbd_batch' |
+        sort -u >"$scratch/declared"
+    nm "$scratch/rbd.o" | awk '$2 == "T" { print $3 }' | sort -u >"$scratch/defined"
+    [ -s "$scratch/declared" ] && diff "$scratch/declared" "$scratch/defined" ||
+        fail "without $*: declared (<) is not what is defined (>)"
+}
+
+# holds PART FUNCTION...: leaving the part out leaves out just these
+holds() {
+    part=$1
+    shift
+    # shellcheck disable=SC2046 # words wanted
+    leave_out "$part"
+    comm -23 "$scratch/all" "$scratch/defined" >"$scratch/gone"
+    printf '%s\n' "$@" | sort | diff - "$scratch/gone" || fail "$part: expected (<) is not what is gone (>)"
+}
+
+leave_out
+cp "$scratch/defined" "$scratch/all"
+holds BUILD rbd_model_build rbd_model_size
+holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
+holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky
+holds ABA rbd_aba
+holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_fd_cholesky
+holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceleration \
+    rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass
+holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random
+holds LOOKUP rbd_body_index rbd_joint_index rbd_body_name rbd_joint_name rbd_joint rbd_dof_body
+holds TEXT rbd_status_string rbd_finding_text
+
+for one in $parts; do
+    rest=
+    for other in $parts; do
+        [ "$other" = "$one" ] || rest="$rest $other"
+    done
+    # shellcheck disable=SC2086 # words wanted
+    leave_out $rest
+done
+# shellcheck disable=SC2086 # words wanted
+leave_out $parts
+later=$parts
+for one in $parts; do
+    later=${later#"$one"}
+    later=${later# }
+    for other in $later; do
+        leave_out "$one" "$other"
+    done
+done
+
+for part in RNEA CRBA ABA CHOLESKY; do
+    if compile -DRBD_BATCH_IMPLEMENTATION -DRBD_LANES=2 "-DRBD_NO_$part" ||
+        ! grep -q 'rbd: the batch calls need' "$scratch/messages"; then
+        fail "batches without $part are not refused"
+    fi
+done
+
+cat >"$scratch/mimic.c" <<'END'
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+int main(void) {
+    static const rbd_body fingers[2] = {
+        {.parent = -1, .joint = "a", .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}},
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}, .mimic = "a",
+         .mimic_ratio = 1}};
+    static unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE_MIMIC(2, 1)];
+    const rbd_model *m;
+    rbd_work *w;
+    return rbd_model_build(fingers, 2, model_memory, sizeof model_memory, &m, NULL) != RBD_OK
+               ? 100
+               : -(int)rbd_work_init(m, work_memory, sizeof work_memory, &w);
+}
+END
+# mimic STATUS FLAG...: rbd_work_init gives it
+mimic() {
+    status=$1
+    shift
+    ${CC:-cc} -std=c99 -I"$root" "$@" "$scratch/mimic.c" -o "$scratch/mimic" -lm || fail "mimic joints, $*: compile"
+    "$scratch/mimic"
+    given=$?
+    [ "$given" -eq "$status" ] || fail "mimic joints, $*: status -$given, not -$status"
+}
+mimic 0
+mimic 23 -DRBD_NO_CHOLESKY # RBD_ERR_MIMIC
+mimic 23 -DRBD_NO_CRBA
+mimic 0 -DRBD_NO_CRBA -DRBD_NO_ABA
+
+echo "$combinations combinations, $failures failed"
+[ "$combinations" -gt 50 ] && [ "$failures" -eq 0 ]
