@@ -26,6 +26,16 @@ for way in package subdirectory fetch esp-idf zephyr; do
     "$scratch/$way${version%.*}/consumer"
 done
 
+if pkg-config --exists urdfdom; then
+    for way in package subdirectory; do
+        echo "component urdf, $way:"
+        quietly cmake -S "$root/packaging/consumer/urdf" -B "$scratch/urdf-$way" -DWAY="$way" -DROOT="$root" \
+            -DCMAKE_PREFIX_PATH="$scratch/prefix" --no-warn-unused-cli -Werror=dev
+        quietly cmake --build "$scratch/urdf-$way"
+        "$scratch/urdf-$way/consumer" "$root/models/iiwa.urdf"
+    done
+fi
+
 echo "other versions are refused:"
 for wrong in 99.0 "${version%.*}.99"; do
     ! configure package "$wrong" >"$scratch/log" 2>&1 || { echo "$version was taken for $wrong"; exit 1; }
