@@ -26,10 +26,8 @@ static void load(const char *path) {
     if (rbd_urdf_load(path, NULL, &robot) != RBD_URDF_OK)
         fail(robot.error.text);
     if (rbd_model_build(bodies, robot.nb, model_memory, sizeof model_memory, &m, NULL) != RBD_OK ||
-        rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
-        fail("the model does not build"); /* cannot be: the loader has tried */
-    if (rbd_nv(m) != rbd_nb(m))
-        fail("its joints must have one degree of freedom each");
+        rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK || rbd_nv(m) != rbd_nb(m))
+        fail("its joints must have one degree of freedom each"); /* else it builds: the loader has tried */
     printf("%s: %d joints\n", robot.name, robot.nb);
 }
 
