@@ -18,7 +18,7 @@ static void draw_states(void) {
         rbd_random(&iiwa_model, &seed, q + s * NQ);
     for (int i = 0; i < STATES * NV; i++) {
         v[i] = sin(i);
-        tau[i] = 50 * cos(i);
+        tau[i] = 5 * cos(i);
     }
 }
 
@@ -42,12 +42,14 @@ static rbd_status by_single_calls(void) {
     return status;
 }
 
-/* Of the first joint, over all states. */
-static double mean_acceleration(const double *acceleration) {
-    double sum = 0;
-    for (int s = 0; s < STATES; s++)
-        sum += acceleration[s * NV];
-    return sum / (double)STATES;
+/* The largest difference between the two, relative to the largest acceleration. */
+static double difference(void) {
+    double worst = 0, largest = 0;
+    for (int i = 0; i < STATES * NV; i++) {
+        worst = fmax(worst, fabs(a[i] - a_single[i]));
+        largest = fmax(largest, fabs(a_single[i]));
+    }
+    return worst / largest;
 }
 
 int main(void) {
@@ -59,9 +61,9 @@ int main(void) {
         printf("%s\n", rbd_status_string(status));
         return EXIT_FAILURE;
     }
-    const double mean = mean_acceleration(a), expected = mean_acceleration(a_single);
-    printf("%d states, %d at a time: mean acceleration of joint 1 is %.12f rad/s^2\n", STATES,
-           rbd_batch_lanes(), mean);
-    printf("single calls:                                            %.12f rad/s^2\n", expected);
-    return fabs(mean - expected) <= 1e-12 * fabs(expected) ? EXIT_SUCCESS : EXIT_FAILURE;
+    printf("%d states, %d at a time; the last one's accelerations, rad/s^2:\n", STATES, rbd_batch_lanes());
+    for (int i = 0; i < NV; i++)
+        printf("%10.3f", a[(STATES - 1) * NV + i]);
+    printf("\nbatch and single calls differ by less than 1e-12: %s\n", difference() < 1e-12 ? "yes" : "no");
+    return difference() < 1e-12 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,0 +1,32 @@
+// arduino_gravity - the torque that holds an arm of two rods still, from two potentiometers on A0 and A1.
+// For a robot of your own, put a header written by rbd's tools beside this sketch in place of the model.
+#define RBD_REAL float // as most boards compute
+#define RBD_NO_BUILD   // the model is a constant table: it needs no code that builds it
+#define RBD_IMPLEMENTATION
+#include <rbd.h>
+#include <models/double_pendulum_model.h>
+
+static unsigned char memory[DOUBLE_PENDULUM_WORK_SIZE];
+static rbd_work *work;
+
+static float angle(int pin) { // -pi .. pi
+    return (analogRead(pin) - 512) * (3.14159265f / 512);
+}
+
+void setup() {
+    Serial.begin(115200);
+    const rbd_status status = rbd_work_init(&double_pendulum_model, memory, sizeof memory, &work);
+    if (status != RBD_OK)
+        Serial.println(rbd_status_string(status));
+}
+
+void loop() {
+    const float q[2] = {angle(A0), angle(A1)};
+    float tau[2];
+    if (rbd_gravity(&double_pendulum_model, work, q, tau) == RBD_OK) {
+        Serial.print(tau[0], 4);
+        Serial.print(' ');
+        Serial.println(tau[1], 4);
+    }
+    delay(100);
+}

@@ -1,0 +1,23 @@
+// The example sketch, compiled on a PC: a turn of its loop prints the double pendulum's gravity torque.
+#include "Arduino.h"
+
+#include "examples/arduino_gravity/arduino_gravity.ino"
+#include "models/double_pendulum.h"
+
+#include <cmath>
+#include <cstdio>
+
+int main() {
+    setup();
+    loop();
+    double found[2];
+    if (std::sscanf(serial_text.c_str(), "%lf %lf", &found[0], &found[1]) != 2)
+        return std::printf("it printed: %s\n", serial_text.c_str()), 1;
+
+    const double step = 3.14159265358979 / 512, q0 = (600 - 512) * step, q1 = (400 - 512) * step;
+    const double lower = DOUBLE_PENDULUM_M2 * DOUBLE_PENDULUM_R2 * 9.81 * std::sin(q0 + q1);
+    const double upper = (DOUBLE_PENDULUM_M1 * DOUBLE_PENDULUM_R1 + DOUBLE_PENDULUM_M2 * DOUBLE_PENDULUM_L1) *
+                         9.81 * std::sin(q0);
+    std::printf("sketch: %.4f %.4f N m, textbook: %.4f %.4f N m\n", found[0], found[1], upper + lower, lower);
+    return !(std::fabs(found[0] - upper - lower) < 1e-4 && std::fabs(found[1] - lower) < 1e-4);
+}

@@ -1,0 +1,2 @@
+#define RBD_URDF_IMPLEMENTATION
+#include <rbd_urdf.h>

@@ -1,0 +1,13 @@
+# find_package(rbd [COMPONENTS urdf]): the targets rbd::rbd and rbd::urdf.
+include("${CMAKE_CURRENT_LIST_DIR}/rbdTargets.cmake")
+foreach(component IN LISTS rbd_FIND_COMPONENTS)
+  if(component STREQUAL "urdf")
+    include("${CMAKE_CURRENT_LIST_DIR}/rbdUrdf.cmake")
+  endif()
+  if(TARGET rbd::${component})
+    set(rbd_${component}_FOUND TRUE)
+  elseif(rbd_FIND_REQUIRED_${component})
+    set(rbd_FOUND FALSE)
+    set(rbd_NOT_FOUND_MESSAGE "no component ${component}: unknown, or (urdf) pkg-config does not find urdfdom")
+  endif()
+endforeach()
