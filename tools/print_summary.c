@@ -1,5 +1,6 @@
 /* What rbd-model says of a robot: its tree, joints, masses and warnings. SPDX-License-Identifier: MIT */
 #include "print.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,12 +58,21 @@ static void limits_cell(const rbd_body *b, char cell[CELL]) {
         snprintf(cell + n, (size_t)(CELL - n), "%seffort %.4g", n ? ", " : "", b->effort);
 }
 
+/* "= -2 other + 0.1", the 1 and the 0 left out. */
+static void mimic_text(const rbd_body *b, char text[CELL]) {
+    char ratio[32] = "", offset[32] = "";
+    if (b->mimic_ratio != 1)
+        snprintf(ratio, sizeof ratio, "%.4g ", b->mimic_ratio);
+    if (b->mimic_offset != 0)
+        snprintf(offset, sizeof offset, " %c %.4g", b->mimic_offset < 0 ? '-' : '+', fabs(b->mimic_offset));
+    snprintf(text, CELL, " = %s%s%s", ratio, b->mimic, offset);
+}
+
 static void joint_cells(const rbd_body *b, row cells) {
+    char mimic[CELL] = "";
     if (b->mimic)
-        snprintf(cells[2], CELL, "%s = %.4g %s%+.4g", joint_type_name(b->type), b->mimic_ratio, b->mimic,
-                 b->mimic_offset);
-    else
-        snprintf(cells[2], CELL, "%s", joint_type_name(b->type));
+        mimic_text(b, mimic);
+    snprintf(cells[2], CELL, "%s%.120s", joint_type_name(b->type), mimic);
     if (b->type != RBD_FLOATING && b->type != RBD_PLANAR)
         axis_cell(b, cells[3]);
     limits_cell(b, cells[4]);

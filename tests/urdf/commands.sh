@@ -91,6 +91,9 @@ body  link      joint  type         axis  limits                    mass
 END
 cmp -s expected out || { fail "the summary of the cart-pole"; diff expected out; }
 
+expect 0 "" "$rbd_model" nasty.urdf
+grep -q "continuous = -2 k + 0.1  (0.6 0 0.8)" out || fail "the summary does not show what a joint mimics"
+
 # ---- rbd-model: C tables of a robot with awkward names compile and build the same model ----
 
 expect 0 "" "$rbd_model" nasty.urdf --c nasty && cp out nasty.h
