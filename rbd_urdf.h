@@ -933,7 +933,7 @@ class checked {
                                   start + quoted(j->mimic) + ", which is missing");
                 if (source == (int)i)
                     throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
-                                  start + (steps ? quoted(j->mimic) + " through others" : "itself"));
+                                  start + (steps ? "itself through others" : "itself"));
                 if (!has_one_dof(joints[(size_t)source].type))
                     throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
                                   start + quoted(j->mimic) +
