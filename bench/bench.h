@@ -13,6 +13,7 @@
 
 /* ---- options.c ---- */
 
+enum count { COUNT_NONE, COUNT_PERF, COUNT_CALLGRIND };
 enum format { FORMAT_TABLE, FORMAT_CSV, FORMAT_JSON };
 
 struct options {
@@ -27,6 +28,7 @@ struct options {
     int experiments;
     uint64_t seed;
     bool gravity;
+    enum count count; /* instead of timing */
     enum format format;
     const char *output; /* file name, NULL = standard output */
 };
@@ -196,6 +198,16 @@ int measure_accuracy(struct row *rows, int n, int samples);
    Returns 0, or -1 after a message. */
 int measure(struct row *rows, int n, int samples, int experiments);
 
+/* ---- count.c ---- */
+
+/* Counts the events of each row with the processor's counters, and writes them as CSV. Returns 0, or -1 after
+   a message; without hardware counters, software ones alone and a message. */
+int count_by_perf(FILE *f, const struct row *rows, int n, int samples);
+
+/* Has callgrind, under which the program must run, dump the counts of each row: "KEY,SAMPLES" is the trigger.
+ */
+int count_by_callgrind(const struct row *rows, int n, int samples);
+
 /* ---- report.c ---- */
 
 #define TEXT(x) TEXT_OF(x)
@@ -215,5 +227,8 @@ int report_check_output(const char *output);
 
 /* Writes the report; a file is there wholly or not at all. Returns 0, or -1. */
 int report_write(const struct options *o, const struct row *rows, int n);
+
+/* The same for what count_by_perf writes. */
+int report_counts(const struct options *o, const struct row *rows, int n);
 
 #endif

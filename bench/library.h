@@ -66,7 +66,7 @@ struct library {
     void (*from_double)(const double *x, size_t n, void *out);
     void (*to_double)(const void *x, size_t n, double *out);
     /* Largest difference / largest entry of the expected array (at least 1e-3), computed in the library's
-       scalar; infinite if something is not finite. NULL with other conventions. */
+       scalar; infinite if something is not finite. NULL: it is no judge of others. */
     double (*relative_error)(const double *x, const void *expected, int n);
 };
 

@@ -20,6 +20,7 @@ static const char help[] =
     "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
     "  --seed N           of the random states (default 1)\n"
     "  --gravity          with gravity (default without)\n"
+    "  --count SOURCE     count events instead of timing: perf (CSV), or callgrind (run under it)\n"
     "  --format FORMAT    table, csv or json (default table)\n"
     "  --output FILE      write there instead of standard output\n"
     "  --help             this text\n"
@@ -118,6 +119,15 @@ static int read_format(struct options *o, const char *option, const char *value)
     return status;
 }
 
+static int read_count_source(struct options *o, const char *option, const char *value) {
+    static const char *const names[] = {
+        [COUNT_NONE] = "none", [COUNT_PERF] = "perf", [COUNT_CALLGRIND] = "callgrind", NULL};
+    int index = COUNT_NONE;
+    int status = read_name(option, value, names, &index);
+    o->count = (enum count)index;
+    return status;
+}
+
 static int read_samples(struct options *o, const char *option, const char *value) {
     return read_count(option, value, &o->samples);
 }
@@ -162,6 +172,7 @@ static const struct option with_value[] = {
     {"--variant", read_variant},
     {"--library", read_library},
     {"--model", read_model},
+    {"--count", read_count_source},
 };
 
 /* The option that the argument, "--name" or "--name=value", begins with. */

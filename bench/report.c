@@ -210,10 +210,11 @@ static void write_json(FILE *f, const struct options *o, const struct row *rows,
     fputs("  ]\n}\n", f);
 }
 
-static void write_report(FILE *f, const struct options *o, const struct row *rows, int n) {
+static int write_report(FILE *f, const struct options *o, const struct row *rows, int n) {
     static void (*const write[])(FILE *, const struct options *, const struct row *, int) = {
         [FORMAT_TABLE] = write_table, [FORMAT_CSV] = write_csv, [FORMAT_JSON] = write_json};
     write[o->format](f, o, rows, n);
+    return 0;
 }
 
 /* ---- the file: a regular one is written beside its place and then renamed into it ---- */
@@ -261,17 +262,30 @@ int report_check_output(const char *output) {
     return target_close(&t, f, false);
 }
 
-int report_write(const struct options *o, const struct row *rows, int n) {
+/* Writes to the output that is asked for, by a function that returns 0 or -1. */
+static int report_by(int write(FILE *, const struct options *, const struct row *, int),
+                     const struct options *o, const struct row *rows, int n) {
     if (!o->output) {
-        write_report(stdout, o, rows, n);
+        int status = write(stdout, o, rows, n);
         if (fflush(stdout) == 0 && !ferror(stdout))
-            return 0;
+            return status;
         perror("rbd-bench: standard output");
         return -1;
     }
     struct target t;
     FILE *f = target_open(&t, o->output, "w");
-    if (f)
-        write_report(f, o, rows, n);
-    return target_close(&t, f, true);
+    int status = f ? write(f, o, rows, n) : -1;
+    return target_close(&t, f, status == 0) == 0 ? status : -1;
+}
+
+int report_write(const struct options *o, const struct row *rows, int n) {
+    return report_by(write_report, o, rows, n);
+}
+
+static int write_counts(FILE *f, const struct options *o, const struct row *rows, int n) {
+    return count_by_perf(f, rows, n, o->samples);
+}
+
+int report_counts(const struct options *o, const struct row *rows, int n) {
+    return report_by(write_counts, o, rows, n);
 }

@@ -1,0 +1,110 @@
+"""What was measured, as figures and sentences ask for it. SPDX-License-Identifier: MIT"""
+import csv
+import math
+import os
+
+ALGORITHMS = [("id", "inverse dynamics"), ("mm", "mass matrix"), ("fd", "forward dynamics")]
+ROBOTS = [("iiwa", "iiwa"), ("hyq", "HyQ"), ("atlas", "Atlas")]
+
+
+class Bar:
+    """One bar of a cluster: a library and how it is called."""
+
+    def __init__(self, label, title, library, variant, scalar="double"):
+        self.label, self.title, self.library, self.variant, self.scalar = label, title, library, variant, scalar
+
+    def fits(self, row):
+        return (row["library"] == self.library and row["scalar"] == self.scalar
+                and row["variant"].split()[0] == self.variant.split()[0]
+                and (" " not in self.variant or row["variant"] == self.variant))
+
+
+RUN_TIME = Bar("run-time", "rbd with a run-time model", "rbd", "run-time")
+OURS = [RUN_TIME, Bar("compile-time", "rbd with a compile-time model", "rbd", "compile-time"),
+        Bar("lanes", "rbd by lanes", "rbd", "lanes")]
+PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time")]
+
+
+def read(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, newline="") as f:
+        return list(csv.DictReader(f))
+
+
+class Data:
+    """The tables of one report. times and counts: {compiler: rows}; the first compiler is the one of the figures."""
+
+    def __init__(self, folder, compilers):
+        self.compilers = compilers
+        self.times = {c: read(os.path.join(folder, "times-%s.csv" % c)) for c in compilers}
+        self.haswell = {c: read(os.path.join(folder, "times-haswell-%s.csv" % c)) for c in compilers}
+        self.counts = {c: sum((read(os.path.join(folder, "counts-%s-%s.csv" % (source, c)))
+                               for source in ("perf", "valgrind")), []) for c in compilers}
+        self.operations = read(os.path.join(folder, "operations.csv"))
+        self.scaling = {c: read(os.path.join(folder, "scaling-%s.csv" % c)) for c in compilers}
+        self.main = compilers[0]
+        rows = self.times[self.main]
+        self.peers = [b for b in PEERS if any(b.fits(r) for r in rows)]
+        self.ours = [b for b in OURS if any(b.fits(r) for r in rows)]
+        self.bars = self.ours + self.peers
+        self.robots = [r for r in ROBOTS if any(row["robot"] == r[0] for row in rows)]
+        self.index = {}
+        for c in compilers:
+            for row in self.counts[c]:
+                key = (c, row["source"], row["library"], row["variant"], row["scalar"], row["robot"],
+                       row["algorithm"])
+                self.index.setdefault(key, {})[row["counter"]] = float(row["per_state"])
+
+    def time(self, bar, robot, algorithm, compiler=None, field="min_ns", table=None):
+        """A number of the table of times, or None."""
+        for row in (table or self.times)[compiler or self.main]:
+            if bar.fits(row) and row["robot"] == robot and row["algorithm"] == algorithm and row[field]:
+                return float(row[field])
+        return None
+
+    def source(self):
+        """What the figures' counts come from: hardware if it counts instructions, else valgrind; or None."""
+        for source in ("perf", "valgrind"):
+            if any(r["source"] == source and r["counter"] == "instructions" for r in self.counts[self.main]):
+                return source
+        return None
+
+    def count(self, bar, robot, algorithm, counter, source=None, compiler=None):
+        """A counter per state, or None."""
+        source = source or self.source()
+        for key, counters in self.index.items():
+            c, s, library, variant, scalar, r, a = key
+            if (c == (compiler or self.main) and s == source and r == robot and a == algorithm
+                    and bar.fits({"library": library, "variant": variant, "scalar": scalar})):
+                return counters.get(counter)
+        return None
+
+    def operation(self, robot, algorithm, *names):
+        found = [float(r["per_state"]) for r in self.operations
+                 if r["robot"] == robot and r["algorithm"] == algorithm and r["counter"] in names]
+        return sum(found) if found else None
+
+    def threads(self):
+        """The bars of lanes on several threads."""
+        names = []
+        for row in self.times[self.main]:
+            if row["variant"].startswith("threads") and row["variant"] not in names:
+                names.append(row["variant"])
+        return [Bar(n, "rbd by lanes on %s threads" % n.split()[1], "rbd", n) for n in names]
+
+
+def ratios(data, value, bar, reference):
+    """value(bar, robot, algorithm) / value(reference, ...) wherever both are known, with their places."""
+    found = []
+    for algorithm, _ in ALGORITHMS:
+        for robot, _ in data.robots:
+            a, b = value(bar, robot, algorithm), value(reference, robot, algorithm)
+            if a is not None and b:
+                found.append((a / b, robot, algorithm))
+    return found
+
+
+def mean(numbers):
+    """Geometric."""
+    return math.exp(sum(math.log(x) for x in numbers) / len(numbers))

@@ -1,0 +1,196 @@
+"""report.md, and the same as one HTML file that needs no other. SPDX-License-Identifier: MIT"""
+import base64
+import html
+import os
+
+import figures
+import words
+from data import ALGORITHMS, RUN_TIME
+
+
+class Figure:
+    def __init__(self, name, title, caption, draw, text):
+        self.name, self.title, self.caption, self.draw, self.text = name, title, caption, draw, text
+
+
+def bars(data, which, parts, value, ylabel, log=False):
+    return lambda folder, name, title: figures.Bars(data, which, parts, value, ylabel, log).draw(folder, name, title)
+
+
+def figures_of(data):
+    """The figures that the data suffice for."""
+    f, found = figures, []
+    add = lambda *arguments: found.append(Figure(*arguments))
+    add("fig2_time", "Figure 2: time per state",
+        "Microseconds per state, the least of the experiments, on a logarithmic axis. A dash: the library lacks this.",
+        bars(data, data.bars, ["time"], f.times(data), "microseconds", True), words.times(data))
+    source = data.source()
+    if source:
+        counts(data, source, add)
+    if data.scaling[data.main]:
+        add("throughput", "Throughput", "States per second by calls of one state, by lanes and on threads; "
+            "logarithmic. Threads take double.",
+            bars(data, f.throughput_bars(data), ["throughput"], f.throughput(data), "million states / s", True),
+            words.throughput(data))
+        add("scaling", "Time against the number of bodies",
+            "Chains and binary trees of revolute joints on a fixed base, run-time model, double.",
+            lambda folder, name, title: f.scaling(data, folder, name, title), words.scaling(data))
+    if any(r["quad_error"] for r in data.times[data.main]):
+        add("accuracy", "Accuracy", "Largest relative error against the same source in quad precision; logarithmic.",
+            bars(data, f.accuracy_bars(data), ["error"], f.accuracy(data), "relative error", True),
+            words.accuracy(data))
+    if len(data.compilers) > 1:
+        add("compilers", "Compilers", "Time of the run-time model, as a multiple of that with %s." % data.main,
+            bars(data, f.compiler_bars(data), ["time"], f.against_first(data), "time / time with " + data.main),
+            words.compilers(data))
+    return found
+
+
+def counts(data, source, add):
+    """Figures 3 to 7 of the paper."""
+    f = figures
+    hardware = source == "perf"
+    what = "hardware counters" if hardware else "valgrind"
+    against = "as multiples of what rbd with a run-time model needs for the same robot and algorithm"
+    add("fig3_ipc", "Figure 3: " + ("instructions per cycle" if hardware else "instructions per nanosecond"),
+        "By hardware counters." if hardware else
+        "No cycle counter here: instructions of the -march=haswell build by valgrind, over the time of that build. "
+        "Divided by the clock in GHz they are the instructions per cycle.",
+        bars(data, data.bars, ["rate"], f.rate(data), "instructions / " + ("cycle" if hardware else "ns")),
+        words.rate(data))
+    add("fig4_instructions", "Figure 4: instructions by kind", "By %s; %s." % (what, against),
+        bars(data, data.bars, ["loads", "stores", "branches", "others"],
+             f.counts_of(data, ["loads", "stores", "branches", f.other_instructions(data)], f.instructions(data)),
+             "instructions / rbd's"), words.kinds(data))
+    names, parts, total = f.cycle_parts(data)
+    add("fig5_cycles", "Figure 5: cycles" + ("" if hardware else " by a model"),
+        "By %s; %s." % (what if hardware else "callgrind's estimate, not a measurement", against),
+        bars(data, data.bars, names, f.counts_of(data, parts, total), "cycles / rbd's"), words.cycles(data))
+    widths = ["fp_scalar", "fp_128", "fp_256"] + (["fp_512"] if hardware else [])
+    names = ["scalar", "128 bits", "256 bits"] + (["512 bits"] if hardware else [])
+    add("fig6_fp", "Figure 6: floating-point operations by width", "By %s, an FMA as two; %s." % (
+        "FP_ARITH events" if hardware else "valgrind and disassembly", against),
+        bars(data, data.bars, names, f.counts_of(data, widths, f.fp_total(data)), "operations / rbd's"),
+        words.widths(data))
+    add("fig7_l1", "Figure 7: L1 data cache, hits and misses", "By %s; %s." % (
+        what if hardware else "valgrind's simulated cache", against),
+        bars(data, data.bars, ["hits", "misses"],
+             f.counts_of(data, [f.l1_hits(data), "l1d_misses"], f.l1_total(data)), "accesses / rbd's"),
+        words.caches(data))
+
+
+# ---- tables ----
+
+def times_table(data):
+    rows = [["algorithm", "robot"] + [b.title for b in data.bars]]
+    for a, title in ALGORITHMS:
+        for r, robot in data.robots:
+            cells = []
+            for bar in data.bars:
+                t, own = data.time(bar, r, a), data.time(RUN_TIME, r, a)
+                ratio = "" if bar is RUN_TIME or t is None else " (%s×)" % words.number(t / own)
+                cells.append("–" if t is None else words.number(t) + ratio)
+            rows.append([title, robot] + cells)
+    return rows
+
+
+def sources_table(data, robot, algorithm):
+    """The three sources side by side, for the run-time model."""
+    names = ["cycles", "instructions", "loads", "stores", "branches", "branch_misses", "l1d_accesses", "l1d_misses",
+             "stall_cycles", "memory_stall_cycles", "fp_scalar", "fp_128", "fp_256", "fp_512", "task_clock_ns"]
+    show = lambda x: "–" if x is None else "%.1f" % x
+    rows = [["per state", "hardware and kernel (perf)", "valgrind (-march=haswell)", "counting scalar"]]
+    for n in names:
+        rows.append([n] + [show(data.count(RUN_TIME, robot, algorithm, n, s)) for s in ("perf", "valgrind")] + ["–"])
+    for n in ["op_mul", "op_add", "op_div", "op_sqrt", "op_sin", "op_cos", "op_neg"]:
+        rows.append([n[3:] + " operations", "–", "–", show(data.operation(robot, algorithm, n))])
+    return [r for r in rows if r[1:] != ["–"] * 3]
+
+
+# ---- the two forms ----
+
+class Markdown:
+    def __init__(self):
+        self.text = []
+
+    def title(self, text, level):
+        self.text.append("#" * level + " " + text)
+
+    def paragraph(self, text):
+        self.text.append(text)
+
+    def table(self, rows):
+        lines = ["| " + " | ".join(r) + " |" for r in rows]
+        lines.insert(1, "|" + "---|" * len(rows[0]))
+        self.text.append("\n".join(lines))
+
+    def picture(self, folder, figure):
+        self.text.append("![%s](%s.png)" % (figure.title, figure.name))
+
+    def write(self, path):
+        write_whole(path, "\n\n".join(self.text) + "\n")
+
+
+class Html:
+    STYLE = ("body{font:16px/1.5 Helvetica,Arial,sans-serif;max-width:1240px;margin:2em auto;padding:0 1em;color:#222}"
+             "img{width:100%;height:auto}table{border-collapse:collapse;margin:1em 0;font-size:14px}"
+             "td,th{border:1px solid #bbb;padding:.25em .6em;text-align:right}"
+             "td:first-child,th:first-child{text-align:left}"
+             "p{max-width:60em}")
+
+    def __init__(self):
+        self.text = []
+
+    def title(self, text, level):
+        self.text.append("<h%d>%s</h%d>" % (level, html.escape(text), level))
+
+    def paragraph(self, text):
+        self.text.append("<p>%s</p>" % html.escape(text))
+
+    def table(self, rows):
+        cell = lambda tag, row: "<tr>%s</tr>" % "".join("<%s>%s</%s>" % (tag, html.escape(c), tag) for c in row)
+        self.text.append("<table>%s%s</table>" % (cell("th", rows[0]), "".join(cell("td", r) for r in rows[1:])))
+
+    def picture(self, folder, figure):
+        with open(os.path.join(folder, figure.name + ".svg"), "rb") as f:
+            code = base64.b64encode(f.read()).decode()
+        self.text.append('<img alt="%s" src="data:image/svg+xml;base64,%s">' % (html.escape(figure.title), code))
+
+    def write(self, path):
+        write_whole(path, "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>rbd: workload</title>"
+                    "<style>%s</style>\n%s\n</html>\n" % (self.STYLE, "\n".join(self.text)))
+
+
+def write_whole(path, text):
+    with open(path + ".tmp", "w") as f:
+        f.write(text)
+    os.replace(path + ".tmp", path)
+
+
+def write(data, folder, facts, notes):
+    """Draws the figures and writes both forms. facts: (name, value) of machine and run; notes: of the sources."""
+    found = figures_of(data)
+    for figure in found:
+        figure.draw(folder, figure.name, figure.title)
+    for form, name in ((Markdown(), "report.md"), (Html(), "report.html")):
+        form.title("rbd: what its time is made of", 1)
+        form.paragraph("After S. M. Neuman, T. Koolen, J. Drean, J. E. Miller, S. Devadas: Benchmarking and Workload "
+                       "Analysis of Robot Dynamics Algorithms, IROS 2019. Figures 2 to 7 are in its arrangement; what "
+                       "is measured is rbd and the libraries found here. Every result was verified before.")
+        form.table([["", "this run"]] + [list(fact) for fact in facts])
+        form.title("Where the counts come from", 2)
+        for note in notes:
+            form.paragraph(note)
+        for figure in found:
+            form.title(figure.title, 2)
+            form.picture(folder, figure)
+            form.paragraph(figure.caption)
+            form.paragraph(figure.text)
+        form.title("Times in numbers", 2)
+        form.paragraph("ns per state, the least of the experiments; in brackets as a multiple of the run-time model's.")
+        form.table(times_table(data))
+        robot = data.robots[0]
+        form.title("The three sources side by side", 2)
+        form.paragraph("rbd's run-time model, %s, inverse dynamics, double." % robot[1])
+        form.table(sources_table(data, robot[0], "id"))
+        form.write(os.path.join(folder, name))

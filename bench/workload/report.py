@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""Builds, measures, counts, draws and writes the workload report: ./run report --help
+
+SPDX-License-Identifier: MIT
+"""
+import argparse
+import datetime
+import hashlib
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import callgrind  # noqa: E402
+import page  # noqa: E402
+from data import Data  # noqa: E402
+
+CALLGRIND = ["valgrind", "--command-line-only=yes", "--tool=callgrind", "--cache-sim=yes", "--branch-sim=yes",
+             "--dump-instr=yes", "--compress-pos=no", "--compress-strings=no", "--collect-atstart=no",
+             "--combine-dumps=yes"]
+FLAGS = {"native": "native", "haswell": "haswell"}
+
+
+def die(text):
+    progress("")
+    print("report: " + text, file=sys.stderr)
+    sys.exit(1)
+
+
+def progress(text):
+    """A line that the next one replaces, if stderr is a terminal."""
+    if sys.stderr.isatty():
+        print("\r\033[K" + text, end="", file=sys.stderr, flush=True)
+
+
+# ---- options ----
+
+def options():
+    p = argparse.ArgumentParser(prog="./run report", description="Measures rbd and the libraries beside it, counts "
+                                "their events, and writes report.html, report.md and the figures.")
+    p.add_argument("--counters", choices=["auto", "perf", "valgrind", "none"], default="auto",
+                   help="where counts come from (default auto: all that this machine offers)")
+    p.add_argument("--compilers", default="", metavar='"A B"',
+                   help="compilers to build rbd with; the figures show the first (default: gcc and the newest clang)")
+    p.add_argument("--samples", type=int, help="random states of a timed experiment (default 10000)")
+    p.add_argument("--experiments", type=int, help="how often they are timed (default 10)")
+    p.add_argument("--quick", action="store_true", help="1000 states, 3 experiments, 64 states under valgrind")
+    p.add_argument("--output", default=os.path.join(ROOT, "build", "report"), metavar="FOLDER",
+                   help="where all is written (default build/report); an interrupted report goes on from there")
+    p.add_argument("--again", action="store_true", help="forget what the folder has, but the builds")
+    o = p.parse_args()
+    for name in ("samples", "experiments"):
+        if getattr(o, name) is not None and getattr(o, name) < 1:
+            p.error("--%s: must be at least 1" % name)
+    o.samples = o.samples or (1000 if o.quick else 10000)
+    o.experiments = o.experiments or (3 if o.quick else 10)
+    o.compilers = o.compilers.split() or default_compilers()
+    for c in o.compilers:
+        if not shutil.which(c):
+            p.error("--compilers: '%s' is not installed" % c)
+    if o.counters == "valgrind" and not shutil.which("valgrind"):
+        p.error("--counters valgrind: valgrind is not installed")
+    return o
+
+
+def default_compilers():
+    found = ["gcc"] if shutil.which("gcc") else []
+    found += [c for c in ("clang-19", "clang-16", "clang") if shutil.which(c)][:1]
+    return found or die("neither gcc nor clang found")
+
+
+# ---- the folder, and what it has from before ----
+
+def fingerprint(o):
+    """Of the sources and options that results depend on."""
+    h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters]).encode())
+    for folder, ending in (("", ".h"), ("bench", (".c", ".h", ".cpp", ".build")), ("bench/peers", (".cpp", ".hpp")),
+                           ("models", ".h")):
+        path = os.path.join(ROOT, folder)
+        for name in sorted(os.listdir(path)):
+            if name.endswith(ending) and not name.startswith("test_") and os.path.isfile(os.path.join(path, name)):
+                with open(os.path.join(path, name), "rb") as f:
+                    h.update(name.encode() + f.read())
+    return h.hexdigest()
+
+
+def prepare(o):
+    """Makes the folder; results of other sources or options are dropped."""
+    os.makedirs(o.output, exist_ok=True)
+    stamp, now = os.path.join(o.output, "fingerprint"), fingerprint(o)
+    before = open(stamp).read() if os.path.exists(stamp) else None
+    if o.again or before != now:
+        for name in os.listdir(o.output):
+            if name.endswith(".csv"):
+                os.remove(os.path.join(o.output, name))
+    page.write_whole(stamp, now)
+
+
+# ---- steps: each leaves one file, written beside its place first ----
+
+class Steps:
+    def __init__(self, o):
+        self.o, self.list = o, []
+
+    def add(self, name, title, work):
+        """work(path) writes the file; skipped if it is there."""
+        self.list.append((os.path.join(self.o.output, name), title, work))
+
+    def run(self):
+        for i, (path, title, work) in enumerate(self.list):
+            if os.path.exists(path):
+                continue
+            progress("report: %d of %d: %s " % (i + 1, len(self.list), title))
+            work(path + ".tmp")
+            os.replace(path + ".tmp", path)
+        progress("")
+
+
+def call(command, stdout=None, env=None):
+    """Runs a command; if it fails, shows what it printed. Returns what it printed to stderr."""
+    done = subprocess.run(command, stdout=stdout or subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env=dict(os.environ, **(env or {})))
+    if done.returncode != 0:
+        progress("")
+        sys.stderr.write((done.stdout or "") + done.stderr)
+        die("failed: " + " ".join(command))
+    return done.stderr
+
+
+def call_to(path, command):
+    with open(path, "w") as f:
+        return call(command, stdout=f)
+
+
+def folder_of(o, compiler, march):
+    return os.path.join(o.output, "build-%s-%s" % (compiler, march))
+
+
+def cpp_of(compiler):
+    """The C++ compiler of the same make, if it is there."""
+    name = compiler.replace("gcc", "g++").replace("clang", "clang++")
+    return shutil.which(name) or shutil.which("g++") or "c++"
+
+
+def build(o, compiler, march, targets):
+    folder = folder_of(o, compiler, march)
+    if not os.path.exists(os.path.join(folder, "build.ninja")):
+        shutil.rmtree(folder, ignore_errors=True)
+        value = FLAGS[march] if platform.machine() in ("x86_64", "amd64") else "native"
+        env = {"CC": compiler, "CXX": cpp_of(compiler)}
+        call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled", "-Durdf=disabled",
+              "-Dbench_march=" + value], env=env)
+    call(["ninja", "-C", folder] + targets)
+
+
+def bench(o, compiler, march):
+    return os.path.join(folder_of(o, compiler, march), "bench", "rbd-bench")
+
+
+def times(o, compiler, march, path, *more):
+    command = [bench(o, compiler, march), "--samples", str(o.samples), "--experiments", str(o.experiments),
+               "--format", "csv", "--output", path]
+    progress_of(command + list(more))
+
+
+def progress_of(command):
+    """Runs rbd-bench, whose own progress line may be seen."""
+    if sys.stderr.isatty():
+        if subprocess.run(command).returncode != 0:
+            die("failed: " + " ".join(command))
+    else:
+        call(command)
+
+
+def valgrind_counts(o, compiler, path):
+    raw = os.path.join(o.output, "callgrind-%s" % compiler)
+    call(CALLGRIND + ["--callgrind-out-file=" + raw, bench(o, compiler, "haswell"), "--count", "callgrind",
+                      "--samples", "64" if o.quick else "512"])
+    with open(path, "w") as f:
+        for row in [callgrind.HEADER] + list(callgrind.rows(raw)):
+            f.write(",".join(row) + "\n")
+    os.remove(raw)
+
+
+def perf_message(o, compiler):
+    """What rbd-bench says of hardware counters; empty if they count."""
+    done = subprocess.run([bench(o, compiler, "native"), "--count", "perf", "--robot", "iiwa", "--algorithm", "id",
+                           "--samples", "10", "--variant", "run-time", "--library", "rbd"], capture_output=True,
+                          text=True)
+    return done.stderr.strip().replace("rbd-bench: ", "")
+
+
+def measure(o):
+    steps = Steps(o)
+    use_valgrind = o.counters in ("auto", "valgrind") and shutil.which("valgrind")
+    for i, c in enumerate(o.compilers):
+        progress("report: building with %s " % c)
+        targets = ["bench/rbd-bench", "bench/rbd-scaling"] + (["bench/rbd-operations"] if i == 0 else [])
+        build(o, c, "native", targets)
+        if use_valgrind:
+            build(o, c, "haswell", ["bench/rbd-bench"])
+        steps.add("times-%s.csv" % c, "timing, " + c, lambda p, c=c: times(o, c, "native", p, "--scalar", "all"))
+        steps.add("scaling-%s.csv" % c, "scaling, " + c, lambda p, c=c: call_to(
+            p, [os.path.join(folder_of(o, c, "native"), "bench", "rbd-scaling")]))
+        if o.counters in ("auto", "perf"):
+            steps.add("counts-perf-%s.csv" % c, "hardware counters, " + c, lambda p, c=c: call(
+                [bench(o, c, "native"), "--count", "perf", "--samples", str(o.samples), "--output", p]))
+        if use_valgrind:
+            steps.add("times-haswell-%s.csv" % c, "timing for valgrind's rates, " + c,
+                      lambda p, c=c: times(o, c, "haswell", p))
+            steps.add("counts-valgrind-%s.csv" % c, "counting under valgrind, " + c,
+                      lambda p, c=c: valgrind_counts(o, c, p))
+    if o.counters != "none":
+        steps.add("operations.csv", "counting operations", lambda p: call_to(
+            p, [os.path.join(folder_of(o, o.compilers[0], "native"), "bench", "rbd-operations")]))
+    steps.run()
+
+
+# ---- facts ----
+
+def first_line(command):
+    try:
+        return subprocess.run(command, capture_output=True, text=True).stdout.strip().splitlines()[0]
+    except (OSError, IndexError):
+        return "not found"
+
+
+def cpu():
+    try:
+        with open("/proc/cpuinfo") as f:
+            names = [line.split(":", 1)[1].strip() for line in f if line.startswith("model name")]
+        return "%s, %d processors" % (names[0], len(names))
+    except (OSError, IndexError):
+        return platform.processor() or "unknown"
+
+
+def facts(o, data):
+    versions = {}
+    for row in data.times[data.main]:
+        versions[row["library"]] = row["version"]
+    now = datetime.datetime.now(datetime.timezone.utc)
+    lanes = sorted({r["variant"] for r in data.times[data.main] if r["variant"].startswith("lanes")})
+    return [
+        ("machine", cpu()), ("system", "%s %s" % (platform.system(), platform.release())),
+        ("libraries", ", ".join("%s %s" % item for item in versions.items())),
+        ("compilers", "; ".join(first_line([c, "--version"]) for c in o.compilers)),
+        ("flags", "-O3 -march=native -ffp-contract=fast; compile-time models also -fno-signed-zeros "
+         "-ffinite-math-only; under valgrind -march=haswell, which has no AVX-512; other libraries as Debian built "
+         "them"),
+        ("lanes", ", ".join(lanes) + " (double and float); under valgrind those of AVX2" if lanes else "–"),
+        ("tools", "%s; %s" % (first_line(["valgrind", "--version"]), first_line(["gnuplot", "--version"]))),
+        ("states", "%d per robot, different at each call, %d experiments; gravity off" % (o.samples, o.experiments)),
+        ("command", "./run report " + " ".join(sys.argv[1:])), ("date", now.strftime("%Y-%m-%d %H:%M UTC")),
+    ]
+
+
+def notes(o, data):
+    found = []
+    if o.counters in ("auto", "perf"):
+        message = perf_message(o, data.main)
+        share = [float(r["share"]) for r in data.counts[data.main] if r["source"] == "perf"]
+        found.append("Hardware, by perf_event_open: %s. It would tell what really happens on this machine, cycles and stalls "
+                     "too; the kernel's task clock is all there is." % message.replace("hardware counters: ", "")
+                     if message else
+                     "Hardware, by perf_event_open: every group of events was counted for %.0f %% of its time or more "
+                     "(below 100 %% the counts are scaled up). It tells what really happened on this machine, cycles "
+                     "and stalls too, and drifts by a few per cent." % (100 * min(share or [0])))
+    if any(r["source"] == "valgrind" for r in data.counts[data.main]):
+        found.append("Deterministic, by valgrind: instructions, loads and stores as executed by the -march=haswell "
+                     "build, mispredictions and misses of a simulated predictor and cache; branches and "
+                     "floating-point operations by weighting the disassembly with how often each instruction ran. "
+                     "It repeats to the digit, and knows nothing of cycles or stalls.")
+    if data.operations:
+        found.append("Operations, by running the same header with a C++ scalar that counts: what the algorithm "
+                     "needs, whatever the compiler makes of it.")
+    return found or ["No counts: --counters none."]
+
+
+def main():
+    o = options()
+    prepare(o)
+    measure(o)
+    progress("report: drawing ")
+    data = Data(o.output, o.compilers)
+    if not shutil.which("gnuplot"):
+        die("gnuplot is not installed (Debian: gnuplot-nox); the tables are in " + o.output)
+    page.write(data, o.output, facts(o, data), notes(o, data))
+    progress("")
+    print(os.path.join(o.output, "report.html"))
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        progress("")
+        sys.exit(130)

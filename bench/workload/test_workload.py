@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""Tests of the workload report: counts of known loops, parsing, schemas, resuming, sentences.
+
+usage: test_workload.py DIRECTORY    with rbd-bench, rbd-operations and test_counters in it
+SPDX-License-Identifier: MIT
+"""
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import callgrind  # noqa: E402
+import page  # noqa: E402
+import report  # noqa: E402
+from data import Data  # noqa: E402
+
+PROGRAMS = sys.argv.pop(1) if len(sys.argv) > 1 else "."
+
+
+def run(name, *arguments):
+    return subprocess.run([os.path.join(PROGRAMS, name)] + list(arguments), capture_output=True, text=True)
+
+
+class Classification(unittest.TestCase):
+    def test_instructions_are_counted_by_width(self):
+        for instruction, expected in {
+            "mulsd  %xmm1,%xmm0": ("fp_scalar", 1),
+            "vaddss 0x10(%rax),%xmm1,%xmm0": ("fp_scalar", 1),
+            "vfmadd231sd %xmm2,%xmm1,%xmm0": ("fp_scalar", 2),
+            "addpd  %xmm1,%xmm0": ("fp_128", 2),
+            "mulps  %xmm1,%xmm0": ("fp_128", 4),
+            "vsubpd %ymm2,%ymm1,%ymm0": ("fp_256", 4),
+            "vfnmadd213ps %ymm2,%ymm1,%ymm0": ("fp_256", 16),
+            "vfmadd132pd %zmm2,%zmm1,%zmm0": ("fp_512", 16),
+            "sqrtsd %xmm0,%xmm0": ("fp_scalar", 1),
+            "jne    401136 <main+0x10>": ("branches", 1),
+            "bnd jmp *%rax": ("branches", 1),
+            "repz ret": ("branches", 1),
+            "call   *%rdx": ("branches", 1),
+            "mov    %rax,%rbx": None,
+            "vmovapd %ymm0,(%rax)": None,
+            "vxorpd %xmm0,%xmm0,%xmm0": None,
+            "imul   %rax,%rbx": None,
+            "add    $0x8,%rax": None,
+            "subss_like_word": None,
+        }.items():
+            self.assertEqual(callgrind.classify(instruction), expected, instruction)
+
+
+SAMPLE = """# callgrind format
+positions: instr line
+desc: Trigger: Client Request: rbd,0.1.0,lanes 4,double,iiwa,id,10
+events: Ir Dr Dw I1mr D1mr D1mw ILmr DLmr DLmw Bc Bcm Bi Bim
+summary: 1000 300 200 1 4 6 0 0 0 90 7 10 3
+
+ob=/a/program
+fn=loop
+0x10 0 40 40
+0x14 0 30
+cob=/a/library
+cfn=sine
+calls=30 0x90 0
+0x18 0 500 100 50
+0x18 0 20
+
+ob=/a/library
+fn=sine
+0x90 0 25
+totals: 1000 300 200 1 4 6 0 0 0 90 7 10 3
+desc: Trigger: Program termination
+events: Ir Dr Dw
+summary: 5 5 5
+ob=/a/program
+0x10 0 999
+totals: 5 5 5
+"""
+
+
+class Parsing(unittest.TestCase):
+    def setUp(self):
+        self.parts = list(callgrind.parse(SAMPLE.splitlines()))
+
+    def test_only_requested_dumps_are_taken(self):
+        self.assertEqual([p[0] for p in self.parts], ["rbd,0.1.0,lanes 4,double,iiwa,id,10"])
+
+    def test_what_a_call_cost_is_not_counted_at_the_call(self):
+        self.assertEqual(self.parts[0][2], {"/a/program": {0x10: 40, 0x14: 30, 0x18: 20}, "/a/library": {0x90: 25}})
+
+    def test_counters_weigh_the_disassembly(self):
+        kinds = {"/a/program": {0x10: ("fp_scalar", 1), 0x14: ("branches", 1)}, "/a/library": {0x90: ("fp_256", 8)}}
+        found = callgrind.counters(self.parts[0][1], self.parts[0][2], kinds.get)
+        self.assertEqual((found["fp_scalar"], found["branches"], found["fp_256"]), (40, 30, 200))
+        self.assertEqual((found["instructions"], found["loads"], found["stores"]), (1000, 300, 200))
+        self.assertEqual((found["branch_misses"], found["l1d_accesses"], found["l1d_misses"]), (10, 500, 10))
+
+
+@unittest.skipUnless(shutil.which("valgrind") and shutil.which("objdump"), "needs valgrind and objdump")
+class KnownLoop(unittest.TestCase):
+    def test_callgrind_counts_each_multiplication(self):
+        with tempfile.TemporaryDirectory() as folder:
+            raw = os.path.join(folder, "out")
+            done = subprocess.run(report.CALLGRIND + ["--callgrind-out-file=" + raw,
+                                                      os.path.join(PROGRAMS, "test_counters"), "--callgrind"],
+                                  capture_output=True, text=True)
+            if done.returncode == 77:
+                self.skipTest("no loops for this machine, or no valgrind headers")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            counts = {(r[3], r[7]): float(r[8]) for r in callgrind.rows(raw)}
+        self.assertEqual((counts["scalars", "fp_scalar"], counts["scalars", "fp_128"]), (1, 0))
+        self.assertEqual((counts["pairs", "fp_scalar"], counts["pairs", "fp_128"]), (0, 2))
+        self.assertAlmostEqual(counts["scalars", "branches"], 1, places=3)
+        self.assertGreaterEqual(counts["scalars", "instructions"], 2)
+
+
+class Operations(unittest.TestCase):
+    def test_the_counting_scalar_counts_each_multiplication(self):
+        if not os.path.exists(os.path.join(PROGRAMS, "rbd-operations")):
+            self.skipTest("no C++ compiler")
+        done = run("rbd-operations", "--known-loop")
+        self.assertEqual((done.returncode, done.stdout), (0, "1000 1000\n"))
+
+    def test_each_joint_needs_one_sine_and_one_cosine(self):
+        if not os.path.exists(os.path.join(PROGRAMS, "rbd-operations")):
+            self.skipTest("no C++ compiler")
+        rows = list(csv.DictReader(io.StringIO(run("rbd-operations").stdout)))
+        self.assertEqual(list(rows[0]), callgrind.HEADER)
+        joints = {"iiwa": 7, "hyq": 12, "atlas": 30}
+        found = {(r["robot"], r["algorithm"], r["counter"]): float(r["per_state"]) for r in rows}
+        for robot, n in joints.items():
+            for algorithm in ("id", "mm", "fd"):
+                self.assertIn(found[robot, algorithm, "op_sin"] - n, (0, 1), (robot, algorithm))
+                self.assertEqual(found[robot, algorithm, "op_sin"], found[robot, algorithm, "op_cos"])
+        self.assertLess(found["iiwa", "id", "op_mul"], found["iiwa", "fd", "op_mul"])
+
+
+class Schemas(unittest.TestCase):
+    COLUMNS = ("library,version,compiler,scalar,robot,algorithm,samples,experiments,mean_ns,stddev_ns,min_ns,"
+               "max_error,quad_error,variant").split(",")
+    SHORT = ["--samples", "4", "--experiments", "2", "--robot", "iiwa", "--algorithm", "id"]
+
+    def test_csv(self):
+        rows = list(csv.DictReader(io.StringIO(run("rbd-bench", "--format", "csv", *self.SHORT).stdout)))
+        self.assertEqual(list(rows[0]), self.COLUMNS)
+        variants = [r["variant"] for r in rows if r["library"] == "rbd"]
+        self.assertEqual(variants[:2], ["run-time", "compile-time"])
+        self.assertRegex(variants[2], r"^lanes (2|4|8)$")
+        for row in rows:
+            self.assertGreater(float(row["min_ns"]), 0)
+            self.assertLess(float(row["max_error"]), 1e-10)
+
+    def test_json(self):
+        whole = json.loads(run("rbd-bench", "--format", "json", *self.SHORT).stdout)
+        self.assertEqual(sorted(whole), ["machine", "rows"])
+        self.assertEqual(list(whole["rows"][0]), self.COLUMNS)
+        self.assertEqual(list(whole["machine"]), ["cpu", "compiler", "flags", "date", "seed", "gravity"])
+
+    def test_counts(self):
+        done = run("rbd-bench", "--count", "perf", "--library", "rbd", *self.SHORT)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.splitlines()[0].split(","), callgrind.HEADER)
+        self.assertLessEqual(len(done.stderr.splitlines()), 1)
+
+    def test_callgrind_counts_want_callgrind(self):
+        done = run("rbd-bench", "--count", "callgrind", *self.SHORT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("callgrind", done.stderr)
+
+
+class Resuming(unittest.TestCase):
+    def test_what_is_there_is_not_measured_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = []
+
+            def work(name):
+                def write(path):
+                    done.append(name)
+                    if name == "b" and done.count("b") == 1:
+                        raise KeyboardInterrupt
+                    open(path, "w").close()
+                return write
+
+            options = type("options", (), {"output": folder})
+            for _ in range(2):
+                steps = report.Steps(options)
+                for name in "abc":
+                    steps.add(name, name, work(name))
+                try:
+                    steps.run()
+                except KeyboardInterrupt:
+                    self.assertEqual(sorted(os.listdir(folder)), ["a"])
+            self.assertEqual(done, ["a", "b", "b", "c"])
+
+
+@unittest.skipUnless(shutil.which("gnuplot"), "needs gnuplot")
+class Page(unittest.TestCase):
+    """A page of made-up numbers says these numbers, and others when they are others."""
+
+    def write(self, folder, peer_time, with_counts):
+        times = [Schemas.COLUMNS]
+        counts = [callgrind.HEADER]
+        for robot, size in (("iiwa", 1), ("hyq", 2), ("atlas", 4)):
+            for algorithm in ("id", "mm", "fd"):
+                for library, time in (("rbd", 100), ("MuJoCo", peer_time)):
+                    times.append([library, "1", "gcc", "double", robot, algorithm, 1, 1, time * size, 0, time * size,
+                                  1e-15, 1e-15, "run-time"])
+                    for counter in ("instructions", "loads", "stores", "branches", "branch_misses", "l1d_accesses",
+                                    "l1d_misses", "fp_scalar", "fp_128", "fp_256", "fp_512"):
+                        n = {"instructions": 10, "l1d_accesses": 5}.get(counter, 1) * time * size
+                        counts.append(["valgrind", library, "1", "run-time", "double", robot, algorithm, counter, n, 1])
+        tables = {"times-gcc": times, "times-haswell-gcc": times}
+        if with_counts:
+            tables["counts-valgrind-gcc"] = counts
+        for name, rows in tables.items():
+            with open(os.path.join(folder, name + ".csv"), "w", newline="") as f:
+                csv.writer(f).writerows(rows)
+        page.write(Data(folder, ["gcc"]), folder, [("machine", "a & b")], ["a note"])
+        with open(os.path.join(folder, "report.md")) as f, open(os.path.join(folder, "report.html")) as g:
+            return f.read(), g.read()
+
+    def test_sentences_follow_the_data(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text, html = self.write(folder, 700, True)
+            self.assertIn("MuJoCo takes 7.00 (", text)
+            self.assertIn("10.0 % load", text)
+            self.assertIn("a &amp; b", html)
+            self.assertEqual(html.count("data:image/svg+xml;base64,"), text.count("!["))
+            self.assertIn("MuJoCo takes 3.00 (", self.write(folder, 300, True)[0])
+
+    def test_without_counts_there_are_only_times(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text, _ = self.write(folder, 700, False)
+            self.assertIn("Figure 2", text)
+            self.assertNotIn("Figure 4", text)
+
+
+if __name__ == "__main__":
+    unittest.main()

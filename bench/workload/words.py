@@ -1,0 +1,183 @@
+"""The paragraph under each figure, computed from what was measured. SPDX-License-Identifier: MIT"""
+import figures
+from data import ALGORITHMS, RUN_TIME, mean, ratios
+
+TITLES = dict(ALGORITHMS)
+ROBOT = {"iiwa": "iiwa", "hyq": "HyQ", "atlas": "Atlas"}
+
+
+def number(x):
+    return "%.0f" % x if x >= 100 else "%.1f" % x if x >= 10 else "%.2f" % x
+
+
+def place(found):
+    return "%s, %s" % (ROBOT.get(found[1], found[1]), TITLES[found[2]])
+
+
+def spread(found, unit):
+    """The range of ratios with where the ends are, and the mean."""
+    low, high = min(found), max(found)
+    if len(found) == 1:
+        return "%s %s (%s)" % (number(low[0]), unit, place(low))
+    return "%s (%s) to %s %s (%s), in the geometric mean %s" % (
+        number(low[0]), place(low), number(high[0]), unit, place(high), number(mean([f[0] for f in found])))
+
+
+def compare(data, value, bars, verb):
+    """A sentence for each bar: its value as a multiple of the run-time model's."""
+    sentences = []
+    for bar in bars:
+        found = ratios(data, value, bar, RUN_TIME) if bar is not RUN_TIME else []
+        if found:
+            sentences.append("%s %s %s." % (bar.title, verb, spread(found, "times that")))
+    return " ".join(sentences)
+
+
+def span(data, value, bar=RUN_TIME):
+    found = [(value(bar, r, a), r, a) for a, _ in ALGORITHMS for r, _ in data.robots
+             if value(bar, r, a) is not None]
+    if not found:
+        return None
+    low, high = min(found), max(found)
+    return "%s (%s) to %s (%s)" % (number(low[0]), place(low), number(high[0]), place(high))
+
+
+def single(value):
+    """Of a function that gives a list of parts: their sum."""
+    def total(*cell):
+        numbers = value(*cell)
+        return None if numbers is None else sum(numbers)
+    return total
+
+
+def share(data, bar, above, below):
+    """The range of above / below in per cent for a bar."""
+    found = []
+    for a, _ in ALGORITHMS:
+        for r, _ in data.robots:
+            x, y = above(bar, r, a), below(bar, r, a)
+            if x is not None and y:
+                found.append(100 * x / y)
+    return "%s to %s %%" % (number(min(found)), number(max(found))) if found else "unknown"
+
+
+def times(data):
+    value = lambda *cell: data.time(*cell)
+    return "The least mean of an experiment: rbd with a run-time model takes %s ns a state. %s" % (span(data, value), compare(data, value, data.bars, "takes"))
+
+
+def rate(data):
+    value = single(figures.rate(data))
+    unit = "instructions per cycle" if data.source() == "perf" else "instructions per nanosecond"
+    parts = ["%s: %s" % (bar.title, span(data, value, bar)) for bar in data.bars if span(data, value, bar)]
+    return "In %s: %s." % (unit, "; ".join(parts))
+
+
+def kinds(data):
+    value = figures.instructions(data)
+    text = "rbd with a run-time model executes %s instructions a state. %s" % (
+        span(data, value), compare(data, value, data.bars, "executes"))
+    for bar in data.bars:
+        loads = lambda *cell: data.count(*cell, "loads")
+        stores = lambda *cell: data.count(*cell, "stores")
+        branches = lambda *cell: data.count(*cell, "branches")
+        text += " Of the instructions of %s, %s load, %s store, %s branch." % (
+            bar.title, share(data, bar, loads, value), share(data, bar, stores, value),
+            share(data, bar, branches, value))
+    return text
+
+
+def cycles(data):
+    names, parts, total = figures.cycle_parts(data)
+    text = ""
+    if data.source() != "perf":
+        text = ("This machine shows no cycle counter, so this is callgrind's model and not a measurement: an "
+                "instruction costs 1, a miss of the simulated L1 data cache or a mispredicted branch 10. ")
+    for bar in data.bars:
+        shares = []
+        for name, part in zip(names, parts):
+            value = (lambda p: lambda *cell: data.count(*cell, p))(part) if isinstance(part, str) else part
+            shares.append("%s %s" % (name.split(" (")[0], share(data, bar, value, total)))
+        text += "%s: %s. " % (bar.title, ", ".join(shares))
+    return text.strip()
+
+
+def widths(data):
+    value = figures.fp_total(data)
+    text = "rbd with a run-time model executes %s floating-point operations a state. %s" % (
+        span(data, value), compare(data, value, data.bars, "executes"))
+    for bar in data.bars:
+        wide = lambda *cell: value(*cell) - (data.count(*cell, "fp_scalar") or 0) if value(*cell) is not None else None
+        text += " In packed instructions, %s: %s." % (bar.title, share(data, bar, wide, value))
+    floor = [(value(RUN_TIME, r, a) / data.operation(r, a, "op_mul", "op_add", "op_div", "op_sqrt"), r, a)
+             for a, _ in ALGORITHMS for r, _ in data.robots
+             if value(RUN_TIME, r, a) and data.operation(r, a, "op_mul", "op_add", "op_div", "op_sqrt")]
+    if floor:
+        text += (" The counting scalar finds the floor: multiplications, additions, divisions and roots of the "
+                 "algorithm itself, without sines. Executed are %s; sines and cosines are in the difference."
+                 % spread(floor, "times as many"))
+    return text
+
+
+def caches(data):
+    value = figures.l1_total(data)
+    misses = lambda *cell: data.count(*cell, "l1d_misses")
+    text = "rbd with a run-time model accesses the L1 data cache %s times a state. %s" % (
+        span(data, value), compare(data, value, data.bars, "does so"))
+    for bar in data.bars:
+        text += " Misses of %s: %s of the accesses." % (bar.title, share(data, bar, misses, value))
+    return text
+
+
+def throughput(data):
+    value = single(figures.throughput(data))
+    text = "rbd with a run-time model computes %s million states a second on one core." % span(data, value)
+    for bar in figures.throughput_bars(data):
+        found = ratios(data, value, bar, RUN_TIME) if bar is not RUN_TIME else []
+        if found:
+            text += " %s: %s." % (bar.title, spread(found, "times as many"))
+    lanes = [b for b in data.ours if b.variant == "lanes"]
+    for bar in data.threads() if lanes else []:
+        found = ratios(data, value, bar, lanes[0])
+        if found:
+            text += " Batches on %s threads against one: %s." % (bar.variant.split()[1],
+                                                                  spread(found, "times as many"))
+    return text
+
+
+def scaling(data):
+    rows, text = data.scaling[data.main], ""
+    for algorithm, title in ALGORITHMS:
+        for shape in ("chain", "tree"):
+            points = {int(r["bodies"]): float(r["ns"]) for r in rows
+                      if r["shape"] == shape and r["algorithm"] == algorithm}
+            sizes = sorted(points)
+            if len(sizes) > 2:
+                ten, last = points.get(10, points[sizes[0]]) / 10, points[sizes[-1]] / sizes[-1]
+                text += "%s of a %s: %s ns a body at 10 bodies, %s at %d (%s times). " % (
+                    title.capitalize(), {"chain": "chain", "tree": "binary tree"}[shape], number(ten), number(last),
+                    sizes[-1], number(last / ten))
+    return text.strip()
+
+
+def accuracy(data):
+    text = []
+    for bar in figures.accuracy_bars(data):
+        found = [(data.time(bar, r, a, field="quad_error"), r, a) for a, _ in ALGORITHMS for r, _ in data.robots]
+        found = [f for f in found if f[0] is not None]
+        if found:
+            worst = max(found)
+            text.append("%s: at most %.1e (%s)" % (bar.title, worst[0], place(worst)))
+    return "Largest relative error against quad precision over the states compared. %s." % "; ".join(text)
+
+
+def compilers(data):
+    text = []
+    for c in data.compilers[1:]:
+        value = lambda compiler: lambda bar, r, a: data.time(bar, r, a, compiler)
+        found = [(value(c)(RUN_TIME, r, a) / value(data.main)(RUN_TIME, r, a), r, a) for a, _ in ALGORITHMS
+                 for r, _ in data.robots if value(c)(RUN_TIME, r, a) and value(data.main)(RUN_TIME, r, a)]
+        if found:
+            text.append("With %s the run-time model takes, against %s, %s." % (
+                c, data.main, spread(found, "times as long")))
+    return " ".join(text)
