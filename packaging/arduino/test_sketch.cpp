@@ -15,9 +15,10 @@ int main() {
         return std::printf("it printed: %s\n", serial_text.c_str()), 1;
 
     const double step = 3.14159265358979 / 512, q0 = (600 - 512) * step, q1 = (400 - 512) * step;
-    const double lower = DOUBLE_PENDULUM_M2 * DOUBLE_PENDULUM_R2 * 9.81 * std::sin(q0 + q1);
-    const double upper = (DOUBLE_PENDULUM_M1 * DOUBLE_PENDULUM_R1 + DOUBLE_PENDULUM_M2 * DOUBLE_PENDULUM_L1) *
-                         9.81 * std::sin(q0);
+    const rbd_body &upper_rod = double_pendulum_bodies[0], &lower_rod = double_pendulum_bodies[1];
+    const double lower = -lower_rod.mass * lower_rod.com[2] * 9.81 * std::sin(q0 + q1);
+    const double upper =
+        -(upper_rod.mass * upper_rod.com[2] + lower_rod.mass * lower_rod.position[2]) * 9.81 * std::sin(q0);
     std::printf("sketch: %.4f %.4f N m, textbook: %.4f %.4f N m\n", found[0], found[1], upper + lower, lower);
     return !(std::fabs(found[0] - upper - lower) < 1e-4 && std::fabs(found[1] - lower) < 1e-4);
 }
