@@ -2494,7 +2494,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_motion_from_array(all);
     }
-    RBDI_UNROLL_SIX for (int k = 0; k < b->n; ++k) {
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
         all[b->first + k] = all[b->first + k] + qdd;
