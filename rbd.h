@@ -878,7 +878,7 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #if defined __GNUC__ && !defined __clang__
 #pragma GCC push_options
 #ifdef __OPTIMIZE__
-#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,fp-contract=fast")
+#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
 #endif
 #endif
 
