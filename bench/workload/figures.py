@@ -41,6 +41,19 @@ def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8):
     os.remove(data_file)
 
 
+def legend(parts):
+    """What is stacked, in one row above the panels: gnuplot's own key would break it to a panel's width."""
+    letter, box = 0.0062, 0.022  # widths, of the picture
+    x = 0.5 - (sum(len(p) * letter + 2 * box for p in parts) - box) / 2
+    script = ""
+    for i, part in enumerate(parts):
+        script += "set object %d rectangle from screen %g, screen 0.885 to screen %g, screen 0.915 fc rgb '%s'\n" % (
+            i + 1, x, x + box, SHADES[i])
+        script += "set label \"%s\" at screen %g, screen 0.9 left font ',12'\n" % (part, x + 1.3 * box)
+        x += len(part) * letter + 2 * box
+    return script
+
+
 class Bars:
     """Clusters of (stacked) bars: a panel for each algorithm, a cluster for each robot, a bar for each library."""
 
@@ -87,7 +100,7 @@ class Bars:
         for column, (algorithm, panel_title) in enumerate(ALGORITHMS):
             first = len(blocks)
             ticks, clusters, missing, end, top = self.panel(algorithm, blocks)
-            script += "unset label\nset title '%s' offset 0,-0.3\n" % panel_title
+            script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % panel_title
             script += "set xrange [-1:%g]\n" % end
             script += "set xtics rotate by 90 right font ',11' (%s) scale 0\n" % ", ".join(ticks)
             script += "set ylabel \"%s\"\n" % (self.ylabel if column == 0 else "")
@@ -99,7 +112,7 @@ class Bars:
                 script += "set label '%s' at first %g, graph 0 offset character 0,-6.7 center font ',14'\n" % (text, place)
             for place in missing:
                 script += "set label '–' at first %g, graph 0.02 center tc rgb '#777777'\n" % place
-            script += "set key %s\n" % (TOP_KEY if column == 0 and len(self.parts) > 1 else "off")
+            script += legend(self.parts) if column == 0 and len(self.parts) > 1 else "unset object\n"
             plots = ["'DATA' index %d using 1:2:($1-0.42):($1+0.42):2:3 with boxxyerror fc rgb '%s' title \"%s\""
                      % (first + i, SHADES[i if len(self.parts) > 1 else 1], part)
                      for i, part in enumerate(self.parts)]
@@ -184,7 +197,7 @@ def cycle_parts(data):
     """(names, functions, total): by hardware the paper's, else those of the model."""
     scaled = lambda name: lambda *cell: (lambda n: None if n is None else MISS_COST * n)(data.count(*cell, name))
     if data.source() != "perf":
-        names = ["instructions (1 each)", "L1 data misses (10 each)", "mispredicted branches (10 each)"]
+        names = ["instructions", "L1 data misses (10 each)", "mispredictions (10 each)"]
         return names, ["instructions", scaled("l1d_misses"), scaled("branch_misses")], modelled_cycles(data)
 
     def other(*cell):

@@ -22,7 +22,6 @@ from data import Data  # noqa: E402
 CALLGRIND = ["valgrind", "--command-line-only=yes", "--tool=callgrind", "--cache-sim=yes", "--branch-sim=yes",
              "--dump-instr=yes", "--compress-pos=no", "--compress-strings=no", "--collect-atstart=no",
              "--combine-dumps=yes"]
-FLAGS = {"native": "native", "haswell": "haswell"}
 
 
 def die(text):
@@ -143,22 +142,35 @@ def folder_of(o, compiler, march):
 def cpp_of(compiler):
     """The C++ compiler of the same make, if it is there."""
     name = compiler.replace("gcc", "g++").replace("clang", "clang++")
-    return shutil.which(name) or shutil.which("g++") or "c++"
+    return (name != compiler and shutil.which(name)) or shutil.which("g++") or "c++"
 
 
-def build(o, compiler, march, targets):
-    folder = folder_of(o, compiler, march)
-    if not os.path.exists(os.path.join(folder, "build.ninja")):
-        shutil.rmtree(folder, ignore_errors=True)
-        value = FLAGS[march] if platform.machine() in ("x86_64", "amd64") else "native"
-        env = {"CC": compiler, "CXX": cpp_of(compiler)}
-        call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled", "-Durdf=disabled",
-              "-Dbench_march=" + value], env=env)
-    call(["ninja", "-C", folder] + targets)
+BUILT = {}  # (compiler, march, name): path
+
+
+def program(o, compiler, march, name):
+    """The path of a program of bench/, which is built if it was not in this run."""
+    key = (compiler, march, name)
+    if key not in BUILT:
+        folder = folder_of(o, compiler, march)
+        progress("report: building %s with %s, -march=%s " % (name, compiler, march))
+        if not os.path.exists(os.path.join(folder, "build.ninja")):
+            configure(folder, compiler, march)
+        call(["ninja", "-C", folder, "bench/" + name])
+        BUILT[key] = os.path.join(folder, "bench", name)
+    return BUILT[key]
+
+
+def configure(folder, compiler, march):
+    shutil.rmtree(folder, ignore_errors=True)
+    if platform.machine() not in ("x86_64", "amd64"):
+        march = "native"
+    call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled",
+          "-Durdf=disabled", "-Dbench_march=" + march], env={"CC": compiler, "CXX": cpp_of(compiler)})
 
 
 def bench(o, compiler, march):
-    return os.path.join(folder_of(o, compiler, march), "bench", "rbd-bench")
+    return program(o, compiler, march, "rbd-bench")
 
 
 def times(o, compiler, march, path, *more):
@@ -197,15 +209,10 @@ def perf_message(o, compiler):
 def measure(o):
     steps = Steps(o)
     use_valgrind = o.counters in ("auto", "valgrind") and shutil.which("valgrind")
-    for i, c in enumerate(o.compilers):
-        progress("report: building with %s " % c)
-        targets = ["bench/rbd-bench", "bench/rbd-scaling"] + (["bench/rbd-operations"] if i == 0 else [])
-        build(o, c, "native", targets)
-        if use_valgrind:
-            build(o, c, "haswell", ["bench/rbd-bench"])
+    for c in o.compilers:
         steps.add("times-%s.csv" % c, "timing, " + c, lambda p, c=c: times(o, c, "native", p, "--scalar", "all"))
         steps.add("scaling-%s.csv" % c, "scaling, " + c, lambda p, c=c: call_to(
-            p, [os.path.join(folder_of(o, c, "native"), "bench", "rbd-scaling")]))
+            p, [program(o, c, "native", "rbd-scaling")]))
         if o.counters in ("auto", "perf"):
             steps.add("counts-perf-%s.csv" % c, "hardware counters, " + c, lambda p, c=c: call(
                 [bench(o, c, "native"), "--count", "perf", "--samples", str(o.samples), "--output", p]))
@@ -216,7 +223,7 @@ def measure(o):
                       lambda p, c=c: valgrind_counts(o, c, p))
     if o.counters != "none":
         steps.add("operations.csv", "counting operations", lambda p: call_to(
-            p, [os.path.join(folder_of(o, o.compilers[0], "native"), "bench", "rbd-operations")]))
+            p, [program(o, o.compilers[0], "native", "rbd-operations")]))
     steps.run()
 
 
@@ -299,4 +306,5 @@ if __name__ == "__main__":
         sys.exit(main())
     except KeyboardInterrupt:
         progress("")
+        print("report: interrupted; the same command goes on from here", file=sys.stderr)
         sys.exit(130)
