@@ -873,8 +873,8 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
 #endif
 
-/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, and its ISO modes switch
-   contraction to FMA off; clang needs neither. */
+/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
+   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this. */
 #if defined __GNUC__ && !defined __clang__
 #pragma GCC push_options
 #ifdef __OPTIMIZE__
