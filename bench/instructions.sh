@@ -102,7 +102,7 @@ compile_special() { # COMPILER
     special=-DCOMPILE_TIME_LIBRARIES
     for robot in iiwa hyq atlas; do
         progress "$1: compiling the straight-line calls of $robot"
-        upper=$(echo $robot | tr a-z A-Z)
+        upper=$(echo "$robot" | tr '[:lower:]' '[:upper:]')
         compile "$1" double -fno-signed-zeros -ffinite-math-only -DLIBRARY=library_$robot -DROBOT="\"$robot\"" \
             -DROBOT_HEADER="\"../models/${robot}_model.h\"" -DROBOT_MODEL=${robot}_model \
             -DROBOT_WORK_SIZE="${upper}_WORK_SIZE" -c "$bench/library.c" -o "$work/$robot.o"
@@ -116,7 +116,7 @@ count() {
     special=
     [ "$2" = float ] || compile_special "$1"
     progress "$1, $2: compiling"
-    compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES=$lanes -c "$bench/library.c" -o "$work/lanes.o"
+    compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/library.c" -o "$work/lanes.o"
     # shellcheck disable=SC2086 # words wanted
     compile "$1" "$2" -DLANES_LIBRARY=library_lanes $special "$bench/instructions.c" "$work/rbd.c" \
         "$work/lanes.o" -lm -o "$work/count"

@@ -45,9 +45,9 @@ def options():
                    help="where counts come from (default auto: all that this machine offers)")
     p.add_argument("--compilers", default="", metavar='"A B"',
                    help="compilers to build rbd with; the figures show the first (default: gcc and the newest clang)")
-    p.add_argument("--samples", type=int, help="random states of a timed experiment (default 10000)")
-    p.add_argument("--experiments", type=int, help="how often they are timed (default 10)")
-    p.add_argument("--quick", action="store_true", help="1000 states, 3 experiments, 64 states under valgrind")
+    p.add_argument("--samples", type=int, help="random states of a timed experiment (default 2000)")
+    p.add_argument("--experiments", type=int, help="how often they are timed (default 50)")
+    p.add_argument("--quick", action="store_true", help="1000 states, 10 experiments, 64 states under valgrind")
     p.add_argument("--output", default=os.path.join(ROOT, "build", "report"), metavar="FOLDER",
                    help="where all is written (default build/report); an interrupted report goes on from there")
     p.add_argument("--again", action="store_true", help="forget what the folder has, but the builds")
@@ -55,8 +55,8 @@ def options():
     for name in ("samples", "experiments"):
         if getattr(o, name) is not None and getattr(o, name) < 1:
             p.error("--%s: must be at least 1" % name)
-    o.samples = o.samples or (1000 if o.quick else 10000)
-    o.experiments = o.experiments or (3 if o.quick else 10)
+    o.samples = o.samples or (1000 if o.quick else 2000)
+    o.experiments = o.experiments or (10 if o.quick else 50)
     o.compilers = o.compilers.split() or default_compilers()
     for c in o.compilers:
         if not shutil.which(c):
