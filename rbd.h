@@ -255,6 +255,7 @@ typedef enum rbd_status {
     RBD_ERR_FRICTION = -21,
     RBD_ERR_LIMITS = -22, /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,  /* not a one-dof joint, or what it follows is missing or follows too */
+    RBD_ERR_WORK = -24,   /* the work, or batch, was made for another model */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -299,7 +300,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 /* Builds a model from a description into the caller's memory.
    bodies   nb rows, parents first; only its strings must outlive the model
    memory   size bytes of any alignment; RBD_MODEL_SIZE(nb) always suffices
-   model    receives the model, which lies inside memory: do not move it
+   model    receives the model, which lies inside memory: do not move it; NULL after an error
    report   receives the error and the warnings; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _COUNT, and all from RBD_ERR_NAME on, with body and field. */
 RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
@@ -312,7 +313,8 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model.
+/* Prepares the memory that the algorithms work in; one per thread and model. With a model of other
+   numbers of bodies, links or degrees of freedom, every call returns RBD_ERR_WORK.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
@@ -354,7 +356,7 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
 /* ---- dynamics [dynamics] ----
    q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
    same shape, but must not overlap otherwise. All include armature; none includes damping and
-   friction. Errors: RBD_ERR_NULL, and RBD_ERR_SINGULAR where said. */
+   friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said. */
 
 #ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
@@ -521,7 +523,8 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof);
        #include "rbd.h"
 
    All other files include rbd.h as ever. In every call n states stand one after the other: q is n x nq,
-   v, a, tau n x nv, f_ext n x nb x 6 or NULL, M n x nv x nv, H n x rbd_packed_size(m); n may be any number.
+   v, a, tau n x nv, f_ext n x nb x 6 or NULL, M n x nv x nv, H n x rbd_packed_size(m); n may be any number,
+   and with n <= 0 nothing is done.
    Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
    states' results stand, and rbd_batch_singular names the first that is singular. */
 
@@ -763,7 +766,14 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
 
+/* What the sizes of a work's arrays depend on. */
+typedef struct rbdi_shape {
+    int nb, nq, nv, nl, nblock, nslot, nmimic, nh;
+} rbdi_shape;
+
 struct rbd_work {
+    const rbd_model *model; /* it was made for; compared, never followed */
+    rbdi_shape shape;       /* of that model */
     rbdi_c3 gravity;
     int singular;        /* dof, -1 = none */
     int have_kinematics;
@@ -1799,6 +1809,27 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     return s;
 }
 
+RBDI_INLINE rbdi_shape rbdi_shape_of(const rbd_model *m)
+{
+    rbdi_shape s;
+    s.nb = m->nb, s.nq = m->nq, s.nv = m->nv, s.nl = m->nl;
+    s.nblock = m->nblock, s.nslot = m->nslot, s.nmimic = m->nmimic, s.nh = m->nh;
+    return s;
+}
+/* Whether a work suits a model that is not the very one it was made for: another copy of its table, say. */
+RBDI_PART int rbdi_same_shape(const rbd_model *m, const rbd_work *w)
+{
+    const rbdi_shape a = rbdi_shape_of(m), b = w->shape;
+    return a.nb == b.nb && a.nq == b.nq && a.nv == b.nv && a.nl == b.nl && a.nblock == b.nblock &&
+           a.nslot == b.nslot && a.nmimic == b.nmimic && a.nh == b.nh;
+}
+/* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
+RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays)
+{
+    if (!m || !w || !arrays) return RBD_ERR_NULL;
+    return w->model == m || rbdi_same_shape(m, w) ? RBD_OK : RBD_ERR_WORK;
+}
+
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
 RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q)
@@ -2612,7 +2643,8 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
 RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
 {
-    if (!m || !w || !q || !v || !a || !tau) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
+    if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               m->nmimic ? w->tx : tau);
@@ -2637,7 +2669,8 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
 #ifndef RBD_NO_CRBA
 RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
 {
-    if (!m || !w || !q || !H) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q && H);
+    if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_crba(m, w, m->nmimic ? w->Hx : H, NULL);
     if (m->nmimic) rbdi_reduce_H(m, w->Hx, H);
@@ -2646,7 +2679,8 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
 
 RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
 {
-    if (!m || !w || !q || !M) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q && M);
+    if (status) return status;
     if (m->nmimic) {
         rbd_crba_packed(m, w, q, w->H);
         for (int i = 0; i < m->nv; ++i)
@@ -2681,7 +2715,8 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a)
 {
     rbdi_mask bad;
-    if (!m || !w || !q || !v || !tau || !a) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    if (status) return status;
 #ifndef RBDI_NO_FD_CHOLESKY
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
@@ -2700,7 +2735,8 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
                                    rbd_real *a)
 {
     rbdi_mask bad;
-    if (!m || !w || !q || !v || !tau || !a) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
     bad = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
@@ -2714,13 +2750,15 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
 #ifndef RBD_NO_CHOLESKY
 RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H)
 {
-    if (!m || !w || !H) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, H != NULL);
+    if (status) return status;
     return rbdi_singular(m, w, rbdi_factor(m, w, H));
 }
 
 RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L)
 {
-    if (!m || !w || !M || !L) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, M && L);
+    if (status) return status;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
         int d = rbdi_depth(m, rbdi_dense(m), i);
         rbd_real *row = &L[rbdi_row(m, rbdi_dense(m), i)];
@@ -2733,7 +2771,8 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
 RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
                                       rbd_real *x)
 {
-    if (!m || !w || !L || !b || !x) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, L && b && x);
+    if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
     rbdi_solve(m, L, x);
     return RBD_OK;
@@ -2746,7 +2785,8 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 {
     const rbd_real *vx;
     rbd_real *tx;
-    if (!m || !w || !v || !tau) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, v && tau);
+    if (status) return status;
     vx = rbdi_expand_v(m, v, w->vx);
     tx = m->nmimic ? w->tx : tau;
     for (int k = 0; k < m->nv + m->nmimic; ++k) {
@@ -2810,7 +2850,8 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
-    if (!m || !w || !q) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, q != NULL);
+    if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
@@ -2852,7 +2893,8 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body)
 
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body)
 {
-    if (!m || !w) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check(m, w, 1);
+    if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
 }
@@ -3328,6 +3370,8 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
+    w->model = m;
+    w->shape = rbdi_shape_of(m);
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -3458,6 +3502,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_MIMIC:
         return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or "
                "mimics too";
+    case RBD_ERR_WORK: return "the work was made for another model";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
@@ -4429,8 +4474,8 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (model) *model = NULL;
     if (!bodies || !memory || !model) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    *model = NULL;
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
     for (int i = 0; i < nb; ++i) {
         rbd_status status = rbdi_check_body(bodies, nb, i, report);
@@ -4585,8 +4630,10 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
     const size_t nq = (size_t)rbd_nq(m), nv = (size_t)rbd_nv(m), nf = 6 * (size_t)rbd_nb(m);
     const int full = call == RBDI_CALL_CRBA, packed = call == RBDI_CALL_CRBA_PACKED;
     size_t width;
-    rbd_status result = RBD_OK;
-    if (!m || !b || !q || !out) return RBD_ERR_NULL;
+    rbd_status result;
+    if (!b) return RBD_ERR_NULL;
+    result = rbdi_check(m, b->w, q && out);
+    if (result) return result;
     width = full ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
     b->state = b->dof = -1;
     for (int s = 0, count; s < n; s += count) {

@@ -538,6 +538,20 @@ START_TEST(model_of_another_version_is_refused) {
 }
 END_TEST
 
+START_TEST(batch_of_another_model_is_refused) {
+    robot r = build_reference(reference_model(2)), small = build_reference(reference_model(0));
+    states x = states_draw(&r, 1);
+    RBD_REAL out[1] = {0};
+    robot mixed = r;
+    mixed.b = small.b;
+    for (call c = RNEA; c < CALLS; c++)
+        ck_assert_int_eq(run_batch(&mixed, c, 1, &x, out), RBD_ERR_WORK);
+    states_free(&x);
+    release(&small);
+    release(&r);
+}
+END_TEST
+
 /* Memory that ends where it may, begins anywhere and holds no useful numbers. */
 static void check_memory(const robot *r) {
     const int offsets[5] = {0, 1, 8, 31, 63};
@@ -645,6 +659,7 @@ int main(int argc, char **argv) {
     tcase_add_test(c, singular_state_is_of_the_last_call);
     tcase_add_test(c, null_arguments_are_refused);
     tcase_add_test(c, model_of_another_version_is_refused);
+    tcase_add_test(c, batch_of_another_model_is_refused);
     tcase_add_test(c, memory_of_the_stated_size_is_enough_and_less_is_refused);
     tcase_add_test(c, results_match_the_reference);
     suite_add_tcase(suite, c);

@@ -236,6 +236,49 @@ START_TEST(works_are_independent) {
 }
 END_TEST
 
+/* Else one model's calls would write beyond another's arrays. */
+START_TEST(work_of_another_model_is_refused) {
+    const ref_model *small = reference_model(0), *large = reference_model(2);
+    robot r = robot_build(small->name, small->bodies, small->nb);
+    robot other = robot_build(large->name, large->bodies, large->nb);
+    double x[MAX_V * MAX_V] = {0}, *y = x;
+    ck_assert_int_ne(r.nv, other.nv);
+    ck_assert_int_eq(rbd_rnea(other.m, r.w, x, x, x, NULL, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_bias(other.m, r.w, x, x, NULL, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_gravity(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_crba(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_crba_packed(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_aba(other.m, r.w, x, x, x, NULL, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_fd_cholesky(other.m, r.w, x, x, x, NULL, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_cholesky_factor(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_cholesky_factor_packed(other.m, r.w, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_cholesky_solve(other.m, r.w, x, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_passive(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_kinematics(other.m, r.w, x, NULL, NULL), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_body_pose(other.m, r.w, 0, NULL, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_energy(other.m, r.w, y, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_com(other.m, r.w, y, y, y), RBD_ERR_WORK);
+    robot_free(&other);
+    robot_free(&r);
+}
+END_TEST
+
+/* A const table that two files include is there twice. */
+START_TEST(work_serves_every_copy_of_its_model) {
+    const ref_model *model = reference_model(0);
+    robot r = robot_build(model->name, model->bodies, model->nb);
+    robot copy = robot_build(model->name, model->bodies, model->nb);
+    const double *q = model->states[1].q;
+    double g[MAX_V], expected[MAX_V];
+    ck_assert_ptr_ne(r.m, copy.m);
+    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, expected), RBD_OK);
+    ck_assert_int_eq(rbd_gravity(copy.m, r.w, q, g), RBD_OK);
+    ck_assert_int_eq(memcmp(g, expected, (size_t)r.nv * sizeof *g), 0);
+    robot_free(&copy);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *work_suite(void) {
     Suite *suite = suite_create("work");
     TCase *c = tcase_create("work");
@@ -246,6 +289,8 @@ Suite *work_suite(void) {
     tcase_add_test(c, what_is_not_a_model_is_refused);
     tcase_add_test(c, gravity_is_earth_s_until_set);
     tcase_add_test(c, works_are_independent);
+    tcase_add_test(c, work_of_another_model_is_refused);
+    tcase_add_test(c, work_serves_every_copy_of_its_model);
     suite_add_tcase(suite, c);
     TCase *bytes = tcase_create("bytes"); /* compares padding too, to which valgrind objects */
     tcase_add_test(bytes, memory_of_any_alignment_and_content_suffices);
