@@ -153,7 +153,8 @@ rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options,
 rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_options *options,
                                rbd_urdf *robot);
 
-/* ---- lookup [lookup] ---- */
+/* ---- lookup [lookup] ----
+   In what the last call filled: all is unknown after an error and after a call that only counted. */
 
 /* Index of the body that this joint moves, -1 if there is none: the joint is fixed or unknown. */
 int rbd_urdf_joint(const rbd_urdf *robot, const char *joint);
@@ -1539,6 +1540,20 @@ inline rbd_urdf_status report(rbd_urdf *robot, rbd_urdf_status status, int line,
     return status;
 }
 
+/* Takes back the results of the call before. */
+inline void clear(rbd_urdf *robot) {
+    robot->name = NULL;
+    robot->nb = robot->nframes = robot->nwarnings = 0;
+    robot->names_size = 0;
+    robot->fixed_mass = 0;
+    report(robot, RBD_URDF_OK, 0, "");
+}
+
+/* Whether the last call wrote the description, and did not fail or only count. */
+inline bool is_filled(const rbd_urdf *robot) {
+    return robot && robot->error.status == RBD_URDF_OK && robot->bodies && robot->names;
+}
+
 /* Runs a load and turns whatever it throws into a status. */
 inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_options *options,
                                rbd_urdf *robot) {
@@ -1548,11 +1563,6 @@ inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_o
     if (options)
         o = *options;
     warnings.strict = o.strict != 0;
-    robot->name = NULL;
-    robot->nb = robot->nframes = robot->nwarnings = 0;
-    robot->names_size = 0;
-    robot->fixed_mass = 0;
-    report(robot, RBD_URDF_OK, 0, "");
     try {
         load(text, length, o, warnings, robot);
     } catch (const failure &f) {
@@ -1591,6 +1601,7 @@ rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_o
                                rbd_urdf *robot) {
     if (!robot)
         return RBD_URDF_ERR_NULL;
+    rbdi_urdf::clear(robot);
     if (!text)
         return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "text is NULL");
     return rbdi_urdf::guarded(text, length, options, robot);
@@ -1599,6 +1610,7 @@ rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_o
 rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options, rbd_urdf *robot) {
     if (!robot)
         return RBD_URDF_ERR_NULL;
+    rbdi_urdf::clear(robot);
     if (!path)
         return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "path is NULL");
     try {
@@ -1640,7 +1652,9 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
 }
 
 int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
-    for (int i = 0; robot && robot->bodies && joint && i < robot->nb; ++i)
+    if (!rbdi_urdf::is_filled(robot) || !joint)
+        return -1;
+    for (int i = 0; i < robot->nb; ++i)
         if (robot->bodies[i].type != RBD_FIXED && robot->bodies[i].joint &&
             std::strcmp(robot->bodies[i].joint, joint) == 0)
             return i;
@@ -1648,7 +1662,9 @@ int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
 }
 
 int rbd_urdf_link(const rbd_urdf *robot, const char *link) {
-    for (int i = 0; robot && robot->frames && link && i < robot->nframes; ++i)
+    if (!rbdi_urdf::is_filled(robot) || !robot->frames || !link)
+        return -1;
+    for (int i = 0; i < robot->nframes; ++i)
         if (std::strcmp(robot->frames[i].link, link) == 0)
             return i;
     return -1;

@@ -349,6 +349,52 @@ START_TEST(the_first_call_counts) {
 }
 END_TEST
 
+/* The arrays hold what an earlier call wrote, the counts what this one did not write. */
+START_TEST(nothing_is_found_in_what_was_not_filled) {
+    static room x;
+    static const char text[] = ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", ""));
+    rbd_urdf robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), 0);
+    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), 1);
+    ck_assert_int_eq(rbd_urdf_link(&robot, NULL), -1);
+    ck_assert_int_eq(rbd_urdf_joint(NULL, "j"), -1);
+    robot.bodies_max = 0;
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_ROOM);
+    ck_assert_int_eq(robot.nb, 1);
+    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), -1);
+    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), -1);
+    robot.bodies = NULL, robot.names = NULL; /* to count */
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_OK);
+    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), -1);
+    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), -1);
+}
+END_TEST
+
+static void expect_cleared(const rbd_urdf *robot) {
+    ck_assert_ptr_null(robot->name);
+    ck_assert_int_eq(robot->nb, 0);
+    ck_assert_int_eq(robot->nframes, 0);
+    ck_assert_int_eq(robot->nwarnings, 0);
+    ck_assert_uint_eq(robot->names_size, 0);
+    ck_assert(robot->fixed_mass == 0);
+}
+
+START_TEST(a_file_that_cannot_be_read_leaves_nothing_of_the_robot_before) {
+    static room x;
+    static const char text[] = ROBOT(UNIT_LINK("a") UNIT_LINK("b") JOINT("j", "revolute", "a", "b", ""));
+    rbd_urdf robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(robot.nwarnings, 1);
+    ck_assert_int_eq(rbd_urdf_load("/no/such.urdf", NULL, &robot), RBD_URDF_ERR_FILE);
+    expect_cleared(&robot);
+    robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(rbd_urdf_load(NULL, NULL, &robot), RBD_URDF_ERR_NULL);
+    expect_cleared(&robot);
+    robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(rbd_urdf_parse(NULL, 3, NULL, &robot), RBD_URDF_ERR_NULL);
+    expect_cleared(&robot);
+}
+END_TEST
+
 /* ---- what becomes of links and joints ---- */
 
 START_TEST(the_order_is_that_of_the_file_but_parents_go_first) {
@@ -727,6 +773,8 @@ int main(void) {
     tcase_add_test(large, long_chains_are_no_crash);
     tcase_add_test(large, too_many_bodies_are_an_error);
     tcase_add_test(c, the_first_call_counts);
+    tcase_add_test(c, nothing_is_found_in_what_was_not_filled);
+    tcase_add_test(c, a_file_that_cannot_be_read_leaves_nothing_of_the_robot_before);
     tcase_add_test(c, the_order_is_that_of_the_file_but_parents_go_first);
     tcase_add_test(c, joints_keep_type_axis_limits_and_dynamics);
     tcase_add_test(c, mimic_joints_follow_through_others);
