@@ -80,7 +80,7 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_ROOM = -4,      /* an array is too short: the counts say how long they must be */
     RBD_URDF_ERR_MEMORY = -5,    /* out of memory */
     RBD_URDF_ERR_XML = -6,       /* not well-formed, or nested too deep */
-    RBD_URDF_ERR_ROBOT = -7,     /* not a robot, or without links */
+    RBD_URDF_ERR_ROBOT = -7,     /* not a robot, without links, still with xacro, or nothing moves */
     RBD_URDF_ERR_NAME = -8,      /* a name is missing or stands twice */
     RBD_URDF_ERR_NUMBER = -9,    /* not a finite number, or not as many as there must be */
     RBD_URDF_ERR_INERTIAL = -10, /* <inertial> is incomplete, or the mass negative */
@@ -491,7 +491,8 @@ struct joint_part {
     rbd_joint_type type;
     int parent, child; /* links */
     double armature;
-    joint_part() : line(0), type(RBD_FIXED), parent(-1), child(-1), armature(0) {
+    bool locked; /* fixed because it moves no mass */
+    joint_part() : line(0), type(RBD_FIXED), parent(-1), child(-1), armature(0), locked(false) {
     }
 };
 
@@ -528,6 +529,7 @@ class checked {
         if (top.name != "robot")
             fail(RBD_URDF_ERR_ROBOT, top,
                  "<" + top.name + "> is not a robot: <robot> must be the first element");
+        refuse_xacro(top);
         robot = name_of(top, "the robot");
         text = "<robot name=\"" + escaped(robot) + "\">\n";
         for (size_t i = 0; i < top.children.size(); ++i)
@@ -542,6 +544,7 @@ class checked {
         check_tree();
         if (lock)
             lock_massless();
+        check_count();
         check_mimics();
     }
 
@@ -565,6 +568,14 @@ class checked {
 
     void fail(rbd_urdf_status status, const element &e, const str &what) const {
         throw failure(status, e.line, who.empty() ? what : who + ": " + what);
+    }
+
+    /* Elements of xacro stand for others, which are not there. Not deeper than the reader goes. */
+    void refuse_xacro(const element &e) const {
+        if (e.name.compare(0, 6, "xacro:") == 0)
+            fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + ">: expand the file with xacro first");
+        for (size_t i = 0; i < e.children.size(); ++i)
+            refuse_xacro(e.children[i]);
     }
 
     static str escaped(const str &s) {
@@ -780,8 +791,8 @@ class checked {
         if (!l && needed)
             no_limit(e, "it has no <limit>");
         for (int i = 0; l && i < 4; ++i)
-            finite[i] = read_limit(*l, names[i], needed && i >= 2, x[i]);
-        if (x[0] > x[1])
+            finite[i] = read_limit(*l, names[i], needed && i >= 2, needed || i >= 2, x[i]);
+        if (needed && finite[0] && finite[1] && x[0] > x[1])
             no_limit(*l, "the lower limit exceeds the upper");
         const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
         text += "<limit";
@@ -794,12 +805,13 @@ class checked {
         text += "/>";
     }
 
-    /* Returns whether the limit is finite. */
-    bool read_limit(const element &l, const char *name, bool needed, double &x) {
+    /* Returns whether the limit is finite. Not needed: it may be missing; not used: it may be infinite. */
+    bool read_limit(const element &l, const char *name, bool needed, bool used, double &x) {
         const str *value = l.attribute(name);
         str aside;
         if (value && is_infinite(*value)) {
-            no_limit(l, str("the ") + name + " limit is infinite");
+            if (used)
+                no_limit(l, str("the ") + name + " limit is infinite");
             return false;
         }
         std::swap(text, aside); /* it is not written yet */
@@ -918,33 +930,56 @@ class checked {
                 warnings.add(RBD_URDF_WARN_LOCKED, j.line,
                              "joint " + quoted(j.name) + ": it moves no mass; held still");
                 j.type = RBD_FIXED;
+                j.locked = true;
                 j.mimic.clear();
             }
         }
     }
 
+    void check_count() const {
+        int moving = 0;
+        for (size_t i = 0; i < joints.size(); ++i)
+            moving += joints[i].type != RBD_FIXED;
+        if (moving > RBD_MAX_BODIES)
+            throw failure(RBD_URDF_ERR_MODEL, 0,
+                          "the model: " + std::to_string(moving) +
+                              " moving joints are more than RBD_MAX_BODIES, " +
+                              std::to_string(RBD_MAX_BODIES));
+    }
+
+    /* Follows every joint to one that does not mimic, or that is known to lead to one. */
     void check_mimics() const {
+        std::vector<bool> good(joints.size(), false);
+        std::vector<size_t> path;
         for (size_t i = 0; i < joints.size(); ++i) {
-            const joint_part *j = &joints[i];
-            for (size_t steps = 0; !j->mimic.empty(); ++steps) {
-                const int source = joint(j->mimic);
-                const str start = "joint " + quoted(joints[i].name) + ": it mimics ";
-                if (source < 0)
-                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
-                                  start + quoted(j->mimic) + ", which is missing");
-                if (source == (int)i)
-                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
-                                  start + (steps ? "itself through others" : "itself"));
-                if (!has_one_dof(joints[(size_t)source].type))
-                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
-                                  start + quoted(j->mimic) +
-                                      ", which is not revolute, continuous or prismatic");
-                if (steps > joints.size())
-                    throw failure(RBD_URDF_ERR_MIMIC, joints[i].line,
-                                  start + "joints that mimic each other in a circle");
-                j = &joints[(size_t)source];
+            path.clear();
+            for (size_t k = i; !good[k] && !joints[k].mimic.empty(); k = source_of(k)) {
+                if (path.size() == joints.size() || (k == i && !path.empty()))
+                    refuse_mimic(i, k == i ? path.size() > 1 ? "itself through others" : "itself"
+                                           : "joints that mimic each other in a circle");
+                path.push_back(k);
             }
+            for (size_t step = 0; step < path.size(); ++step)
+                good[path[step]] = true;
         }
+    }
+
+    /* The joint that this one mimics: it must be there, and be able to lead. */
+    size_t source_of(size_t follower) const {
+        const str &name = joints[follower].mimic;
+        const int source = joint(name);
+        if (source < 0)
+            refuse_mimic(follower, quoted(name) + ", which is missing");
+        const joint_part &j = joints[(size_t)source];
+        if (j.locked)
+            refuse_mimic(follower, quoted(name) + ", which moves no mass and is held still");
+        if (!has_one_dof(j.type))
+            refuse_mimic(follower, quoted(name) + ", which is not revolute, continuous or prismatic");
+        return (size_t)source;
+    }
+    void refuse_mimic(size_t follower, const str &what) const {
+        const joint_part &j = joints[follower];
+        throw failure(RBD_URDF_ERR_MIMIC, j.line, "joint " + quoted(j.name) + ": it mimics " + what);
     }
 };
 
@@ -1213,7 +1248,8 @@ class description {
         if (rows.empty())
             throw failure(
                 RBD_URDF_ERR_ROBOT, 0,
-                "nothing moves: all links are fixed to the world, and the root link is not floating");
+                "nothing moves: all links are fixed to the world; for a free base let the root link float "
+                "(options.root, rbd-model --floating)");
         check_build();
     }
 
@@ -1346,8 +1382,7 @@ class description {
         r.place(at);
         if (j.type != RBD_FIXED)
             add_motion(r, j, u);
-        const bool tilted =
-            j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0);
+        const bool tilted = j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0);
         if (tilted)
             add_tilted(r, at, u.axis);
         else
@@ -1430,8 +1465,10 @@ class description {
         if (report.error.body < 0)
             throw failure(RBD_URDF_ERR_MODEL, 0, str("the model: ") + rbd_status_string(report.error.status));
         const row &r = rows[(size_t)report.error.body];
+        const bool lockable = report.error.status == RBD_ERR_LEAF && !options.lock_massless;
         throw failure(RBD_URDF_ERR_MODEL, r.line,
-                      "link " + quoted(r.name) + ", joint " + quoted(r.joint) + ", " + finding(report.error));
+                      "link " + quoted(r.name) + ", joint " + quoted(r.joint) + ", " + finding(report.error) +
+                          (lockable ? "; to hold it still: options.lock_massless, rbd-model --lock" : ""));
     }
 };
 

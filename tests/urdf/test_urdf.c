@@ -314,7 +314,54 @@ START_TEST(too_many_bodies_are_an_error) {
         p += sprintf(p, UNIT_LINK("%d") JOINT("%d", "continuous", "base", "%d", ""), i, i, i);
     sprintf(p, "</robot>");
     ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_MODEL);
-    ck_assert_str_eq(robot.error.text, "the model: the number of bodies is below 1 or above RBD_MAX_BODIES");
+    ck_assert_str_eq(robot.error.text, "the model: 1001 moving joints are more than RBD_MAX_BODIES, 1000");
+    free(text);
+}
+END_TEST
+
+/* A star of n joints, each of which mimics the next; the last mimics the named one, or none. */
+static char *chain_of_mimics(int n, const char *last) {
+    char *text = malloc((size_t)n * 400 + 300), *p = text;
+    p += sprintf(p, "<robot name='r'>" LINK("base"));
+    for (int i = 0; i < n; i++)
+        p += sprintf(p, UNIT_LINK("%d"), i);
+    for (int i = 0; i + 1 < n; i++)
+        p += sprintf(p, JOINT("%d", "continuous", "base", "%d", "<mimic joint='%d'/>"), i, i, i + 1);
+    p += sprintf(p, "<joint name='%d' type='continuous'><parent link='base'/><child link='%d'/>", n - 1,
+                 n - 1);
+    if (last)
+        p += sprintf(p, "<mimic joint='%s'/>", last);
+    sprintf(p, "</joint></robot>");
+    return text;
+}
+
+START_TEST(chains_of_mimic_joints_end_at_the_one_that_leads) {
+    static rbd_body bodies[RBD_MAX_BODIES];
+    static char names[100000];
+    rbd_urdf robot;
+    char *good = chain_of_mimics(RBD_MAX_BODIES, NULL), *circle = chain_of_mimics(RBD_MAX_BODIES, "7");
+    memset(&robot, 0, sizeof robot);
+    robot.bodies = bodies, robot.bodies_max = RBD_MAX_BODIES;
+    robot.names = names, robot.names_max = sizeof names;
+    ck_assert_msg(parse(&robot, good, NULL) == RBD_URDF_OK, "%s", robot.error.text);
+    ck_assert_int_eq(robot.nb, RBD_MAX_BODIES);
+    for (int i = 0; i < RBD_MAX_BODIES - 1; i++)
+        ck_assert_str_eq(robot.bodies[i].mimic, "999");
+    ck_assert_ptr_null(robot.bodies[RBD_MAX_BODIES - 1].mimic);
+    ck_assert_int_eq(parse(&robot, circle, NULL), RBD_URDF_ERR_MIMIC);
+    ck_assert_str_eq(robot.error.text, "joint '0': it mimics joints that mimic each other in a circle");
+    free(good);
+    free(circle);
+}
+END_TEST
+
+/* Refused before the chains are followed, and before urdfdom, whose time grows faster than the file. */
+START_TEST(too_many_mimic_joints_are_an_error) {
+    rbd_urdf robot;
+    char *text = chain_of_mimics(40000, NULL);
+    memset(&robot, 0, sizeof robot);
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_MODEL);
+    ck_assert_str_eq(robot.error.text, "the model: 40000 moving joints are more than RBD_MAX_BODIES, 1000");
     free(text);
 }
 END_TEST
@@ -684,6 +731,28 @@ START_TEST(limits_that_make_no_sense_are_none_with_a_warning) {
 }
 END_TEST
 
+START_TEST(limits_that_are_not_used_give_no_warning_about_their_order) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d")
+                  JOINT("j", "revolute", "a", "b", "<limit lower='-inf' upper='-1' velocity='1' effort='1'/>")
+                      JOINT("k", "continuous", "b", "c", "<limit lower='3' upper='-3'/>")
+                          JOINT("l", "continuous", "c", "d", "<limit lower='-inf' upper='inf'/>")),
+        NULL);
+    ck_assert_int_eq(robot.nwarnings, 1);
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'j': the lower limit is infinite; read as none");
+    for (int i = 0; i < 3; i++)
+        ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0);
+    robot = with_room(&x);
+    ck_assert_int_eq(
+        parse(&robot,
+              ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<limit lower='low'/>")),
+              NULL),
+        RBD_URDF_ERR_NUMBER);
+}
+END_TEST
+
 START_TEST(infinite_limits_are_none_with_a_warning) {
     static room x;
     rbd_urdf robot = parsed(
@@ -716,6 +785,20 @@ START_TEST(joints_that_move_no_mass_are_an_error_or_locked) {
     ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_LOCKED);
     ck_assert_str_eq(robot.warnings[0].text, "joint 'cd': it moves no mass; held still");
     ck_assert_str_eq(robot.warnings[1].text, "joint 'bc': it moves no mass; held still");
+}
+END_TEST
+
+START_TEST(a_joint_held_still_cannot_be_followed) {
+    static room x;
+    const rbd_urdf_options lock = {.lock_massless = 1};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot,
+                           ROBOT(LINK("a") LINK("b") UNIT_LINK("c") JOINT("drive", "continuous", "a", "b", "")
+                                     JOINT("follow", "continuous", "a", "c", "<mimic joint='drive'/>")),
+                           &lock),
+                     RBD_URDF_ERR_MIMIC);
+    ck_assert_str_eq(robot.error.text,
+                     "joint 'follow': it mimics 'drive', which moves no mass and is held still");
 }
 END_TEST
 
@@ -772,6 +855,8 @@ int main(void) {
     tcase_add_loop_test(large, deep_nesting_is_an_error_and_no_crash, 0, 4);
     tcase_add_test(large, long_chains_are_no_crash);
     tcase_add_test(large, too_many_bodies_are_an_error);
+    tcase_add_test(large, too_many_mimic_joints_are_an_error);
+    tcase_add_test(large, chains_of_mimic_joints_end_at_the_one_that_leads);
     tcase_add_test(c, the_first_call_counts);
     tcase_add_test(c, nothing_is_found_in_what_was_not_filled);
     tcase_add_test(c, a_file_that_cannot_be_read_leaves_nothing_of_the_robot_before);
@@ -786,8 +871,10 @@ int main(void) {
     tcase_add_test(c, geometry_and_extensions_are_left_unread);
     tcase_add_test(c, links_that_no_real_body_is_like_give_warnings_by_name);
     tcase_add_test(c, limits_that_make_no_sense_are_none_with_a_warning);
+    tcase_add_test(c, limits_that_are_not_used_give_no_warning_about_their_order);
     tcase_add_test(c, infinite_limits_are_none_with_a_warning);
     tcase_add_test(c, joints_that_move_no_mass_are_an_error_or_locked);
+    tcase_add_test(c, a_joint_held_still_cannot_be_followed);
     tcase_add_test(c, a_comma_locale_changes_nothing);
     tcase_add_test(c, nothing_is_printed);
     suite_add_tcase(suite, c);
