@@ -11,7 +11,12 @@
 static rbd_urdf loaded;
 
 static int load_error(const char *path) {
-    fprintf(stderr, "rbd-bench: %s:%d: %s\n", path, loaded.error.line, loaded.error.text);
+    if (loaded.error.status == RBD_URDF_ERR_FILE) /* its text has the path */
+        fprintf(stderr, "rbd-bench: %s\n", loaded.error.text);
+    else if (loaded.error.line > 0)
+        fprintf(stderr, "rbd-bench: %s:%d: %s\n", path, loaded.error.line, loaded.error.text);
+    else
+        fprintf(stderr, "rbd-bench: %s: %s\n", path, loaded.error.text);
     return -1;
 }
 
