@@ -4,7 +4,9 @@
 #ifndef ATLAS_MODEL_H
 #define ATLAS_MODEL_H
 
-#if RBD_MODEL_VERSION != 1
+#ifndef RBD_H
+#error "include rbd.h before atlas_model.h"
+#elif RBD_MODEL_VERSION != 1
 #error "atlas_model.h was written for another version of rbd.h: write it again"
 #endif
 

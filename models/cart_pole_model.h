@@ -4,7 +4,9 @@
 #ifndef CART_POLE_MODEL_H
 #define CART_POLE_MODEL_H
 
-#if RBD_MODEL_VERSION != 1
+#ifndef RBD_H
+#error "include rbd.h before cart_pole_model.h"
+#elif RBD_MODEL_VERSION != 1
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
 #endif
 

@@ -4,7 +4,9 @@
 #ifndef HYQ_MODEL_H
 #define HYQ_MODEL_H
 
-#if RBD_MODEL_VERSION != 1
+#ifndef RBD_H
+#error "include rbd.h before hyq_model.h"
+#elif RBD_MODEL_VERSION != 1
 #error "hyq_model.h was written for another version of rbd.h: write it again"
 #endif
 

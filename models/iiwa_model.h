@@ -4,7 +4,9 @@
 #ifndef IIWA_MODEL_H
 #define IIWA_MODEL_H
 
-#if RBD_MODEL_VERSION != 1
+#ifndef RBD_H
+#error "include rbd.h before iiwa_model.h"
+#elif RBD_MODEL_VERSION != 1
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
 #endif
 

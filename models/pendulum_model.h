@@ -4,7 +4,9 @@
 #ifndef PENDULUM_MODEL_H
 #define PENDULUM_MODEL_H
 
-#if RBD_MODEL_VERSION != 1
+#ifndef RBD_H
+#error "include rbd.h before pendulum_model.h"
+#elif RBD_MODEL_VERSION != 1
 #error "pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 

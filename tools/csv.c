@@ -1,6 +1,7 @@
 /* Tables of comma-separated values. SPDX-License-Identifier: MIT */
 #include "csv.h"
 #include "robot.h"
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@ int csv_error(const csv *c, const char *format, ...) {
     return -1;
 }
 
-/* Reads a line into text, without its end. Returns 0 at the end of the input. */
+/* Reads a line into text, without its end. Returns 1, 0 at the end of the input, or -1 after a message. */
 static int read_line(csv *c) {
     size_t length = 0;
     int character;
@@ -30,6 +31,10 @@ static int read_line(csv *c) {
     }
     c->line++;
     c->text[length] = 0;
+    if (ferror(stdin))
+        return csv_error(c, "it cannot be read: %s", strerror(errno));
+    if (strlen(c->text) != length)
+        return csv_error(c, "it has a zero byte");
     return character != EOF || length > 0;
 }
 
@@ -74,8 +79,9 @@ static char *take_cell(csv *c, char *p, char **next) {
 int csv_read(csv *c) {
     char *next;
     do {
-        if (!read_line(c))
-            return 0;
+        const int status = read_line(c);
+        if (status <= 0)
+            return status;
         next = c->text;
         if (c->line == 1 && strncmp(next, "\xef\xbb\xbf", 3) == 0)
             next += 3;

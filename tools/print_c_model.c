@@ -176,10 +176,11 @@ static void write_head(const robot *r, const char *name) {
     print_upper(name);
     printf("_MODEL_H\n#define ");
     print_upper(name);
-    printf("_MODEL_H\n\n#if RBD_MODEL_VERSION != %d\n"
+    printf("_MODEL_H\n\n#ifndef RBD_H\n#error \"include rbd.h before %s_model.h\"\n"
+           "#elif RBD_MODEL_VERSION != %d\n"
            "#error \"%s_model.h was written for another version of rbd.h: write it again\"\n#endif\n\n"
            "/* clang-format off */\n\n",
-           RBD_MODEL_VERSION, name);
+           name, RBD_MODEL_VERSION, name);
 }
 
 void print_c_model(const robot *r, const char *name) {

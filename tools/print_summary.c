@@ -166,7 +166,8 @@ void print_summary(const robot *r) {
            plural(u->nframes), u->nb, u->nb == 1 ? "y" : "ies", nv, plural(nv), nq, plural(nq));
     printf("moving mass %.6g kg", rbd_mass(r->model));
     if (u->fixed_mass > 0)
-        printf("; fixed to the world %.6g kg", u->fixed_mass);
+        printf("; fixed to the world %.6g kg%s", u->fixed_mass,
+               strcmp(u->frames[0].link, "world") ? " (--floating for a free base)" : "");
     printf("\n\n");
     print_table(u);
     printf("\n%d warning%s\n", u->nwarnings, plural(u->nwarnings));

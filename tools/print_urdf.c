@@ -47,19 +47,52 @@ static void origin(const char *indent, const double position[3], const double R[
     printf("/>\n");
 }
 
-/* A planar joint about another axis than z moves a nameless body: it needs a name here. */
-static void link_name(const rbd_body *b) {
-    escaped(b->name ? b->name : b->joint);
-    if (!b->name)
-        printf("_plane");
+/* ---- a planar joint about another axis than z: it moves a nameless body, on which a nameless joint sets the
+   link upright; both need names here ---- */
+
+static int is_made_of(const char *name, const char *base, const char *suffix, size_t underscores) {
+    const size_t n = strlen(base), k = strlen(suffix);
+    return strncmp(name, base, n) == 0 && strncmp(name + n, suffix, k) == 0 &&
+           strspn(name + n + k, "_") == underscores && name[n + k + underscores] == 0;
 }
 
-static void print_link(const rbd_body *b) {
+/* Prints base and suffix, and underscores until no link and no joint is called so. */
+static void new_name(const rbd_urdf *u, const char *base, const char *suffix) {
+    size_t underscores = 0;
+    for (int i = 0; i < u->nframes; i++) {
+        const rbd_urdf_frame *f = &u->frames[i];
+        if (is_made_of(f->link, base, suffix, underscores) ||
+            (f->joint && is_made_of(f->joint, base, suffix, underscores))) {
+            underscores++;
+            i = -1; /* look at all again */
+        }
+    }
+    escaped(base);
+    printf("%s", suffix);
+    while (underscores-- > 0)
+        putchar('_');
+}
+
+static void link_name(const robot *r, const rbd_body *b) {
+    if (b->name)
+        escaped(b->name);
+    else
+        new_name(&r->urdf, b->joint, "_plane");
+}
+
+static void joint_name(const robot *r, const rbd_body *b) {
+    if (b->joint)
+        escaped(b->joint);
+    else
+        new_name(&r->urdf, b->name, "_upright");
+}
+
+static void print_link(const robot *r, const rbd_body *b) {
     static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
     static const double upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     const double zero[6] = {0, 0, 0, 0, 0, 0};
     printf("\n  <link name=\"");
-    link_name(b);
+    link_name(r, b);
     if (b->mass == 0 && memcmp(b->inertia, zero, sizeof zero) == 0) {
         printf("\"/>\n");
         return;
@@ -100,14 +133,14 @@ static void print_joint(const robot *r, const rbd_body *b) {
     static const double z[3] = {0, 0, 1};
     const int one_dof = b->type != RBD_FIXED && b->type != RBD_FLOATING && b->type != RBD_PLANAR;
     printf("  <joint name=\"");
-    escaped(b->joint ? b->joint : b->name);
-    printf("%s\" type=\"%s\">\n    <parent link=\"", b->joint ? "" : "_upright", joint_type_name(b->type));
+    joint_name(r, b);
+    printf("\" type=\"%s\">\n    <parent link=\"", joint_type_name(b->type));
     if (b->parent < 0)
         escaped(r->urdf.frames[0].link);
     else
-        link_name(&r->urdf.bodies[b->parent]);
+        link_name(r, &r->urdf.bodies[b->parent]);
     printf("\"/>\n    <child link=\"");
-    link_name(b);
+    link_name(r, b);
     printf("\"/>\n");
     origin("    ", b->position, b->rotation);
     if (one_dof || b->type == RBD_PLANAR) {
@@ -142,7 +175,7 @@ void print_urdf(const robot *r) {
         printf("\"/>\n");
     }
     for (int i = 0; i < u->nb; i++) {
-        print_link(&u->bodies[i]);
+        print_link(r, &u->bodies[i]);
         if (i > 0 || u->frames[0].body < 0) /* the root link's joint is the reader's option */
             print_joint(r, &u->bodies[i]);
     }

@@ -31,10 +31,14 @@ static const char help[] =
     "joint\n"
     "has q.JOINT.x y z qx qy qz qw and v.JOINT.wx wy wz vx vy vz, in body axes, a planar one q.JOINT.x y "
     "angle\n"
-    "and v.JOINT.w vx vy; a and tau as v. The root link's floating joint is called root.\n"
+    "and v.JOINT.w vx vy. a and tau are named as v: tau.JOINT.wx is the moment about x, tau.JOINT.vx the "
+    "force\n"
+    "along x. The root link's floating joint is called root. pose leaves out a massless root link called "
+    "world\n"
+    "that does not float: it is the world.\n"
     "\n"
     "  --model FILE        of the robot\n"
-    "  --algorithm NAME    one of these\n"
+    "  --algorithm NAME    one of these; rnea, crba and aba are id, mm and fd\n"
     "  --layout            only print the names that the algorithm takes and gives\n";
 static const char help_end[] =
     "\n"
@@ -110,6 +114,10 @@ static const algorithm algorithms[] = {
 };
 
 static const algorithm *find_algorithm(const char *name) {
+    static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(others[i][0], name) == 0)
+            name = others[i][1];
     for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; i++)
         if (strcmp(algorithms[i].name, name) == 0)
             return &algorithms[i];
@@ -230,6 +238,26 @@ static void add_outputs(columns *c, const rbd_model *m, const algorithm *a) {
 
 /* ---- rows ---- */
 
+/* The first names of a header, "'a', 'b', ...", as many as fit. */
+static void list_cells(const csv *header, char *text, size_t size) {
+    size_t length = 0;
+    for (int k = 0; k < header->n; k++) {
+        const char *before = k ? ", " : "";
+        if (length + strlen(header->cells[k]) + 10 > size) {
+            snprintf(text + length, size - length, "%s...", before);
+            return;
+        }
+        length += (size_t)snprintf(text + length, size - length, "%s'%s'", before, header->cells[k]);
+    }
+}
+
+static int report_missing(const csv *header, const char *name) {
+    char found[120];
+    list_cells(header, found, sizeof found);
+    return csv_error(header, "column '%s' is missing (--layout prints all); found, between commas: %s", name,
+                     found);
+}
+
 /* Finds every name in the header: where[i] is the cell of name i. Returns 0, or -1 after a message. */
 static int find_columns(const csv *header, const columns *names, int *where) {
     for (int i = 0; i < names->n; i++) {
@@ -242,7 +270,7 @@ static int find_columns(const csv *header, const columns *names, int *where) {
             where[i] = k;
         }
         if (where[i] < 0)
-            return csv_error(header, "column '%s' is missing (--layout prints all)", names->name[i]);
+            return report_missing(header, names->name[i]);
     }
     return 0;
 }
@@ -284,27 +312,31 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
     int *where = allocate((size_t)in->n, sizeof *where);
     double *x = allocate((size_t)in->n, sizeof *x), *y = allocate((size_t)out->n, sizeof *y);
     const int width = table->n, nv = rbd_nv(s->m);
-    int status = find_columns(table, in, where);
+    int status = find_columns(table, in, where), named = 0;
     s->q = x;
     s->v = s->a = s->tau = x + rbd_nq(s->m);
     if (a->takes & TAKES_V)
         s->a = s->tau = s->v + nv;
-    if (status == 0)
-        print_names(out);
     while (status == 0 && (status = csv_read(table)) > 0) {
         rbd_status result;
         if (table->n != width)
-            status = csv_error(table, "it has %d cells, the header %d", table->n, width);
+            status = csv_error(table, "it has %d cell%s, the header %d", table->n, table->n == 1 ? "" : "s",
+                               width);
         else
             status = read_numbers(table, in, where, x);
         if (status != 0)
             break;
         result = a->run(s, y);
-        if (result != RBD_OK)
+        if (result != RBD_OK) {
             status = report_failure(table, s, out, result);
-        else
-            print_numbers(y, out->n);
+            break;
+        }
+        if (!named++) /* not before it is known that a row is good */
+            print_names(out);
+        print_numbers(y, out->n);
     }
+    if (status == 0 && !named)
+        print_names(out);
     free(where);
     free(x);
     free(y);
@@ -372,6 +404,8 @@ static int read_options(options *o, char **argv) {
     }
     if (!o->model)
         return 1 + usage_error("--model is missing");
+    if (!o->layout && strcmp(o->model, "-") == 0)
+        return 1 + usage_error("--model: standard input has the table, so it cannot have the robot");
     return o->algorithm ? 0 : 1 + usage_error("--algorithm is missing");
 }
 

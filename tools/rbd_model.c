@@ -89,6 +89,8 @@ static int read_options(options *o, char **argv) {
         if (status > 0)
             return 1 + status;
     }
+    if (o->settings.urdf.gravity && (o->output == C || o->output == URDF || o->output == DOT))
+        return 1 + usage_error("--gravity: only the built model has gravity (--c-model)");
     return o->path ? 0 : 1 + usage_error("no file given");
 }
 

@@ -54,7 +54,14 @@ expect 2 "rbd-model: --c: '1x' is not a C identifier; see rbd-model --help" "$rb
 expect 2 "rbd-model: --urdf: there is only one output; see rbd-model --help" "$rbd_model" --c x --urdf a
 expect 2 "rbd-eval: --model is missing; see rbd-eval --help" "$rbd_eval" --algorithm id
 expect 2 "rbd-eval: --algorithm is missing; see rbd-eval --help" "$rbd_eval" --model a
-expect 2 "rbd-eval: --algorithm: there is no 'rnea'; see rbd-eval --help" "$rbd_eval" --algorithm rnea
+expect 2 "rbd-eval: --algorithm: there is no 'ABA'; see rbd-eval --help" "$rbd_eval" --algorithm ABA
+expect 2 "rbd-eval: --model: standard input has the table, so it cannot have the robot; see rbd-eval --help" \
+    "$rbd_eval" --model - --algorithm id
+for output in "--c x" --urdf --dot; do
+    # shellcheck disable=SC2086 # an option and its value
+    expect 2 "rbd-model: --gravity: only the built model has gravity (--c-model); see rbd-model --help" \
+        "$rbd_model" a $output --gravity 0,0,0
+done
 expect 2 "rbd-eval: unknown argument 'x'; see rbd-eval --help" "$rbd_eval" x
 
 # ---- rbd-model: files ----
@@ -91,6 +98,11 @@ body  link      joint  type         axis  limits                    mass
 END
 cmp -s expected out || { fail "the summary of the cart-pole"; diff expected out; }
 
+free=" (--floating for a free base)"
+expect 0 "" "$rbd_model" hyq.urdf
+grep -q "^moving mass .*; fixed to the world .* kg$free$" out || fail "the summary does not name --floating"
+expect 0 "" "$rbd_model" hyq.urdf --floating
+grep -qF -e "$free" out && fail "the summary of a floating robot names --floating"
 expect 0 "" "$rbd_model" nasty.urdf
 grep -q "continuous = -2 k + 0.1  (0.6 0 0.8)" out || fail "the summary does not show what a joint mimics"
 
@@ -129,6 +141,18 @@ for standard in c99 c11; do
     ./program || fail "the tables differ: $?"
 done
 
+# a table before rbd.h, or of another version, says so
+printf '#include "nasty_model.h"\n#include "rbd.h"\n' >late.c
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -I"$root" -I. -c late.c -o late.o 2>err && fail "a table before rbd.h compiles"
+grep -qF "include rbd.h before nasty_model.h" err || { fail "a table before rbd.h"; cat err; }
+grep -qF "another version" err && fail "a table before rbd.h says that it is of another version"
+sed 's/RBD_MODEL_VERSION != [0-9]*/RBD_MODEL_VERSION != 0/' nasty_model.h >old_model.h
+printf '#include "rbd.h"\n#include "old_model.h"\n' >old.c
+# shellcheck disable=SC2086
+${CC:-cc} -I"$root" -I. -c old.c -o old.o 2>err && fail "a table of another version compiles"
+grep -qF "nasty_model.h was written for another version" err || { fail "a table of another version"; cat err; }
+
 # ---- rbd-model --urdf: read back, it is the same robot ----
 
 for robot in iiwa "hyq --floating" "atlas --floating" cart_pole; do
@@ -148,9 +172,40 @@ expect 0 "" "$rbd_model" nasty.urdf --urdf && cp out merged.urdf
 } >table
 "$rbd_eval" --model nasty.urdf --algorithm fd_cholesky <table >a.csv || fail "rbd-eval on nasty.urdf"
 "$rbd_eval" --model merged.urdf --algorithm fd_cholesky <table >b.csv || fail "rbd-eval on merged.urdf"
-awk -F, 'NR == FNR { for (i = 1; i <= NF; i++) first[FNR, i] = $i; next }
-         { for (i = 1; i <= NF; i++) if ((d = $i - first[FNR, i]) > 1e-12 || d < -1e-12) bad = 1 }
-         END { exit bad || FNR != 2 }' a.csv b.csv || { fail "--urdf gave another robot"; cat a.csv b.csv; }
+
+# same_numbers A B: whether two tables have one row each and finite numbers in it, the same to 1e-12
+same_numbers() {
+    awk -F, 'FNR == 2 && /[nN][aA][nN]|[iI][nN][fF]/ { bad = 1 }
+             NR == FNR { rows = NR; cells[NR] = NF; for (i = 1; i <= NF; i++) first[NR, i] = $i; next }
+             NF != cells[FNR] { bad = 1 }
+             FNR == 2 { for (i = 1; i <= NF; i++) if ((d = $i - first[2, i]) > 1e-12 || d < -1e-12) bad = 1 }
+             END { exit bad || rows != 2 || FNR != 2 }' "$1" "$2"
+}
+same_numbers a.csv b.csv || { fail "--urdf gave another robot"; cat a.csv b.csv; }
+printf 'x,y\n1,2\n' >one.csv
+same_numbers one.csv one.csv || fail "same_numbers refuses the same numbers"
+for other in 'x,y\n1,nan\n' 'x,y\n1,-inf\n' 'x,y\n1\n' 'x,y\n1,2,3\n' 'x,y\n1,2.1\n' 'x,y\n' 'x,y\n1,2\n1,2\n'; do
+    # shellcheck disable=SC2059 # with \n
+    printf "$other" >other.csv
+    same_numbers one.csv other.csv && fail "same_numbers takes $other for 1,2"
+    same_numbers other.csv one.csv && fail "same_numbers takes 1,2 for $other"
+done
+printf 'x,y\n1,nan\n' >other.csv
+same_numbers other.csv other.csv && fail "same_numbers takes nan for a number"
+
+# names that --urdf makes up are new: the links j_plane and j_plane_, the joint b_upright are there
+cat >taken.urdf <<'END'
+<robot name="taken"><link name="j_plane"/>
+<link name="b"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<link name="j_plane_"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+</link>
+<joint name="j" type="planar"><parent link="j_plane"/><child link="b"/><axis xyz="0 1 0"/></joint>
+<joint name="b_upright" type="continuous"><parent link="j_plane"/><child link="j_plane_"/></joint></robot>
+END
+expect 0 "" "$rbd_model" taken.urdf --urdf && cp out back/taken.urdf
+expect 0 "" "$rbd_model" --check back/taken.urdf
+grep -qF 'link name="j_plane__"' back/taken.urdf || fail "the plane of j is not called j_plane__"
+grep -qF 'joint name="b_upright_"' back/taken.urdf || fail "the joint that sets b upright is not called b_upright_"
 
 # ---- rbd-model --dot ----
 
@@ -165,16 +220,36 @@ eval_row 0 "" "q.hinge,q.rail" "0,0" "" "0.5,1"
 [ "$(sed -n 1p out)" = tau.rail,tau.hinge ] || fail "names of gravity's results"
 [ "$(sed -n 2p out)" = 0,0 ] || fail "gravity of a hanging pole"
 eval_row 0 "" "q.hinge,q.rail"
+[ "$(cat out)" = tau.rail,tau.hinge ] || fail "no names of the results of no rows"
 eval_row 1 "no header: the table is empty"
-eval_row 1 "row 1: column 'q.hinge' is missing (--layout prints all)" "q.rail" "0"
+missing="row 1: column 'q.rail' is missing (--layout prints all); found, between commas:"
+eval_row 1 "$missing 'q.hinge', 'x'" "q.hinge,x" "0,0"
+eval_row 1 "$missing 'q.rail;q.hinge'" "q.rail;q.hinge" "0;0"
+long=$(printf '%0100d' 0)
+eval_row 1 "$missing '$long', ..." "$long,$long" "0,0"
+eval_row 1 "$missing ..." "$long$long" "0"
 eval_row 1 "row 1: column 'q.rail' stands twice" "q.rail,q.hinge,q.rail" "0,0,0"
 eval_row 1 "row 3: column 'q.rail': 'one' is not a finite number" "q.rail,q.hinge" "0,0" "one,0"
 eval_row 1 "row 2: column 'q.hinge': 'nan' is not a finite number" "q.rail,q.hinge" "0,nan"
 eval_row 1 "row 2: column 'q.hinge': '' is not a finite number" "q.rail,q.hinge" "0,"
-eval_row 1 "row 2: it has 1 cells, the header 2" "q.rail,q.hinge" "0"
+eval_row 1 "row 2: it has 1 cell, the header 2" "q.rail,q.hinge" "0"
+[ ! -s out ] || fail "names of results stand before an error in the first row"
 eval_row 1 "row 2: it has 3 cells, the header 2" "q.rail,q.hinge" "0,0,0"
 eval_row 1 "row 2: a quote is not closed" "q.rail,q.hinge" '0,"0'
 eval_row 1 "row 2: something follows a closing quote" "q.rail,q.hinge" '0,"0"0'
+
+# what is no text, and what cannot be read, at the start of the table and within it
+printf 'q.rail,q.hinge\n0,0\n0,1\0junk\n' >zero
+"$rbd_eval" --model cart_pole.urdf --algorithm gravity <zero >out 2>err && fail "a zero byte cuts a row"
+grep -qxF "rbd-eval: row 3: it has a zero byte" err || { fail "a zero byte"; cat err; }
+"$rbd_eval" --model cart_pole.urdf --algorithm gravity </ >out 2>err && fail "a folder is taken for a table"
+grep -q "^rbd-eval: row 1: it cannot be read: " err || { fail "a read error"; cat err; }
+
+for pair in rnea=id crba=mm aba=fd; do
+    "$rbd_eval" --model cart_pole.urdf --algorithm "${pair%=*}" --layout >a.txt || fail "--algorithm ${pair%=*}"
+    "$rbd_eval" --model cart_pole.urdf --algorithm "${pair#*=}" --layout >b.txt
+    cmp -s a.txt b.txt || fail "$pair"
+done
 expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" \
     "$rbd_eval" --model mass_negative.urdf --algorithm id
 
