@@ -12,7 +12,8 @@ static const char help[] =
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
     "  --model FILE       the robot of this URDF file instead of these\n"
     "  --floating         its root link is on a floating joint, not fixed to the world\n"
-    "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all)\n"
+    "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all);\n"
+    "                     rnea, crba and aba are other names of id, mm and fd\n"
     "  --scalar NAME      double, float or all (default double)\n"
     "  --variant NAME     run-time, compile-time, lanes, threads or all (default all)\n"
     "  --library NAME     rbd, mujoco, kdl or all (default all that this build has)\n"
@@ -86,6 +87,10 @@ static int read_algorithm(struct options *o, const char *option, const char *val
     const char *names[ALGORITHMS + 2] = {"all"};
     for (int i = 0; i < ALGORITHMS; i++)
         names[i + 1] = algorithms[i].name;
+    static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(value, others[i][0]) == 0)
+            value = others[i][1];
     return read_name(option, value, names, &o->algorithm);
 }
 

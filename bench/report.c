@@ -101,10 +101,10 @@ static const char *quad_error(const struct row *row, const char *unknown, const 
 
 /* ---- table ---- */
 
-/* The row of the run-time model among the first n that the row is to be compared with, or NULL. */
-static const struct row *run_time_row(const struct row *rows, int n, const struct row *row) {
+/* rbd's row of the variant, among the first n, that the row is to be compared with, or NULL. */
+static const struct row *row_beside(const struct row *rows, int n, const struct row *row, int variant) {
     for (int i = 0; i < n; i++)
-        if (rows[i].variant == RUN_TIME && library_is_ours(rows[i].instance->library) &&
+        if (rows[i].variant == variant && library_is_ours(rows[i].instance->library) &&
             rows[i].algorithm == row->algorithm && rows[i].instance->robot == row->instance->robot &&
             strcmp(rows[i].instance->library->scalar, row->instance->library->scalar) == 0)
             return &rows[i];
@@ -113,11 +113,18 @@ static const struct row *run_time_row(const struct row *rows, int n, const struc
 
 /* How many times as fast as the run-time model, in text; empty if it is not measured. */
 static const char *speed_up(const struct row *rows, int n, const struct row *row, char text[32]) {
-    const struct row *run_time = run_time_row(rows, n, row);
+    const struct row *run_time = row_beside(rows, n, row, RUN_TIME);
     *text = 0;
     if (run_time && run_time != row)
         snprintf(text, 32, "%.3g", run_time->mean / row->mean);
     return text;
+}
+
+/* Whether the threads of the row, if any, took longer than a single one: they waited, for a core or each
+ * other. */
+static bool has_waited(const struct row *rows, int n, const struct row *row) {
+    const struct row *lanes = row->variant == THREADS ? row_beside(rows, n, row, LANES) : NULL;
+    return lanes && row->mean > lanes->mean;
 }
 
 static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
@@ -129,10 +136,11 @@ static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
     const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
     if (above && !same_scalar)
         fputc('\n', f);
-    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s\n", same_robot ? "" : r->robot->title,
-            same_scalar ? "" : r->library->scalar, same_algorithm ? "" : algorithms[row->algorithm].title,
-            row_title(row, variant), row->mean, row->stddev, row->min, speed_up(rows, n, row, speed),
-            row->max_error, quad_error(row, "", "%.1e", quad));
+    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s%s\n",
+            same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
+            same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant), row->mean,
+            row->stddev, row->min, speed_up(rows, n, row, speed), row->max_error,
+            quad_error(row, "", "%.1e", quad), has_waited(rows, n, row) ? " *" : "");
 }
 
 static void write_table(FILE *f, const struct options *o, const struct row *rows, int n) {
@@ -145,6 +153,14 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
             "mean", "std dev", "min", "speed-up", "max error", "quad error");
     for (int i = 0; i < n; i++)
         write_table_row(f, rows, n, i);
+    for (int i = 0; i < n; i++)
+        if (has_waited(rows, n, &rows[i])) {
+            fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are "
+                  "too few "
+                  "to share\n",
+                  f);
+            return;
+        }
 }
 
 /* ---- CSV and JSON ---- */

@@ -66,21 +66,26 @@ static const struct algorithm {
     rbd_status (*call)(int s);
 } algorithms[] = {{"id", call_id}, {"mm", call_mm}, {"fd", call_fd}};
 
+/* Unlike fmax, keeps what is not a number. */
+static double larger(double x, double y) {
+    return y > x || isnan(y) ? y : x;
+}
+
 /* The largest difference between tau and inverse dynamics of forward dynamics of tau, against the largest
-   tau; and between M a + bias and tau of inverse dynamics. */
-static double round_trip_error(int n) {
+   tau; and between M a + bias and tau of inverse dynamics. Of state s. */
+static double round_trip_error(int s, int n) {
     static double acceleration[MOST], torque[MOST], bias[MOST];
     double worst = 0, largest = 1e-3;
-    if (rbd_aba(model, work, q[0], v[0], tau[0], NULL, acceleration) != RBD_OK ||
-        rbd_rnea(model, work, q[0], v[0], acceleration, NULL, torque) != RBD_OK ||
-        rbd_bias(model, work, q[0], v[0], NULL, bias) != RBD_OK || rbd_crba(model, work, q[0], out) != RBD_OK)
+    if (rbd_aba(model, work, q[s], v[s], tau[s], NULL, acceleration) != RBD_OK ||
+        rbd_rnea(model, work, q[s], v[s], acceleration, NULL, torque) != RBD_OK ||
+        rbd_bias(model, work, q[s], v[s], NULL, bias) != RBD_OK || rbd_crba(model, work, q[s], out) != RBD_OK)
         return HUGE_VAL;
     for (int i = 0; i < n; i++) {
         double sum = bias[i];
         for (int j = 0; j < n; j++)
             sum += out[i * n + j] * acceleration[j];
-        worst = fmax(worst, fmax(fabs(torque[i] - tau[0][i]), fabs(sum - torque[i])));
-        largest = fmax(largest, fmax(fabs(bias[i]), fabs(torque[i])));
+        worst = larger(worst, larger(fabs(torque[i] - tau[s][i]), fabs(sum - torque[i])));
+        largest = larger(largest, larger(fabs(bias[i]), fabs(torque[i])));
     }
     return worst / largest;
 }
@@ -93,18 +98,32 @@ static double now_ns(void) {
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-/* The least mean of a few rounds, each of about a millisecond. */
-static double time_call(rbd_status call(int s), int n) {
+/* Sets *ns to the least mean of a few rounds, each of about a millisecond. */
+static rbd_status time_call(rbd_status call(int s), int n, double *ns) {
     const int calls = 16 + 60000 / n;
-    double least = HUGE_VAL;
+    *ns = HUGE_VAL;
     for (int r = 0; r < ROUNDS; r++) {
         const double start = now_ns();
-        for (int i = 0; i < calls; i++)
-            if (call(i % STATES) != RBD_OK)
-                return HUGE_VAL;
-        least = fmin(least, (now_ns() - start) / calls);
+        for (int i = 0; i < calls; i++) {
+            const rbd_status status = call(i % STATES);
+            if (status != RBD_OK)
+                return status;
+        }
+        *ns = fmin(*ns, (now_ns() - start) / calls);
     }
-    return least;
+    return RBD_OK;
+}
+
+static int verify(const char *shape, int n) {
+    for (int s = 0; s < STATES; s++) {
+        const double error = round_trip_error(s, n);
+        if (!(error < 1e-6)) { /* long chains are ill-conditioned */
+            fprintf(stderr, "scaling: %s of %d: the round trip of state %d is wrong by %.1e\n", shape, n, s,
+                    error);
+            return -1;
+        }
+    }
+    return 0;
 }
 
 static int measure(const char *shape, int children, int n) {
@@ -114,13 +133,18 @@ static int measure(const char *shape, int children, int n) {
         return -1;
     }
     draw(n);
-    const double error = round_trip_error(n);
-    if (!(error < 1e-6)) { /* long chains are ill-conditioned */
-        fprintf(stderr, "scaling: %s of %d: the round trip is wrong by %.1e\n", shape, n, error);
+    if (verify(shape, n) != 0)
         return -1;
+    for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; i++) {
+        double ns;
+        status = time_call(algorithms[i].call, n, &ns);
+        if (status != RBD_OK) {
+            fprintf(stderr, "scaling: %s of %d: %s: %s\n", shape, n, algorithms[i].name,
+                    rbd_status_string(status));
+            return -1;
+        }
+        printf("%s,%d,%s,%.2f\n", shape, n, algorithms[i].name, ns);
     }
-    for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; i++)
-        printf("%s,%d,%s,%.2f\n", shape, n, algorithms[i].name, time_call(algorithms[i].call, n));
     return 0;
 }
 

@@ -1,4 +1,5 @@
 """What was measured, as figures and sentences ask for it. SPDX-License-Identifier: MIT"""
+import copy
 import csv
 import math
 import os
@@ -44,6 +45,7 @@ class Data:
         self.operations = read(os.path.join(folder, "operations.csv"))
         self.scaling = {c: read(os.path.join(folder, "scaling-%s.csv" % c)) for c in compilers}
         self.main = compilers[0]
+        self.source = None  # of count, unless told: see counted
         rows = self.times[self.main]
         self.peers = [b for b in PEERS if any(b.fits(r) for r in rows)]
         self.ours = [b for b in OURS if any(b.fits(r) for r in rows)]
@@ -63,16 +65,23 @@ class Data:
                 return float(row[field])
         return None
 
-    def source(self):
-        """What the figures' counts come from: hardware if it counts instructions, else valgrind; or None."""
-        for source in ("perf", "valgrind"):
-            if any(r["source"] == source and r["counter"] == "instructions" for r in self.counts[self.main]):
-                return source
+    def has(self, source, *counters):
+        """Whether the source counted all of these."""
+        return set(counters) <= {r["counter"] for r in self.counts[self.main] if r["source"] == source}
+
+    def counted(self, perf, valgrind):
+        """The same data with its counts from hardware if that has all of the counters named for it, else from
+        valgrind if that has all of its; None if neither has."""
+        for source, counters in (("perf", perf), ("valgrind", valgrind)):
+            if self.has(source, *counters):
+                one = copy.copy(self)
+                one.source = source
+                return one
         return None
 
     def count(self, bar, robot, algorithm, counter, source=None, compiler=None):
         """A counter per state, or None."""
-        source = source or self.source()
+        source = source or self.source
         for key, counters in self.index.items():
             c, s, library, variant, scalar, r, a = key
             if (c == (compiler or self.main) and s == source and r == robot and a == algorithm

@@ -172,7 +172,7 @@ def rate(data):
 
     def value(bar, robot, algorithm):
         count = data.count(bar, robot, algorithm, "instructions")
-        if data.source() == "perf":
+        if data.source == "perf":
             below = data.count(bar, robot, algorithm, "cycles")
         else:
             below = data.time(bar, robot, algorithm, table=data.haswell)
@@ -196,7 +196,7 @@ def modelled_cycles(data):
 def cycle_parts(data):
     """(names, functions, total): by hardware the paper's, else those of the model."""
     scaled = lambda name: lambda *cell: (lambda n: None if n is None else MISS_COST * n)(data.count(*cell, name))
-    if data.source() != "perf":
+    if data.source != "perf":
         names = ["instructions", "L1 data misses (10 each)", "mispredictions (10 each)"]
         return names, ["instructions", scaled("l1d_misses"), scaled("branch_misses")], modelled_cycles(data)
 

@@ -24,9 +24,7 @@ def figures_of(data):
     add("fig2_time", "Figure 2: time per state",
         "Microseconds per state, the least of the experiments, on a logarithmic axis. A dash: the library lacks this.",
         bars(data, data.bars, ["time"], f.times(data), "microseconds", True), words.times(data))
-    source = data.source()
-    if source:
-        counts(data, source, add)
+    counts(data, add)
     if data.scaling[data.main]:
         add("throughput", "Throughput", "States per second by calls of one state, by lanes and on threads; "
             "logarithmic. Threads take double.",
@@ -46,34 +44,62 @@ def figures_of(data):
     return found
 
 
-def counts(data, source, add):
-    """Figures 3 to 7 of the paper."""
-    f = figures
-    hardware = source == "perf"
-    what = "hardware counters" if hardware else "valgrind"
-    against = "as multiples of what rbd with a run-time model needs for the same robot and algorithm"
+def counts(data, add):
+    """Figures 3 to 7 of the paper, each from the first source that counted what it needs."""
+    for figure, perf, valgrind in (
+            (rate, ("instructions", "cycles"), ("instructions",)),
+            (kinds, ("instructions", "loads", "stores", "branches"), ("instructions", "loads", "stores", "branches")),
+            (cycles, ("cycles", "stall_cycles", "memory_stall_cycles"),
+             ("instructions", "branch_misses", "l1d_misses")),
+            (widths, ("fp_scalar", "fp_128", "fp_256"), ("fp_scalar", "fp_128", "fp_256")),
+            (caches, ("l1d_accesses", "l1d_misses"), ("l1d_accesses", "l1d_misses"))):
+        counted = data.counted(perf, valgrind)
+        if counted:
+            figure(counted, counted.source == "perf", add)
+
+
+AGAINST = "as multiples of what rbd with a run-time model needs for the same robot and algorithm"
+
+
+def rate(data, hardware, add):
     add("fig3_ipc", "Figure 3: " + ("instructions per cycle" if hardware else "instructions per nanosecond"),
         "By hardware counters." if hardware else
         "No cycle counter here: instructions of the -march=haswell build by valgrind, over the time of that build. "
         "Divided by the clock in GHz they are the instructions per cycle.",
-        bars(data, data.bars, ["rate"], f.rate(data), "instructions / " + ("cycle" if hardware else "ns")),
+        bars(data, data.bars, ["rate"], figures.rate(data), "instructions / " + ("cycle" if hardware else "ns")),
         words.rate(data))
-    add("fig4_instructions", "Figure 4: instructions by kind", "By %s; %s." % (what, against),
+
+
+def kinds(data, hardware, add):
+    f = figures
+    add("fig4_instructions", "Figure 4: instructions by kind",
+        "By %s; %s." % ("hardware counters" if hardware else "valgrind", AGAINST),
         bars(data, data.bars, ["loads", "stores", "branches", "others"],
              f.counts_of(data, ["loads", "stores", "branches", f.other_instructions(data)], f.instructions(data)),
              "instructions / rbd's"), words.kinds(data))
-    names, parts, total = f.cycle_parts(data)
+
+
+def cycles(data, hardware, add):
+    names, parts, total = figures.cycle_parts(data)
     add("fig5_cycles", "Figure 5: cycles" + ("" if hardware else " by a model"),
-        "By %s; %s." % (what if hardware else "callgrind's estimate, not a measurement", against),
-        bars(data, data.bars, names, f.counts_of(data, parts, total), "cycles / rbd's"), words.cycles(data))
-    widths = ["fp_scalar", "fp_128", "fp_256"] + (["fp_512"] if hardware else [])
-    names = ["scalar", "128 bits", "256 bits"] + (["512 bits"] if hardware else [])
+        "By %s; %s." % ("hardware counters" if hardware else "callgrind's estimate, not a measurement", AGAINST),
+        bars(data, data.bars, names, figures.counts_of(data, parts, total), "cycles / rbd's"), words.cycles(data))
+
+
+def widths(data, hardware, add):
+    wide = hardware and data.has("perf", "fp_512")  # valgrind's build has none; nor have all processors
+    counters = ["fp_scalar", "fp_128", "fp_256"] + (["fp_512"] if wide else [])
+    names = ["scalar", "128 bits", "256 bits"] + (["512 bits"] if wide else [])
     add("fig6_fp", "Figure 6: floating-point operations by width", "By %s, an FMA as two; %s." % (
-        "FP_ARITH events" if hardware else "valgrind and disassembly", against),
-        bars(data, data.bars, names, f.counts_of(data, widths, f.fp_total(data)), "operations / rbd's"),
+        "FP_ARITH events" if hardware else "valgrind and disassembly", AGAINST),
+        bars(data, data.bars, names, figures.counts_of(data, counters, figures.fp_total(data)), "operations / rbd's"),
         words.widths(data))
-    add("fig7_l1", "Figure 7: L1 data cache, hits and misses", "By %s; %s." % (
-        what if hardware else "valgrind's simulated cache", against),
+
+
+def caches(data, hardware, add):
+    f = figures
+    add("fig7_l1", "Figure 7: L1 data cache, hits and misses",
+        "By %s; %s." % ("hardware counters" if hardware else "valgrind's simulated cache", AGAINST),
         bars(data, data.bars, ["hits", "misses"],
              f.counts_of(data, [f.l1_hits(data), "l1d_misses"], f.l1_total(data)), "accesses / rbd's"),
         words.caches(data))

@@ -4,6 +4,7 @@
 SPDX-License-Identifier: MIT
 """
 import argparse
+import csv
 import datetime
 import hashlib
 import json
@@ -74,11 +75,11 @@ def default_compilers():
 
 # ---- the folder, and what it has from before ----
 
-def fingerprint(o):
-    """Of the sources and options that results depend on."""
-    h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters]).encode())
+def fingerprint(o, machine):
+    """Of the sources and options that results depend on, and of the machine as machine_of has it."""
+    h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters, machine]).encode())
     for folder, ending in (("", ".h"), ("bench", (".c", ".h", ".cpp", ".build")), ("bench/peers", (".cpp", ".hpp")),
-                           ("models", ".h")):
+                           ("bench/workload", "callgrind.py"), ("models", ".h")):
         path = os.path.join(ROOT, folder)
         for name in sorted(os.listdir(path)):
             if name.endswith(ending) and not name.startswith("test_") and os.path.isfile(os.path.join(path, name)):
@@ -87,16 +88,23 @@ def fingerprint(o):
     return h.hexdigest()
 
 
-def prepare(o):
-    """Makes the folder; results of other sources or options are dropped."""
-    os.makedirs(o.output, exist_ok=True)
-    stamp, now = os.path.join(o.output, "fingerprint"), fingerprint(o)
-    before = open(stamp).read() if os.path.exists(stamp) else None
-    if o.again or before != now:
-        for name in os.listdir(o.output):
-            if name.endswith(".csv"):
-                os.remove(os.path.join(o.output, name))
-    page.write_whole(stamp, now)
+def content(path):
+    """Of the file, or None if there is none."""
+    if not os.path.exists(path):
+        return None
+    with open(path) as f:
+        return f.read()
+
+
+def prepare(o, machines):
+    """Drops results of other sources or options, or of another machine; machines: {compiler: its machine}."""
+    for compiler, machine in machines.items():
+        stamp, now = os.path.join(o.output, "fingerprint-" + compiler), fingerprint(o, machine)
+        if o.again or content(stamp) != now:
+            for name in os.listdir(o.output):
+                if name.endswith("-%s.csv" % compiler) or name == "operations.csv":
+                    os.remove(os.path.join(o.output, name))
+        page.write_whole(stamp, now)
 
 
 # ---- steps: each leaves one file, written beside its place first ----
@@ -198,12 +206,20 @@ def valgrind_counts(o, compiler, path):
     os.remove(raw)
 
 
-def perf_message(o, compiler):
-    """What rbd-bench says of hardware counters; empty if they count."""
-    done = subprocess.run([bench(o, compiler, "native"), "--count", "perf", "--robot", "iiwa", "--algorithm", "id",
-                           "--samples", "10", "--variant", "run-time", "--library", "rbd"], capture_output=True,
-                          text=True)
-    return done.stderr.strip().replace("rbd-bench: ", "")
+def machine_of(o, compiler):
+    """What rbd-bench finds here: libraries, compiler, counters, and what it says of hardware counters, which is
+    empty if they count; and the processor."""
+    short = [bench(o, compiler, "native"), "--robot", "iiwa", "--algorithm", "id", "--variant", "run-time",
+             "--samples", "1000", "--experiments", "1"]
+    run = lambda *more: subprocess.run(short + list(more), capture_output=True, text=True)
+    rows = lambda done: list(csv.DictReader(done.stdout.splitlines()))
+    timed, counted = run("--format", "csv"), run("--count", "perf", "--library", "rbd")
+    if timed.returncode or counted.returncode:
+        die((timed.stderr or counted.stderr).strip())
+    return {"cpu": cpu(), "libraries": sorted({"%s %s" % (r["library"], r["version"]) for r in rows(timed)}),
+            "compiler": sorted({r["compiler"] for r in rows(timed)}),
+            "counters": sorted({r["counter"] for r in rows(counted)}),
+            "message": counted.stderr.strip().replace("rbd-bench: ", "")}
 
 
 def measure(o):
@@ -265,18 +281,29 @@ def facts(o, data):
     ]
 
 
-def notes(o, data):
+def hardware_note(data, message):
+    """message: of machine_of, about this moment; the data tell what was counted."""
+    if not data.has("perf", "instructions"):
+        return ("Hardware, by perf_event_open: %s. It would tell what really happens on this machine, cycles and "
+                "stalls too; nothing here comes from it but the kernel's task clock."
+                % (message.replace("hardware counters: ", "") or "nothing was counted"))
+    share = min(float(r["share"]) for r in data.counts[data.main] if r["source"] == "perf")
+    missing = [words for words, counter in (
+        ("loads", "loads"), ("stores", "stores"), ("stalls", "stall_cycles"),
+        ("stalls for memory", "memory_stall_cycles"), ("floating-point operations", "fp_scalar"))
+        if not data.has("perf", counter)]
+    return ("Hardware, by perf_event_open: every group of events was counted for %.0f %% of its time or more (below "
+            "100 %% the counts are scaled up). It tells what really happened on this machine, and drifts by a few per "
+            "cent.%s" % (100 * share, " Not counted, for want of the events' names (libpfm4 and a processor that it "
+                         "knows): %s; what needs them is by valgrind, if that was there." % ", ".join(missing)
+                         if missing else ""))
+
+
+def notes(o, data, message):
     found = []
     if o.counters in ("auto", "perf"):
-        message = perf_message(o, data.main)
-        share = [float(r["share"]) for r in data.counts[data.main] if r["source"] == "perf"]
-        found.append("Hardware, by perf_event_open: %s. It would tell what really happens on this machine, cycles and stalls "
-                     "too; the kernel's task clock is all there is." % message.replace("hardware counters: ", "")
-                     if message else
-                     "Hardware, by perf_event_open: every group of events was counted for %.0f %% of its time or more "
-                     "(below 100 %% the counts are scaled up). It tells what really happened on this machine, cycles "
-                     "and stalls too, and drifts by a few per cent." % (100 * min(share or [0])))
-    if any(r["source"] == "valgrind" for r in data.counts[data.main]):
+        found.append(hardware_note(data, message))
+    if data.has("valgrind", "instructions"):
         found.append("Deterministic, by valgrind: instructions, loads and stores as executed by the -march=haswell "
                      "build, mispredictions and misses of a simulated predictor and cache; branches and "
                      "floating-point operations by weighting the disassembly with how often each instruction ran. "
@@ -289,13 +316,15 @@ def notes(o, data):
 
 def main():
     o = options()
-    prepare(o)
+    os.makedirs(o.output, exist_ok=True)
+    machines = {c: machine_of(o, c) for c in o.compilers}
+    prepare(o, machines)
     measure(o)
     progress("report: drawing ")
     data = Data(o.output, o.compilers)
     if not shutil.which("gnuplot"):
         die("gnuplot is not installed (Debian: gnuplot-nox); the tables are in " + o.output)
-    page.write(data, o.output, facts(o, data), notes(o, data))
+    page.write(data, o.output, facts(o, data), notes(o, data, machines[data.main]["message"]))
     progress("")
     print(os.path.join(o.output, "report.html"))
     return 0

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Tests of the workload report: counts of known loops, parsing, schemas, resuming, sentences.
 
-usage: test_workload.py DIRECTORY    with rbd-bench, rbd-operations and test_counters in it
+usage: test_workload.py DIRECTORY [CLASS...]    with rbd-bench, rbd-operations and test_counters in it
+Exit status: 77 if anything was skipped, for a program that is missing, and nothing failed.
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -154,6 +155,12 @@ class Schemas(unittest.TestCase):
             self.assertGreater(float(row["min_ns"]), 0)
             self.assertLess(float(row["max_error"]), 1e-10)
 
+    def test_algorithms_have_other_names(self):
+        for name, other in (("rnea", "id"), ("crba", "mm"), ("aba", "fd")):
+            done = run("rbd-bench", "--format", "csv", "--samples", "4", "--experiments", "1", "--robot", "iiwa",
+                       "--algorithm", name)
+            self.assertEqual({r["algorithm"] for r in csv.DictReader(io.StringIO(done.stdout))}, {other})
+
     def test_json(self):
         whole = json.loads(run("rbd-bench", "--format", "json", *self.SHORT).stdout)
         self.assertEqual(sorted(whole), ["machine", "rows"])
@@ -197,22 +204,116 @@ class Resuming(unittest.TestCase):
             self.assertEqual(done, ["a", "b", "b", "c"])
 
 
+class Staleness(unittest.TestCase):
+    MACHINE = {"libraries": ["rbd 1"], "counters": ["task_clock_ns"], "message": "not permitted"}
+
+    def kept(self, folder, machines, again=False):
+        """What is left of a report in the folder."""
+        options = type("options", (), {"output": folder, "samples": 1, "experiments": 1, "quick": False,
+                                       "counters": "auto", "again": again})
+        report.prepare(options, machines)
+        return sorted(n for n in os.listdir(folder) if n.endswith(".csv"))
+
+    def test_results_of_another_machine_are_dropped(self):
+        everything = ["counts-perf-gcc.csv", "operations.csv", "times-clang-19.csv", "times-gcc.csv"]
+        permitted = dict(self.MACHINE, message="", counters=["instructions", "task_clock_ns"])
+        with_peer = dict(self.MACHINE, libraries=["MuJoCo 1", "rbd 1"])
+        with_names = dict(self.MACHINE, counters=["loads", "task_clock_ns"])
+        for other in (permitted, with_peer, with_names):
+            with tempfile.TemporaryDirectory() as folder:
+                self.kept(folder, {"gcc": self.MACHINE, "clang-19": self.MACHINE})
+                for name in everything:
+                    open(os.path.join(folder, name), "w").close()
+                self.assertEqual(self.kept(folder, {"gcc": self.MACHINE, "clang-19": self.MACHINE}), everything)
+                self.assertEqual(self.kept(folder, {"gcc": self.MACHINE}), everything)
+                self.assertEqual(self.kept(folder, {"gcc": other}), ["times-clang-19.csv"])
+                self.assertEqual(self.kept(folder, {"clang-19": self.MACHINE}, again=True), [])
+
+    def test_the_machine_is_what_the_bench_says(self):
+        program, report.bench = report.bench, lambda *_: os.path.join(PROGRAMS, "rbd-bench")
+        try:
+            machine = report.machine_of(None, "gcc")
+        finally:
+            report.bench = program
+        self.assertIn("rbd " + run("rbd-bench", "--version").stdout.split()[1], machine["libraries"])
+        self.assertEqual("instructions" in machine["counters"], machine["message"] == "")
+
+
+def counts_of(names, library="rbd", time=1, source="valgrind"):
+    """Rows of made-up counts: 10 instructions, 5 accesses and one of all else per unit of time."""
+    for robot, size in (("iiwa", 1), ("hyq", 2), ("atlas", 4)):
+        for algorithm in ("id", "mm", "fd"):
+            for name in names:
+                n = {"instructions": 10, "l1d_accesses": 5}.get(name, 1) * time * size
+                yield [source, library, "1", "run-time", "double", robot, algorithm, name, n, 1]
+
+
+VALGRIND = ["instructions", "loads", "stores", "branches", "branch_misses", "l1d_accesses", "l1d_misses", "fp_scalar",
+            "fp_128", "fp_256", "fp_512"]
+GENERIC = ["task_clock_ns", "cycles", "instructions", "branches", "branch_misses", "l1d_accesses", "l1d_misses"]
+
+
+class Sources(unittest.TestCase):
+    """Each figure takes the first source that counted what it needs."""
+
+    def figures(self, perf, valgrind):
+        times = [Schemas.COLUMNS] + [["rbd", "1", "gcc", "double", robot, algorithm, 1, 1, 9, 0, 9, 0, "", "run-time"]
+                                     for robot in ("iiwa", "hyq", "atlas") for algorithm in ("id", "mm", "fd")]
+        tables = {"times-gcc": times, "times-haswell-gcc": times,
+                  "counts-perf-gcc": [callgrind.HEADER] + list(counts_of(perf, source="perf")),
+                  "counts-valgrind-gcc": [callgrind.HEADER] + list(counts_of(valgrind))}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, rows in tables.items():
+                with open(os.path.join(folder, name + ".csv"), "w", newline="") as f:
+                    csv.writer(f).writerows(rows)
+            self.data = Data(folder, ["gcc"])
+        found = {f.name.split("_")[0]: f for f in page.figures_of(self.data)}
+        for figure in found.values():
+            self.assertNotRegex(figure.text, "None|unknown|%s")
+            self.assertTrue(figure.text)
+        return found
+
+    def hardware(self, found):
+        return sorted(n for n, f in found.items() if n != "fig2" and "valgrind" not in f.caption
+                      and "callgrind" not in f.caption)
+
+    def test_all_counters(self):
+        found = self.figures(GENERIC + VALGRIND + ["stall_cycles", "memory_stall_cycles"], VALGRIND)
+        self.assertEqual(self.hardware(found), ["fig3", "fig4", "fig5", "fig6", "fig7"])
+        self.assertNotIn("Not counted", report.hardware_note(self.data, ""))
+
+    def test_counters_without_names(self):
+        found = self.figures(GENERIC, VALGRIND)
+        self.assertEqual(sorted(found), ["fig2", "fig3", "fig4", "fig5", "fig6", "fig7"])
+        self.assertEqual(self.hardware(found), ["fig3", "fig7"])
+        self.assertIn("Not counted", report.hardware_note(self.data, ""))
+
+    def test_counters_without_names_or_valgrind(self):
+        self.assertEqual(sorted(self.figures(GENERIC, [])), ["fig2", "fig3", "fig7"])
+
+    def test_no_hardware(self):
+        found = self.figures(["task_clock_ns"], VALGRIND)
+        self.assertEqual((len(found), self.hardware(found)), (6, []))
+        # permitted since, but what was counted was counted before
+        self.assertIn("nothing was counted", report.hardware_note(self.data, ""))
+        self.assertIn("not permitted", report.hardware_note(self.data, "hardware counters: not permitted"))
+
+    def test_no_counts(self):
+        self.assertEqual(sorted(self.figures([], [])), ["fig2"])
+
+
 @unittest.skipUnless(shutil.which("gnuplot"), "needs gnuplot")
 class Page(unittest.TestCase):
     """A page of made-up numbers says these numbers, and others when they are others."""
 
     def write(self, folder, peer_time, with_counts):
         times = [Schemas.COLUMNS]
-        counts = [callgrind.HEADER]
+        counts = [callgrind.HEADER, *counts_of(VALGRIND, "rbd", 100), *counts_of(VALGRIND, "MuJoCo", peer_time)]
         for robot, size in (("iiwa", 1), ("hyq", 2), ("atlas", 4)):
             for algorithm in ("id", "mm", "fd"):
                 for library, time in (("rbd", 100), ("MuJoCo", peer_time)):
                     times.append([library, "1", "gcc", "double", robot, algorithm, 1, 1, time * size, 0, time * size,
                                   1e-15, 1e-15, "run-time"])
-                    for counter in ("instructions", "loads", "stores", "branches", "branch_misses", "l1d_accesses",
-                                    "l1d_misses", "fp_scalar", "fp_128", "fp_256", "fp_512"):
-                        n = {"instructions": 10, "l1d_accesses": 5}.get(counter, 1) * time * size
-                        counts.append(["valgrind", library, "1", "run-time", "double", robot, algorithm, counter, n, 1])
         tables = {"times-gcc": times, "times-haswell-gcc": times}
         if with_counts:
             tables["counts-valgrind-gcc"] = counts
@@ -240,4 +341,5 @@ class Page(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    result = unittest.main(exit=False, verbosity=2).result
+    sys.exit(1 if not result.wasSuccessful() else 77 if result.skipped else 0)

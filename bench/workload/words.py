@@ -58,57 +58,66 @@ def share(data, bar, above, below):
             x, y = above(bar, r, a), below(bar, r, a)
             if x is not None and y:
                 found.append(100 * x / y)
-    return "%s to %s %%" % (number(min(found)), number(max(found))) if found else "unknown"
+    return "%s to %s %%" % (number(min(found)), number(max(found))) if found else None
+
+
+def shares(data, bar, parts, below):
+    """The shares of the parts, (words with a %s, what is above), as far as they are known; empty if none is."""
+    found = [(text, share(data, bar, above, below)) for text, above in parts]
+    return ", ".join(text % s for text, s in found if s)
+
+
+def known(sentence, found):
+    """The sentence, which says what was found; empty if nothing was."""
+    return sentence % found if found else ""
 
 
 def times(data):
     value = lambda *cell: data.time(*cell)
-    return "The least mean of an experiment: rbd with a run-time model takes %s ns a state. %s" % (span(data, value), compare(data, value, data.bars, "takes"))
+    return known("The least mean of an experiment: rbd with a run-time model takes %s ns a state. ",
+                 span(data, value)) + compare(data, value, data.bars, "takes")
 
 
 def rate(data):
     value = single(figures.rate(data))
-    unit = "instructions per cycle" if data.source() == "perf" else "instructions per nanosecond"
+    unit = "instructions per cycle" if data.source == "perf" else "instructions per nanosecond"
     parts = ["%s: %s" % (bar.title, span(data, value, bar)) for bar in data.bars if span(data, value, bar)]
     return "In %s: %s." % (unit, "; ".join(parts))
 
 
 def kinds(data):
     value = figures.instructions(data)
-    text = "rbd with a run-time model executes %s instructions a state. %s" % (
-        span(data, value), compare(data, value, data.bars, "executes"))
+    text = known("rbd with a run-time model executes %s instructions a state. ", span(data, value))
+    text += compare(data, value, data.bars, "executes")
+    parts = [("%s load", lambda *cell: data.count(*cell, "loads")),
+             ("%s store", lambda *cell: data.count(*cell, "stores")),
+             ("%s branch", lambda *cell: data.count(*cell, "branches"))]
     for bar in data.bars:
-        loads = lambda *cell: data.count(*cell, "loads")
-        stores = lambda *cell: data.count(*cell, "stores")
-        branches = lambda *cell: data.count(*cell, "branches")
-        text += " Of the instructions of %s, %s load, %s store, %s branch." % (
-            bar.title, share(data, bar, loads, value), share(data, bar, stores, value),
-            share(data, bar, branches, value))
+        text += known(" Of the instructions of " + bar.title + ", %s.", shares(data, bar, parts, value))
     return text
 
 
 def cycles(data):
     names, parts, total = figures.cycle_parts(data)
     text = ""
-    if data.source() != "perf":
-        text = ("This machine shows no cycle counter, so this is callgrind's model and not a measurement: an "
+    if data.source != "perf":
+        text = ("Cycles and both kinds of stalls were not counted by hardware, so this is callgrind's model and not a measurement: an "
                 "instruction costs 1, a miss of the simulated L1 data cache or a mispredicted branch 10. ")
+    counter = lambda name: lambda *cell: data.count(*cell, name)
+    parts = [(name.split(" (")[0] + " %s", counter(part) if isinstance(part, str) else part)
+             for name, part in zip(names, parts)]
     for bar in data.bars:
-        shares = []
-        for name, part in zip(names, parts):
-            value = (lambda p: lambda *cell: data.count(*cell, p))(part) if isinstance(part, str) else part
-            shares.append("%s %s" % (name.split(" (")[0], share(data, bar, value, total)))
-        text += "%s: %s. " % (bar.title, ", ".join(shares))
+        text += known(bar.title + ": %s. ", shares(data, bar, parts, total))
     return text.strip()
 
 
 def widths(data):
     value = figures.fp_total(data)
-    text = "rbd with a run-time model executes %s floating-point operations a state. %s" % (
-        span(data, value), compare(data, value, data.bars, "executes"))
+    text = known("rbd with a run-time model executes %s floating-point operations a state. ", span(data, value))
+    text += compare(data, value, data.bars, "executes")
     for bar in data.bars:
         wide = lambda *cell: value(*cell) - (data.count(*cell, "fp_scalar") or 0) if value(*cell) is not None else None
-        text += " In packed instructions, %s: %s." % (bar.title, share(data, bar, wide, value))
+        text += known(" In packed instructions, " + bar.title + ": %s.", share(data, bar, wide, value))
     floor = [(value(RUN_TIME, r, a) / data.operation(r, a, "op_mul", "op_add", "op_div", "op_sqrt"), r, a)
              for a, _ in ALGORITHMS for r, _ in data.robots
              if value(RUN_TIME, r, a) and data.operation(r, a, "op_mul", "op_add", "op_div", "op_sqrt")]
@@ -122,16 +131,16 @@ def widths(data):
 def caches(data):
     value = figures.l1_total(data)
     misses = lambda *cell: data.count(*cell, "l1d_misses")
-    text = "rbd with a run-time model accesses the L1 data cache %s times a state. %s" % (
-        span(data, value), compare(data, value, data.bars, "does so"))
+    text = known("rbd with a run-time model accesses the L1 data cache %s times a state. ", span(data, value))
+    text += compare(data, value, data.bars, "does so")
     for bar in data.bars:
-        text += " Misses of %s: %s of the accesses." % (bar.title, share(data, bar, misses, value))
+        text += known(" Misses of " + bar.title + ": %s of the accesses.", share(data, bar, misses, value))
     return text
 
 
 def throughput(data):
     value = single(figures.throughput(data))
-    text = "rbd with a run-time model computes %s million states a second on one core." % span(data, value)
+    text = known("rbd with a run-time model computes %s million states a second on one core.", span(data, value))
     for bar in figures.throughput_bars(data):
         found = ratios(data, value, bar, RUN_TIME) if bar is not RUN_TIME else []
         if found:
