@@ -314,7 +314,8 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* ---- work [work] ---- */
 
 /* Prepares the memory that the algorithms work in; one per thread and model. With a model of other
-   numbers of bodies, links or degrees of freedom, every call returns RBD_ERR_WORK.
+   numbers of bodies, links or degrees of freedom, every call returns RBD_ERR_WORK (a copy of the same
+   table will do).
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
@@ -419,7 +420,7 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
    A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
-   Errors: RBD_ERR_NULL. */
+   Errors: RBD_ERR_NULL, _WORK. */
 RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
 /* ---- kinematics [kinematics] ---- */
@@ -427,12 +428,12 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 #ifndef RBD_NO_KINEMATICS
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics.
-   Errors: RBD_ERR_NULL. */
+   Errors: RBD_ERR_NULL, _WORK. */
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                   const rbd_real *v, const rbd_real *a);
 
 /* Pose of a body: R 3 x 3 turns link vectors into world vectors, p is the link origin in the world.
-   R or p may be NULL. Errors of these four: RBD_ERR_NULL, _INDEX, _ORDER. */
+   R or p may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
                                  rbd_real p[3]);
 
@@ -451,7 +452,7 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
 
 /* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
    that a joint moves, J; after rbd_kinematics. Either may be NULL. Errors of these two: RBD_ERR_NULL,
-   _ORDER. */
+   _WORK, _ORDER. */
 RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
                               rbd_real *potential);
 

@@ -5,6 +5,7 @@
 // same motion, but other coordinates. States are converted before, results after what is timed. Near a pitch
 // of 90 degrees these coordinates are singular; random states come close only so far that the results lose
 // some digits. SPDX-License-Identifier: MIT
+#include <cfloat>
 #include <new>
 #include <string>
 #include <kdl/chaindynparam.hpp>
@@ -308,7 +309,7 @@ const struct library library_kdl = {"KDL",
                                     nullptr,
                                     1,
                                     sizeof(double),
-                                    2.220446049250313e-16,
+                                    DBL_EPSILON,
                                     model_build,
                                     model_size,
                                     model_free,

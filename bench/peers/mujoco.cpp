@@ -1,6 +1,7 @@
 // mujoco.cpp - MuJoCo (https://mujoco.org) beside rbd: its model is compiled from MJCF text that this file
 // writes from the description; contacts, limits, damping and all other forces are absent or off. What is
 // timed stands in `conventions` below. SPDX-License-Identifier: MIT
+#include <cfloat>
 #include <cstring>
 #include <new>
 #include <string>
@@ -316,7 +317,7 @@ const struct library library_mujoco = {"MuJoCo",
                                        nullptr,
                                        1,
                                        sizeof(double),
-                                       2.220446049250313e-16,
+                                       DBL_EPSILON,
                                        model_build,
                                        model_size,
                                        model_free,
