@@ -142,7 +142,7 @@ class Operations(unittest.TestCase):
 
 class Schemas(unittest.TestCase):
     COLUMNS = ("library,version,compiler,scalar,robot,algorithm,samples,experiments,mean_ns,stddev_ns,min_ns,"
-               "max_error,quad_error,variant").split(",")
+               "max_error,quad_error,variant,disturbed").split(",")
     SHORT = ["--samples", "4", "--experiments", "2", "--robot", "iiwa", "--algorithm", "id"]
 
     def test_csv(self):
