@@ -6,7 +6,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* A program can only be delayed, and delays differ: a least time that has come twice is what the machine needs. */
+/* A program can only be delayed, and delays differ: a least time that has come twice is what the machine
+ * needs. */
 struct least {
     double first, second;
 };

@@ -88,8 +88,8 @@ static void settle(struct row *row, const struct timing *t, int samples) {
     row->disturbed = !least_repeats(sum);
 }
 
-/* Takes one more time into mean and deviation; n: how many there are with this one. Until the end, stddev holds
-   the sum of the squared deviations (Welford's method). */
+/* Takes one more time into mean and deviation; n: how many there are with this one. Until the end, stddev
+   holds the sum of the squared deviations (Welford's method). */
 static void take_time(struct row *row, int n, double ns) {
     const double deviation = ns - row->mean;
     row->mean += deviation / n;
@@ -110,7 +110,8 @@ static int round_of(struct row *rows, struct timing *timings, int n, int samples
                     timer *time_of) {
     for (int i = 0; i < n; i++) {
         double ns;
-        const bool more = e > experiments; /* for the least alone: mean and deviation are of as many for all */
+        const bool more =
+            e > experiments; /* for the least alone: mean and deviation are of as many for all */
         if (more && !rows[i].disturbed)
             continue;
         show(&rows[i], more ? "disturbed, once more:" : "experiment", more ? e - experiments : e,

@@ -152,11 +152,13 @@ static void write_table_notes(FILE *f, const struct row *rows, int n) {
         disturbed = disturbed || rows[i].disturbed;
     }
     if (waited)
-        fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are too few "
+        fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are too "
+              "few "
               "to share\n",
               f);
     if (disturbed)
-        fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may be too "
+        fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may "
+              "be too "
               "large\n",
               f);
 }

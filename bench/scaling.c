@@ -1,6 +1,6 @@
 /* Time per call against the number of joints: chains and binary trees of 1 to 200 bodies, fixed base,
-   revolute joints about changing axes. CSV: shape,bodies,algorithm,ns,disturbed. Each model is verified before
-   it is timed. SPDX-License-Identifier: MIT */
+   revolute joints about changing axes. CSV: shape,bodies,algorithm,ns,disturbed. Each model is verified
+   before it is timed. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "least.h"
 #include "rbd.h"

@@ -1,5 +1,5 @@
-/* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others are
-   not. SPDX-License-Identifier: MIT */
+/* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others
+   are not. SPDX-License-Identifier: MIT */
 #include "bench.h"
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +79,8 @@ int main(void) {
     const double truth = work_of(0, SAMPLES) / SAMPLES;
     struct row row = measured(idle, 1, EXPERIMENTS);
     const int usual = LOOK + EXPERIMENTS * CALLS;
-    expect(!row.disturbed && row.min >= truth && row.min < 1.01 * truth, "an idle machine's time is the work's");
+    expect(!row.disturbed && row.min >= truth && row.min < 1.01 * truth,
+           "an idle machine's time is the work's");
     expect(calls == usual, "experiments are timed in chunks, and no more than asked for");
 
     row = measured(busy, 1, EXPERIMENTS);

@@ -1,5 +1,5 @@
-/* A table of made-up times marks the threads that took longer than one core, disturbed rows, and no other row.
-   SPDX-License-Identifier: MIT */
+/* A table of made-up times marks the threads that took longer than one core, disturbed rows, and no other
+   row. SPDX-License-Identifier: MIT */
 #include "bench.h"
 #include <stdlib.h>
 #include <string.h>
