@@ -84,7 +84,8 @@
 
    [limits]
      No contact, no closed loops (but mimic joints), no flexible bodies, no integrator beyond one
-     step on the configuration manifold. Damping and friction are described but no algorithm
+     step on the configuration manifold (stages of Runge-Kutta need a correction there to keep an
+     order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
 #ifndef RBD_H

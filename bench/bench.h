@@ -159,6 +159,7 @@ struct row {
     double max_error;         /* by verify */
     double quad_error;        /* by measure_accuracy; negative: unknown */
     double mean, stddev, min; /* by measure: over the experiments, ns per call */
+    bool disturbed;           /* by measure: the least time has not come twice, and may be too large */
 };
 
 /* ---- threads.c ---- */
@@ -194,9 +195,15 @@ int measure_accuracy(struct row *rows, int n, int samples);
 
 /* ---- measure.c ---- */
 
-/* Times all rows; experiments of a row never follow each other if there is another row.
-   Returns 0, or -1 after a message. */
+/* Times all rows; experiments of a row never follow each other if there is another row. A row whose least time
+   has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a message. */
 int measure(struct row *rows, int n, int samples, int experiments);
+
+/* Sets *ns to the time that the row's samples first .. first + count - 1 take. */
+typedef rbd_status timer(const struct row *row, int first, int count, double *ns);
+
+/* The same by another clock. */
+int measure_by(struct row *rows, int n, int samples, int experiments, timer *time_of);
 
 /* ---- count.c ---- */
 

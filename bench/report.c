@@ -136,11 +136,31 @@ static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
     const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
     if (above && !same_scalar)
         fputc('\n', f);
-    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s%s\n",
+    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s%s%s\n",
             same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
             same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant), row->mean,
             row->stddev, row->min, speed_up(rows, n, row, speed), row->max_error,
-            quad_error(row, "", "%.1e", quad), has_waited(rows, n, row) ? " *" : "");
+            quad_error(row, "", "%.1e", quad), row->disturbed ? " disturbed" : "",
+            has_waited(rows, n, row) ? " *" : "");
+}
+
+/* What the marks mean, as far as there are any. */
+static void write_table_notes(FILE *f, const struct row *rows, int n) {
+    bool waited = false, disturbed = false;
+    for (int i = 0; i < n; i++) {
+        waited = waited || has_waited(rows, n, &rows[i]);
+        disturbed = disturbed || rows[i].disturbed;
+    }
+    if (waited)
+        fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are too "
+              "few "
+              "to share\n",
+              f);
+    if (disturbed)
+        fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may "
+              "be too "
+              "large\n",
+              f);
 }
 
 static void write_table(FILE *f, const struct options *o, const struct row *rows, int n) {
@@ -153,30 +173,23 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
             "mean", "std dev", "min", "speed-up", "max error", "quad error");
     for (int i = 0; i < n; i++)
         write_table_row(f, rows, n, i);
-    for (int i = 0; i < n; i++)
-        if (has_waited(rows, n, &rows[i])) {
-            fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are "
-                  "too few "
-                  "to share\n",
-                  f);
-            return;
-        }
+    write_table_notes(f, rows, n);
 }
 
 /* ---- CSV and JSON ---- */
 
 static void write_csv(FILE *f, const struct options *o, const struct row *rows, int n) {
     fputs("library,version,compiler,scalar,robot,algorithm,samples,experiments,"
-          "mean_ns,stddev_ns,min_ns,max_error,quad_error,variant\n",
+          "mean_ns,stddev_ns,min_ns,max_error,quad_error,variant,disturbed\n",
           f);
     for (int i = 0; i < n; i++) {
         char quad[32], variant[32];
         const struct row *row = &rows[i];
         const struct instance *r = row->instance;
-        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s\n", r->library->name,
+        fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s,%d\n", r->library->name,
                 r->library->version, COMPILER, r->library->scalar, r->robot->name,
                 algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
-                row->max_error, quad_error(row, "", "%.3e", quad), row_variant(row, variant));
+                row->max_error, quad_error(row, "", "%.3e", quad), row_variant(row, variant), row->disturbed);
     }
 }
 
@@ -204,10 +217,11 @@ static void write_json_row(FILE *f, const struct options *o, const struct row *r
             "    {\"library\": \"%s\", \"version\": \"%s\", \"compiler\": \"%s\", \"scalar\": \"%s\", "
             "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
             "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e, "
-            "\"quad_error\": %s, \"variant\": \"%s\"}",
+            "\"quad_error\": %s, \"variant\": \"%s\", \"disturbed\": %s}",
             r->library->name, r->library->version, COMPILER, r->library->scalar, r->robot->name,
             algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
-            row->max_error, quad_error(row, "null", "%.3e", quad), row_variant(row, variant));
+            row->max_error, quad_error(row, "null", "%.3e", quad), row_variant(row, variant),
+            row->disturbed ? "true" : "false");
 }
 
 static void write_json(FILE *f, const struct options *o, const struct row *rows, int n) {

@@ -2,6 +2,7 @@
 # A user's CMake project finds rbd: installed, as a subdirectory, fetched; and as ESP-IDF and Zephyr would.
 # usage: cmake.sh DIRECTORY_OF_RBD_H
 set -eu
+command -v cmake >/dev/null || { echo "needs cmake"; exit 77; }
 export CMAKE_GENERATOR=Ninja # which rbd's tests need anyway
 
 root=${1:?usage: cmake.sh DIRECTORY_OF_RBD_H}

@@ -10,8 +10,12 @@ import subprocess
 import sys
 import tempfile
 
-import kconfiglib
-import yaml
+try:
+    import kconfiglib
+    import yaml
+except ImportError as missing:
+    print("needs", missing.name)
+    sys.exit(77)
 
 root = pathlib.Path(sys.argv[1])
 header = (root / "rbd.h").read_text()

@@ -33,6 +33,11 @@ def read(path):
         return list(csv.DictReader(f))
 
 
+def is_disturbed(row):
+    """Of a row of times; tables from before this was measured do not tell."""
+    return row.get("disturbed", "0") != "0"
+
+
 class Data:
     """The tables of one report. times and counts: {compiler: rows}; the first compiler is the one of the figures."""
 
@@ -58,12 +63,26 @@ class Data:
                        row["algorithm"])
                 self.index.setdefault(key, {})[row["counter"]] = float(row["per_state"])
 
+    def time_row(self, bar, robot, algorithm, compiler=None, table=None):
+        """A row of the table of times, or None."""
+        for row in (table or self.times)[compiler or self.main]:
+            if bar.fits(row) and row["robot"] == robot and row["algorithm"] == algorithm:
+                return row
+        return None
+
     def time(self, bar, robot, algorithm, compiler=None, field="min_ns", table=None):
         """A number of the table of times, or None."""
-        for row in (table or self.times)[compiler or self.main]:
-            if bar.fits(row) and row["robot"] == robot and row["algorithm"] == algorithm and row[field]:
-                return float(row[field])
-        return None
+        row = self.time_row(bar, robot, algorithm, compiler, table)
+        return float(row[field]) if row and row[field] else None
+
+    def disturbed(self, bar, robot, algorithm, compiler=None, table=None):
+        """Whether the least time did not come twice when it was measured: what sentences do not build on."""
+        row = self.time_row(bar, robot, algorithm, compiler, table)
+        return bool(row) and is_disturbed(row)
+
+    def sure(self, value, compiler=None, table=None):
+        """value(bar, robot, algorithm) where its time was not disturbed, else None."""
+        return lambda *cell: None if self.disturbed(*cell, compiler, table) else value(*cell)
 
     def has(self, source, *counters):
         """Whether the source counted all of these."""

@@ -3,16 +3,17 @@ import math
 import os
 import subprocess
 
-from data import ALGORITHMS, Bar, RUN_TIME
+from data import ALGORITHMS, Bar, RUN_TIME, is_disturbed
 
 # From dark to light, so that black and white tell them apart; every area has a black edge.
 SHADES = ["#1f2d4d", "#5f86b3", "#f0b860", "#fbf1dc"]
 TOP_KEY = "at screen 0.5, screen 0.925 center top horizontal samplen 2 font ',12'"
 GAP = 1.2  # between clusters, in bars
+DWARFED = 4  # a bar is hard to read beside one that is so many times as high
 
 HEAD = """set terminal {terminal}
 set output '{output}'
-set multiplot layout 1,{panels} title "{title}" font ",15" noenhanced
+set multiplot layout {rows},{panels} title "{title}" font ",15" noenhanced
 set border 3 lc rgb '#444444'
 set tics nomirror
 set style fill solid 1 border lc rgb 'black'
@@ -22,15 +23,15 @@ set tmargin {top}
 """
 
 
-def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8):
-    """Draws folder/name.svg and .png."""
+def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8, rows=1):
+    """Draws folder/name.svg and .png, of rows of panels."""
     data_file = os.path.join(folder, name + ".dat")
     with open(data_file, "w") as f:
         f.write(data)
-    for kind, terminal in (("svg", "svg size 1200,470 font 'Helvetica,13' background '#ffffff'"),
-                           ("png", "pngcairo size 1500,590 font 'Helvetica,14' background '#ffffff'")):
+    for kind, terminal in (("svg", "svg size 1200,%d font 'Helvetica,13' background '#ffffff'" % (470 * rows)),
+                           ("png", "pngcairo size 1500,%d font 'Helvetica,14' background '#ffffff'" % (590 * rows))):
         head = HEAD.format(terminal=terminal, output=os.path.join(folder, "%s.%s" % (name, kind)), panels=panels,
-                           title=title, top=top, bottom=bottom)
+                           title=title, top=top, bottom=bottom, rows=rows)
         text = head + script.replace("DATA", data_file) + "unset multiplot\n"
         with open(os.path.join(folder, name + ".gp"), "w") as f:
             f.write(text)
@@ -41,27 +42,42 @@ def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8):
     os.remove(data_file)
 
 
-def legend(parts):
-    """What is stacked, in one row above the panels: gnuplot's own key would break it to a panel's width."""
+def legend(parts, rows):
+    """What is stacked, in one row above the rows of panels: gnuplot's own key would break it to a panel's width."""
+    low, middle, high = (1 - y / rows for y in (0.115, 0.1, 0.085))
     letter, box = 0.0062, 0.022  # widths, of the picture
     x = 0.5 - (sum(len(p) * letter + 2 * box for p in parts) - box) / 2
     script = ""
     for i, part in enumerate(parts):
-        script += "set object %d rectangle from screen %g, screen 0.885 to screen %g, screen 0.915 fc rgb '%s'\n" % (
-            i + 1, x, x + box, SHADES[i])
-        script += "set label \"%s\" at screen %g, screen 0.9 left font ',12'\n" % (part, x + 1.3 * box)
+        script += "set object %d rectangle from screen %g, screen %g to screen %g, screen %g fc rgb '%s'\n" % (
+            i + 1, x, low, x + box, high, SHADES[i])
+        script += "set label \"%s\" at screen %g, screen %g left font ',12'\n" % (part, x + 1.3 * box, middle)
         x += len(part) * letter + 2 * box
     return script
 
 
 class Bars:
-    """Clusters of (stacked) bars: a panel for each algorithm, a cluster for each robot, a bar for each library."""
+    """Clusters of (stacked) bars: a panel for each algorithm, a cluster for each robot, a bar for each library.
+    Where others' bars would dwarf rbd's, a second row of panels has rbd's alone."""
 
-    def __init__(self, data, bars, parts, value, ylabel, log=False):
+    def __init__(self, data, bars, parts, value, ylabel, log=False, disturbed=None):
         """parts: names of what is stacked; value(bar, robot, algorithm) gives as many numbers, or None.
-        log: whether the axis is logarithmic; then there is one part only."""
+        log: whether the axis is logarithmic; then there is one part only. disturbed(bar, robot, algorithm):
+        whether the bar gets a star."""
         self.data, self.bars, self.parts, self.value = data, bars, parts, value
         self.ylabel, self.log = ylabel, self.decade_below() if log else None
+        self.disturbed = disturbed or (lambda *cell: False)
+
+    def rows(self):
+        """The bars of each row of panels."""
+        ours = [b for b in self.bars if b.library == "rbd"]
+        alone = not self.log and ours and self.highest(self.bars) > DWARFED * self.highest(ours)
+        return [self.bars] + ([ours] if alone else [])
+
+    def highest(self, bars):
+        found = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
+                 for algorithm, _ in ALGORITHMS]
+        return max((sum(f) for f in found if f), default=0)
 
     def decade_below(self):
         """The power of ten below the least number of all panels."""
@@ -69,18 +85,19 @@ class Bars:
                  for algorithm, _ in ALGORITHMS]
         return 10.0 ** math.floor(math.log10(min(f[0] for f in found if f) * 0.8))
 
-    def panel(self, algorithm, blocks):
-        """Appends a block of data for each part; returns ticks, labels of clusters, and the highest bar."""
+    def panel(self, algorithm, shown, blocks):
+        """Appends a block of data for each part; returns ticks, labels of clusters, labels of bars, the end of the
+        axis, and the highest bar."""
         x, ticks, clusters, top = 0.0, [], [], 0.0
         rows = [[] for _ in self.parts]
-        missing = []
+        marks = []
         for robot, title in self.data.robots:
             start = x
-            for bar in self.bars:
+            for bar in shown:
                 numbers = self.value(bar, robot, algorithm)
                 ticks.append('"%s" %g' % (bar.label, x))
                 if numbers is None:
-                    missing.append(x)
+                    marks.append("'–' at first %g, graph 0.02 center tc rgb '#777777'" % x)
                 else:
                     low = self.log or 0.0
                     for i, number in enumerate(numbers):
@@ -88,19 +105,30 @@ class Bars:
                         rows[i].append("%g %g %g %g" % (x, low, max(high, low), number))
                         low = high
                     top = max(top, low)
+                    if self.disturbed(bar, robot, algorithm):
+                        marks.append("'*' at first %g, first %g center offset 0,0.2 font ',16'" % (x, low))
                 x += 1
             clusters.append((title, (start + x - 1) / 2))
             x += GAP
         for part in rows:
             blocks.append("\n".join(part or ["0 NaN NaN NaN"]) + "\n")
-        return ticks, clusters, missing, x - GAP, top
+        return ticks, clusters, marks, x - GAP, top
 
     def draw(self, folder, name, title):
-        blocks, script = [], ""
+        blocks, script, rows = [], "", self.rows()
+        for row, shown in enumerate(rows):
+            script += self.row(row, shown, blocks, len(rows))
+        run_gnuplot(script, "\n\n".join(blocks), folder, name, title, len(ALGORITHMS),
+                    5 if len(self.parts) > 1 else 3.5, rows=len(rows))
+
+    def row(self, row, shown, blocks, rows):
+        """The script for a row of panels, whose data it appends to the blocks."""
+        script = ""
         for column, (algorithm, panel_title) in enumerate(ALGORITHMS):
             first = len(blocks)
-            ticks, clusters, missing, end, top = self.panel(algorithm, blocks)
-            script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % panel_title
+            ticks, clusters, marks, end, top = self.panel(algorithm, shown, blocks)
+            script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % (
+                panel_title + (", rbd alone" if row else ""))
             script += "set xrange [-1:%g]\n" % end
             script += "set xtics rotate by 90 right font ',11' (%s) scale 0\n" % ", ".join(ticks)
             script += "set ylabel \"%s\"\n" % (self.ylabel if column == 0 else "")
@@ -110,18 +138,18 @@ class Bars:
             script += "set yrange [%g:%g]\n" % (low, high)
             for text, place in clusters:
                 script += "set label '%s' at first %g, graph 0 offset character 0,-6.7 center font ',14'\n" % (text, place)
-            for place in missing:
-                script += "set label '–' at first %g, graph 0.02 center tc rgb '#777777'\n" % place
-            script += legend(self.parts) if column == 0 and len(self.parts) > 1 else "unset object\n"
+            for mark in marks:
+                script += "set label %s\n" % mark
+            script += legend(self.parts, rows) if row + column == 0 and len(self.parts) > 1 else "unset object\n"
             plots = ["'DATA' index %d using 1:2:($1-0.42):($1+0.42):2:3 with boxxyerror fc rgb '%s' title \"%s\""
                      % (first + i, SHADES[i if len(self.parts) > 1 else 1], part)
                      for i, part in enumerate(self.parts)]
             script += "plot %s\n" % ", \\\n  ".join(plots)
-        run_gnuplot(script, "\n\n".join(blocks), folder, name, title, len(ALGORITHMS), 5 if len(self.parts) > 1 else 3.5)
+        return script
 
 
 def scaling(data, folder, name, title):
-    rows = data.scaling[data.main]
+    rows = [r for r in data.scaling[data.main] if not is_disturbed(r)]
     blocks, script = [], ""
     for column, (algorithm, panel_title) in enumerate(ALGORITHMS):
         plots = []
@@ -280,3 +308,12 @@ def compiler_bars(data):
         bar.compiler = c
         bars.append(bar)
     return bars
+
+
+def disturbed_compilers(data):
+    """Of the time of a bar, or of the one that it is a multiple of."""
+    return lambda bar, *cell: data.disturbed(RUN_TIME, *cell, bar.compiler) or data.disturbed(RUN_TIME, *cell)
+
+
+def disturbed_rate(data):
+    return lambda *cell: data.disturbed(*cell, table=data.haswell)

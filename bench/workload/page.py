@@ -13,8 +13,12 @@ class Figure:
         self.name, self.title, self.caption, self.draw, self.text = name, title, caption, draw, text
 
 
-def bars(data, which, parts, value, ylabel, log=False):
-    return lambda folder, name, title: figures.Bars(data, which, parts, value, ylabel, log).draw(folder, name, title)
+def bars(data, which, parts, value, ylabel, log=False, disturbed=None):
+    return lambda folder, name, title: figures.Bars(data, which, parts, value, ylabel, log, disturbed).draw(
+        folder, name, title)
+
+
+STAR = " A star: disturbed, its least time did not come twice to 3 % and may be too large."
 
 
 def figures_of(data):
@@ -22,13 +26,15 @@ def figures_of(data):
     f, found = figures, []
     add = lambda *arguments: found.append(Figure(*arguments))
     add("fig2_time", "Figure 2: time per state",
-        "Microseconds per state, the least of the experiments, on a logarithmic axis. A dash: the library lacks this.",
-        bars(data, data.bars, ["time"], f.times(data), "microseconds", True), words.times(data))
+        "Microseconds per state, the least of the experiments, on a logarithmic axis. A dash: the library lacks this."
+        + STAR,
+        bars(data, data.bars, ["time"], f.times(data), "microseconds", True, data.disturbed), words.times(data))
     counts(data, add)
     if data.scaling[data.main]:
         add("throughput", "Throughput", "States per second by calls of one state, by lanes and on threads; "
-            "logarithmic. Threads take double.",
-            bars(data, f.throughput_bars(data), ["throughput"], f.throughput(data), "million states / s", True),
+            "logarithmic. Threads take double." + STAR,
+            bars(data, f.throughput_bars(data), ["throughput"], f.throughput(data), "million states / s", True,
+                 data.disturbed),
             words.throughput(data))
         add("scaling", "Time against the number of bodies",
             "Chains and binary trees of revolute joints on a fixed base, run-time model, double.",
@@ -38,9 +44,9 @@ def figures_of(data):
             bars(data, f.accuracy_bars(data), ["error"], f.accuracy(data), "relative error", True),
             words.accuracy(data))
     if len(data.compilers) > 1:
-        add("compilers", "Compilers", "Time of the run-time model, as a multiple of that with %s." % data.main,
-            bars(data, f.compiler_bars(data), ["time"], f.against_first(data), "time / time with " + data.main),
-            words.compilers(data))
+        add("compilers", "Compilers", "Time of the run-time model, as a multiple of that with %s.%s" % (data.main, STAR),
+            bars(data, f.compiler_bars(data), ["time"], f.against_first(data), "time / time with " + data.main,
+                 disturbed=f.disturbed_compilers(data)), words.compilers(data))
     return found
 
 
@@ -65,8 +71,9 @@ def rate(data, hardware, add):
     add("fig3_ipc", "Figure 3: " + ("instructions per cycle" if hardware else "instructions per nanosecond"),
         "By hardware counters." if hardware else
         "No cycle counter here: instructions of the -march=haswell build by valgrind, over the time of that build. "
-        "Divided by the clock in GHz they are the instructions per cycle.",
-        bars(data, data.bars, ["rate"], figures.rate(data), "instructions / " + ("cycle" if hardware else "ns")),
+        "Divided by the clock in GHz they are the instructions per cycle." + STAR,
+        bars(data, data.bars, ["rate"], figures.rate(data), "instructions / " + ("cycle" if hardware else "ns"),
+             disturbed=None if hardware else figures.disturbed_rate(data)),
         words.rate(data))
 
 
@@ -114,8 +121,9 @@ def times_table(data):
             cells = []
             for bar in data.bars:
                 t, own = data.time(bar, r, a), data.time(RUN_TIME, r, a)
-                ratio = "" if bar is RUN_TIME or t is None else " (%s×)" % words.number(t / own)
-                cells.append("–" if t is None else words.number(t) + ratio)
+                ratio = "" if bar is RUN_TIME or t is None or not own else " (%s×)" % words.number(t / own)
+                star = "*" if data.disturbed(bar, r, a) else ""
+                cells.append("–" if t is None else words.number(t) + star + ratio)
             rows.append([title, robot] + cells)
     return rows
 
@@ -215,6 +223,8 @@ def write(data, folder, facts, notes):
         form.title("Times in numbers", 2)
         form.paragraph("ns per state, the least of the experiments; in brackets as a multiple of the run-time model's.")
         form.table(times_table(data))
+        if words.disturbed(data):
+            form.paragraph("* " + words.disturbed(data))
         robot = data.robots[0]
         form.title("The three sources side by side", 2)
         form.paragraph("rbd's run-time model, %s, inverse dynamics, double." % robot[1])

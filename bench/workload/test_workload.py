@@ -17,6 +17,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import callgrind  # noqa: E402
+import figures  # noqa: E402
 import page  # noqa: E402
 import report  # noqa: E402
 from data import Data  # noqa: E402
@@ -142,7 +143,7 @@ class Operations(unittest.TestCase):
 
 class Schemas(unittest.TestCase):
     COLUMNS = ("library,version,compiler,scalar,robot,algorithm,samples,experiments,mean_ns,stddev_ns,min_ns,"
-               "max_error,quad_error,variant").split(",")
+               "max_error,quad_error,variant,disturbed").split(",")
     SHORT = ["--samples", "4", "--experiments", "2", "--robot", "iiwa", "--algorithm", "id"]
 
     def test_csv(self):
@@ -257,7 +258,7 @@ class Sources(unittest.TestCase):
     """Each figure takes the first source that counted what it needs."""
 
     def figures(self, perf, valgrind):
-        times = [Schemas.COLUMNS] + [["rbd", "1", "gcc", "double", robot, algorithm, 1, 1, 9, 0, 9, 0, "", "run-time"]
+        times = [Schemas.COLUMNS] + [["rbd", "1", "gcc", "double", robot, algorithm, 1, 1, 9, 0, 9, 0, "", "run-time", 0]
                                      for robot in ("iiwa", "hyq", "atlas") for algorithm in ("id", "mm", "fd")]
         tables = {"times-gcc": times, "times-haswell-gcc": times,
                   "counts-perf-gcc": [callgrind.HEADER] + list(counts_of(perf, source="perf")),
@@ -306,14 +307,14 @@ class Sources(unittest.TestCase):
 class Page(unittest.TestCase):
     """A page of made-up numbers says these numbers, and others when they are others."""
 
-    def write(self, folder, peer_time, with_counts):
+    def write(self, folder, peer_time, with_counts, disturbed=()):
         times = [Schemas.COLUMNS]
         counts = [callgrind.HEADER, *counts_of(VALGRIND, "rbd", 100), *counts_of(VALGRIND, "MuJoCo", peer_time)]
         for robot, size in (("iiwa", 1), ("hyq", 2), ("atlas", 4)):
             for algorithm in ("id", "mm", "fd"):
                 for library, time in (("rbd", 100), ("MuJoCo", peer_time)):
                     times.append([library, "1", "gcc", "double", robot, algorithm, 1, 1, time * size, 0, time * size,
-                                  1e-15, 1e-15, "run-time"])
+                                  1e-15, 1e-15, "run-time", int((library, robot, algorithm) in disturbed)])
         tables = {"times-gcc": times, "times-haswell-gcc": times}
         if with_counts:
             tables["counts-valgrind-gcc"] = counts
@@ -332,6 +333,41 @@ class Page(unittest.TestCase):
             self.assertIn("a &amp; b", html)
             self.assertEqual(html.count("data:image/svg+xml;base64,"), text.count("!["))
             self.assertIn("MuJoCo takes 3.00 (", self.write(folder, 300, True)[0])
+
+    def test_disturbed_times_are_marked_and_not_built_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            robots, algorithms = ("iiwa", "hyq", "atlas"), ("id", "mm", "fd")
+            text, html = self.write(folder, 700, False, [("MuJoCo", "hyq", "mm")])
+            for form in (text, html):
+                self.assertIn("1400* (7.00×)", form)
+                self.assertEqual(form.count("1400* "), 1)
+                self.assertIn("left out of the sentences: their least time did not come twice to 3 %", form)
+                self.assertIn("may be too large: MuJoCo, HyQ, mass matrix.", form)
+            self.assertIn("MuJoCo takes 7.00 (", text)
+            text, _ = self.write(folder, 700, False, [("MuJoCo", r, a) for r in robots for a in algorithms])
+            self.assertNotIn("MuJoCo takes", text)
+            text, _ = self.write(folder, 700, False, [("rbd", r, a) for r in robots for a in algorithms])
+            self.assertNotIn("MuJoCo takes", text)
+            self.assertNotIn("ns a state. ", text)
+            self.assertNotIn("Disturbed", self.write(folder, 700, False)[0])
+
+    def test_a_disturbed_bar_has_a_star(self):
+        data = type("data", (), {"robots": [("iiwa", "iiwa"), ("hyq", "HyQ")]})
+        bar = figures.Bar("one", "One", "rbd", "run-time")
+        drawn = figures.Bars(data, [bar], ["time"], lambda *_: [2.0],
+                             "us", True, lambda b, robot, algorithm: robot == "hyq")
+        marks = drawn.panel("id", [bar], [])[2]
+        self.assertEqual(["*" in m for m in marks], [True])
+        self.assertIn("first 2.2, first 2 ", marks[0])
+
+    def test_rbd_has_a_row_of_its_own_beside_much_higher_bars(self):
+        data = type("data", (), {"robots": [("iiwa", "iiwa")]})
+        ours, peer = figures.Bar("a", "A", "rbd", "run-time"), figures.Bar("b", "B", "KDL", "run-time")
+        for height, log, rows in ((40, False, [[ours, peer], [ours]]), (3, False, [[ours, peer]]),
+                                  (40, True, [[ours, peer]])):
+            value = lambda bar, *_: [0.5, 0.5] if bar is ours else [height / 2, height / 2]
+            self.assertEqual(figures.Bars(data, [ours, peer], ["x", "y"], value, "", log).rows(), rows)
+        self.assertEqual(figures.Bars(data, [ours], ["x"], lambda *_: None, "").rows(), [[ours]])
 
     def test_without_counts_there_are_only_times(self):
         with tempfile.TemporaryDirectory() as folder:

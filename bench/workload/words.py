@@ -1,6 +1,6 @@
 """The paragraph under each figure, computed from what was measured. SPDX-License-Identifier: MIT"""
 import figures
-from data import ALGORITHMS, RUN_TIME, mean, ratios
+from data import ALGORITHMS, RUN_TIME, is_disturbed, mean, ratios
 
 TITLES = dict(ALGORITHMS)
 ROBOT = {"iiwa": "iiwa", "hyq": "HyQ", "atlas": "Atlas"}
@@ -72,14 +72,25 @@ def known(sentence, found):
     return sentence % found if found else ""
 
 
+def disturbed(data):
+    """Names the rows of Figure 2 whose times are too uncertain for a sentence; empty if none is."""
+    found = ["%s, %s" % (bar.title, place((0, r, a))) for bar in data.bars for a, _ in ALGORITHMS
+             for r, _ in data.robots if data.disturbed(bar, r, a)]
+    return known("Disturbed, and left out of the sentences: their least time did not come twice to 3 %%, however "
+                 "often it was measured, and may be too large: %s.", "; ".join(found))
+
+
 def times(data):
-    value = lambda *cell: data.time(*cell)
-    return known("The least mean of an experiment: rbd with a run-time model takes %s ns a state. ",
+    value = data.sure(data.time)
+    text = known("The least of the experiments: rbd with a run-time model takes %s ns a state. ",
                  span(data, value)) + compare(data, value, data.bars, "takes")
+    return (text + known(" * %s", disturbed(data))).strip()
 
 
 def rate(data):
     value = single(figures.rate(data))
+    if data.source != "perf":
+        value = data.sure(value, table=data.haswell)
     unit = "instructions per cycle" if data.source == "perf" else "instructions per nanosecond"
     parts = ["%s: %s" % (bar.title, span(data, value, bar)) for bar in data.bars if span(data, value, bar)]
     return "In %s: %s." % (unit, "; ".join(parts))
@@ -139,7 +150,7 @@ def caches(data):
 
 
 def throughput(data):
-    value = single(figures.throughput(data))
+    value = data.sure(single(figures.throughput(data)))
     text = known("rbd with a run-time model computes %s million states a second on one core.", span(data, value))
     for bar in figures.throughput_bars(data):
         found = ratios(data, value, bar, RUN_TIME) if bar is not RUN_TIME else []
@@ -159,14 +170,16 @@ def scaling(data):
     for algorithm, title in ALGORITHMS:
         for shape in ("chain", "tree"):
             points = {int(r["bodies"]): float(r["ns"]) for r in rows
-                      if r["shape"] == shape and r["algorithm"] == algorithm}
+                      if r["shape"] == shape and r["algorithm"] == algorithm and not is_disturbed(r)}
             sizes = sorted(points)
             if len(sizes) > 2:
-                ten, last = points.get(10, points[sizes[0]]) / 10, points[sizes[-1]] / sizes[-1]
-                text += "%s of a %s: %s ns a body at 10 bodies, %s at %d (%s times). " % (
-                    title.capitalize(), {"chain": "chain", "tree": "binary tree"}[shape], number(ten), number(last),
-                    sizes[-1], number(last / ten))
-    return text.strip()
+                start = 10 if 10 in points else sizes[0]
+                ten, last = points[start] / start, points[sizes[-1]] / sizes[-1]
+                text += "%s of a %s: %s ns a body at %d bodies, %s at %d (%s times). " % (
+                    title.capitalize(), {"chain": "chain", "tree": "binary tree"}[shape], number(ten), start,
+                    number(last), sizes[-1], number(last / ten))
+    left_out = ["%s of %s, %s" % (r["shape"], r["bodies"], TITLES[r["algorithm"]]) for r in rows if is_disturbed(r)]
+    return (text + known("Disturbed, and left out: %s.", "; ".join(left_out))).strip()
 
 
 def accuracy(data):
@@ -183,7 +196,7 @@ def accuracy(data):
 def compilers(data):
     text = []
     for c in data.compilers[1:]:
-        value = lambda compiler: lambda bar, r, a: data.time(bar, r, a, compiler)
+        value = lambda compiler: data.sure(lambda bar, r, a: data.time(bar, r, a, compiler), compiler)
         found = [(value(c)(RUN_TIME, r, a) / value(data.main)(RUN_TIME, r, a), r, a) for a, _ in ALGORITHMS
                  for r, _ in data.robots if value(c)(RUN_TIME, r, a) and value(data.main)(RUN_TIME, r, a)]
         if found:

@@ -1,0 +1,105 @@
+/* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others
+   are not. SPDX-License-Identifier: MIT */
+#include "bench.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* 6.4 ms are 12 chunks, and a warm-up before them; a first look at the time of a call precedes it all. */
+enum { SAMPLES = 6400, EXPERIMENTS = 10, LOOK = 2, CALLS = 13 };
+
+static double work_of_state(int k) {
+    return 900 + k % 200; /* ns */
+}
+
+static double work_of(int first, int count) {
+    double ns = 0;
+    for (int k = first; k < first + count; k++)
+        ns += work_of_state(k);
+    return ns;
+}
+
+static void expect(bool fact, const char *what) {
+    if (fact)
+        return;
+    fprintf(stderr, "not so: %s\n", what);
+    exit(EXIT_FAILURE);
+}
+
+static int calls; /* of the clock, for the row at hand */
+
+/* On an idle machine: 1 % of noise. */
+static rbd_status idle(const struct row *row, int first, int count, double *ns) {
+    (void)row;
+    *ns = work_of(first, count) * (1 + 0.01 * (++calls % 5) / 5);
+    return RBD_OK;
+}
+
+/* Half of all chunks are interrupted for as long again; of the whole experiments every one is. */
+static rbd_status busy(const struct row *row, int first, int count, double *ns) {
+    static unsigned random = 1;
+    (void)row;
+    random = random * 1664525u + 1013904223u;
+    *ns = work_of(first, count) * (random >> 31 ? 2 : 1);
+    calls++;
+    return RBD_OK;
+}
+
+/* No two times are alike: after the first look, each is longer than the one before. */
+static rbd_status hopeless(const struct row *row, int first, int count, double *ns) {
+    (void)row;
+    *ns = work_of(first, count) * pow(1.05, calls < LOOK ? 0 : calls);
+    calls++;
+    return RBD_OK;
+}
+
+/* Disturbed as long as the usual experiments last, then idle. */
+static rbd_status late(const struct row *row, int first, int count, double *ns) {
+    const int early = LOOK + EXPERIMENTS * CALLS;
+    (void)row;
+    *ns = work_of(first, count) * (calls >= LOOK && calls < early ? 3 + 0.5 * (calls / CALLS) : 1);
+    calls++;
+    return RBD_OK;
+}
+
+static struct row measured(timer *clock, int threads, int experiments) {
+    static const struct robot robot = {.title = "none"};
+    static const struct library library = {.name = "rbd", .scalar = "double"};
+    static const struct instance instance = {.robot = &robot, .library = &library};
+    struct row row = {.instance = &instance, .variant = threads > 1 ? THREADS : RUN_TIME, .threads = threads};
+    calls = 0;
+    expect(measure_by(&row, 1, SAMPLES, experiments, clock) == 0, "it is measured");
+    return row;
+}
+
+static bool near(double x, double y) {
+    return fabs(x - y) <= 1e-9 * y;
+}
+
+int main(void) {
+    const double truth = work_of(0, SAMPLES) / SAMPLES;
+    struct row row = measured(idle, 1, EXPERIMENTS);
+    const int usual = LOOK + EXPERIMENTS * CALLS;
+    expect(!row.disturbed && row.min >= truth && row.min < 1.01 * truth,
+           "an idle machine's time is the work's");
+    expect(calls == usual, "experiments are timed in chunks, and no more than asked for");
+
+    row = measured(busy, 1, EXPERIMENTS);
+    expect(!row.disturbed && near(row.min, truth), "interruptions do not reach the least time");
+    expect(row.mean > 1.3 * truth, "but the mean");
+
+    row = measured(hopeless, 1, EXPERIMENTS);
+    expect(row.disturbed, "what never repeats is marked");
+    expect(calls == LOOK + 3 * EXPERIMENTS * CALLS, "after twice as many experiments more");
+
+    row = measured(late, 1, EXPERIMENTS);
+    expect(!row.disturbed && near(row.min, truth), "further experiments find the least time");
+    expect(calls == usual + 2 * CALLS, "and end when it has come twice");
+    expect(row.mean > 3 * truth, "mean and deviation are of the usual ones");
+
+    row = measured(hopeless, 2, EXPERIMENTS);
+    expect(calls == LOOK + 3 * EXPERIMENTS * 2, "threads are timed without interruption");
+
+    row = measured(hopeless, 1, 1);
+    expect(!row.disturbed && calls == LOOK + CALLS, "one experiment stays one");
+    return EXIT_SUCCESS;
+}

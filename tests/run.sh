@@ -1,0 +1,128 @@
+#!/bin/sh
+# `run` installs what it says, says what it leaves out, and shows how far it is: with stand-ins for apt-get, meson
+# and the compilers, in a folder of its own.
+# usage: run.sh DIRECTORY_OF_RUN
+set -eu
+
+root=${1:?usage: run.sh DIRECTORY_OF_RUN}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+bin=$scratch/bin
+mkdir "$bin" "$scratch/tree" "$scratch/tree/tests" "$scratch/tree/tests/urdf" "$scratch/tree/tests/urdf/fuzz"
+cp "$root/run" "$scratch/tree"
+
+fail() {
+    echo "$*; it printed:"
+    cat "$scratch/printed"
+    exit 1
+}
+
+# stub NAME: a command whose body is standard input
+stub() { { echo '#!/bin/sh'; cat; } >"$bin/$1" && chmod +x "$bin/$1"; }
+
+# ---- a machine with nothing but a shell and a compiler ----
+
+for tool in sh dirname env awk sed grep tr cat rm mkdir find date uname ls sleep chmod; do
+    ln -s "$(command -v "$tool")" "$bin/$tool"
+done
+for tool in cc c++ gcc python3; do stub "$tool" </dev/null; done
+echo 'echo 1000' | stub id
+stub clang++-19 <<'END'
+echo /nowhere
+END
+# shellcheck disable=SC2016 # the stand-in expands it
+echo 'echo fuzzing "$2"' >"$scratch/tree/tests/urdf/fuzz/fuzz.sh"
+chmod +x "$scratch/tree/tests/urdf/fuzz/fuzz.sh"
+
+# run STATUS COMMAND...: ./run, with what it prints in $scratch/printed
+run() {
+    expected=$1 status=0
+    shift
+    PATH=$bin RUN_LOCK_WAIT=0 "$scratch/tree/run" "$@" >"$scratch/printed" 2>&1 </dev/null || status=$?
+    [ "$status" -eq "$expected" ] || fail "run $*: exit status $status, not $expected"
+}
+
+prints() { grep -q -e "$1" "$scratch/printed" || fail "not printed: $1"; }
+prints_not() { ! grep -q -e "$1" "$scratch/printed" || fail "printed: $1"; }
+asked() { grep -q -e "$1" "$scratch/apt" || { cat "$scratch/apt"; fail "apt was not asked: $1"; }; }
+asked_not() { ! grep -q -e "$1" "$scratch/apt" || fail "apt was asked: $1"; }
+
+# ---- without apt, and without root ----
+
+run 1 fuzz
+prints 'please install (these are Debian.s names): pkg-config liburdfdom-dev libclang-rt-19-dev$'
+[ "$(wc -l <"$scratch/printed")" -eq 1 ] || fail "more than a line"
+
+# It knows all packages, once its lists have been read, and sizes; what it installs appears as a command.
+stub apt-get <<END
+echo "\$*" >>"$scratch/apt"
+case "\$*" in
+*update) [ ! -e "$scratch/locked" ] || { rm "$scratch/locked"; echo "E: Could not get lock /lists/lock"; exit 100; }
+         : >"$scratch/lists" ;;
+*) [ -e "$scratch/lists" ] || { echo "E: Unable to locate package"; exit 100; } ;;
+esac
+case "\$*" in
+*--assume-no*) echo "Need to get 290 MB/291 MB of archives."
+               echo "After this operation, 2,212 MB of additional disk space will be used."; exit 1 ;;
+*"install -y"*) for p; do case \$p in -*) ;; *) : >"$scratch/got-\$p" ;; esac; done ;;
+esac
+END
+# shellcheck disable=SC2016
+echo '[ "$1" = madison ] && [ "$2" != clang-16 ] && echo "$2 | 1.0"' | stub apt-cache
+run 1 fuzz
+prints 'please install, as root: apt-get install pkg-config'
+
+# ---- as root: a size, and the patience for another apt ----
+
+echo 'echo 0' | stub id
+printf '[ -e "%s/got-liburdfdom-dev" ]\n' "$scratch" | stub pkg-config
+: >"$scratch/locked"
+: >"$scratch/apt"
+run 0 fuzz 7
+prints 'installing liburdfdom-dev libclang-rt-19-dev$'
+prints '290 MB/291 MB to fetch, 2,212 MB on disk'
+prints '^fuzzing 7$'
+asked 'Lock::Timeout=[1-9].* install -y .*liburdfdom-dev libclang-rt-19-dev$'
+asked_not 'clang-19 '
+[ "$(grep -c 'update$' "$scratch/apt")" -eq 2 ] || fail "the lists were not read again when they were locked"
+
+# ---- the tests: all, light, and a build that fails ----
+
+stub ninja <<END
+for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do echo "[\$i/20] Compiling \$i.c"; done
+[ ! -e "$scratch/broken" ] || { echo "error: 20.c is wrong"; exit 1; }
+END
+stub meson <<END
+echo "\$*" >>"$scratch/meson"
+case "\$*" in
+*--list*--suite\ packages*) echo "rbd:packages / package cmake" ;;
+*--list*--suite\ firmware*) echo "rbd:firmware / firmware cortex-m3" ;;
+test*) mkdir -p "$scratch/tree/build/meson-logs"
+       printf 'Ok:                 3\nFail:               0\n' >"$scratch/tree/build/meson-logs/testlog.txt" ;;
+esac
+END
+: >"$scratch/apt"
+run 0 test --light suites -v
+prints '^3 passed, 0 failed$'
+prints '^left out: package cmake$'
+prints '^left out: firmware cortex-m3$'
+prints '^not installed for --light: gcc-arm-none-eabi$'
+prints 'built 20 of 20$'
+[ "$(grep -c 'run: built' "$scratch/printed")" -eq 10 ] || fail "not a line for each tenth"
+asked_not 'arm-none-eabi'
+asked_not 'install.* cmake'
+grep -q -e 'test .*--no-suite firmware --no-suite packages suites -v$' "$scratch/meson" || fail "wrong meson arguments"
+
+run 0 test
+asked 'install -y .* cmake$'
+asked 'install -y .*clang-19.* gcc-arm-none-eabi'
+asked_not 'install.*clang-16'
+prints 'doing without clang-16'
+prints_not 'left out'
+tail -n 1 "$scratch/meson" | grep -q 'print-errorlogs$' || fail "arguments of another run"
+
+: >"$scratch/broken"
+run 1 test --light
+prints 'error: 20.c is wrong'
+prints '^run: failed: ninja'
+prints_not 'passed'
