@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before cart_pole_model.h"
-#elif RBD_MODEL_VERSION != 1
+#elif RBD_MODEL_VERSION != 2
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -33,7 +33,7 @@ static const rbdi_link cart_pole_links[2] = {
 /* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof cart_pole_dofs[2] = {
     {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.1205)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before double_pendulum_model.h"
-#elif RBD_MODEL_VERSION != 1
+#elif RBD_MODEL_VERSION != 2
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -32,8 +32,8 @@ static const rbdi_link double_pendulum_links[2] = {
 
 /* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof double_pendulum_dofs[2] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(2.521)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.2405)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(2.120500014228618)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.12000000428101998)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

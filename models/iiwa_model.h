@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before iiwa_model.h"
-#elif RBD_MODEL_VERSION != 1
+#elif RBD_MODEL_VERSION != 2
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -57,13 +57,13 @@ static const rbdi_link iiwa_links[7] = {
 
 /* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof iiwa_dofs[7] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(5.248552845394229)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(4.983027205394229)},
-    {2, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(1.281489184688816)},
-    {3, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(1.063457984688816)},
-    {4, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(0.15320981999999997)},
-    {5, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(0.017880183999999997)},
-    {6, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.0075286)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(4.948702856047041)},
+    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(4.906046848129121)},
+    {2, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(1.035037693444532)},
+    {3, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(1.013716486455989)},
+    {4, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(0.018929257770604068)},
+    {5, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(0.011229248236288712)},
+    {6, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.0010000002319424653)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |

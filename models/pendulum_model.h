@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before pendulum_model.h"
-#elif RBD_MODEL_VERSION != 1
+#elif RBD_MODEL_VERSION != 2
 #error "pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -27,7 +27,7 @@ static const rbdi_link pendulum_links[1] = {
 
 /* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof pendulum_dofs[1] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(0.8005)},
+    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
