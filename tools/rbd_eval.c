@@ -456,9 +456,9 @@ static int run(options *o) {
 int main(int argc, char **argv) {
     options o = {0};
     int status;
-    o.settings.keep = allocate((size_t)argc + 1, sizeof *o.settings.keep);
+    o.settings = settings_new(argc);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
-    free(o.settings.keep);
+    settings_free(&o.settings);
     return status;
 }
