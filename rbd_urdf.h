@@ -1200,8 +1200,7 @@ class checked {
     void follow(joint_part &j) {
         const joint_part &source = joints[(size_t)joint(j.mimic)];
         if (source.held()) {
-            hold_follower(j, j.ratio * source.value + j.offset,
-                          "it mimics " + quoted(j.mimic) + ", held still");
+            hold_follower(j, j.ratio * source.value + j.offset, "it mimics " + quoted(j.mimic));
             return;
         }
         if (!source.mimic.empty()) {
@@ -1215,7 +1214,7 @@ class checked {
     void hold_follower(joint_part &j, double value, const str &why) const {
         hold_at(j, value);
         warnings.add(RBD_URDF_WARN_LOCKED, j.line,
-                     "joint " + quoted(j.name) + ": " + why + "; held still at " + text_of(value));
+                     "joint " + quoted(j.name) + ": held still at " + text_of(value) + ", as " + why);
     }
 
     /* The joint that this one mimics: it must be there, and be able to lead. */

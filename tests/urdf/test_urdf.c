@@ -936,9 +936,9 @@ START_TEST(a_joint_that_mimics_by_zero_stands_at_its_offset) {
     ck_assert_double_eq(robot.frames[rbd_urdf_link(&robot, "c")].position[0], 0.5);
     ck_assert_double_eq(robot.frames[rbd_urdf_link(&robot, "d")].position[0], -0.75);
     ck_assert_int_eq(robot.nwarnings, 3);
-    ck_assert_str_eq(robot.warnings[0].text, "joint 'k': its <mimic> has multiplier 0; held still at 0.5");
-    ck_assert_str_eq(robot.warnings[1].text, "joint 'l': it mimics 'k', held still; held still at -0.75");
-    ck_assert_str_eq(robot.warnings[2].text, "joint 'n': its <mimic> has multiplier 0; held still at 0");
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'k': held still at 0.5, as its <mimic> has multiplier 0");
+    ck_assert_str_eq(robot.warnings[1].text, "joint 'l': held still at -0.75, as it mimics 'k'");
+    ck_assert_str_eq(robot.warnings[2].text, "joint 'n': held still at 0, as its <mimic> has multiplier 0");
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(robot.warnings[i].status, RBD_URDF_WARN_LOCKED);
 }
@@ -1054,10 +1054,8 @@ START_TEST(what_mimics_a_joint_held_still_is_held_too) {
     ck_assert_double_eq(held_at(&robot, "c"), 0.25);
     ck_assert_double_eq(held_at(&robot, "d"), 0.5);
     ck_assert_int_eq(robot.nwarnings, 2);
-    ck_assert_str_eq(robot.warnings[0].text,
-                     "joint 'left': it mimics 'drive', held still; held still at 0.25");
-    ck_assert_str_eq(robot.warnings[1].text,
-                     "joint 'right': it mimics 'left', held still; held still at 0.5");
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'left': held still at 0.25, as it mimics 'drive'");
+    ck_assert_str_eq(robot.warnings[1].text, "joint 'right': held still at 0.5, as it mimics 'left'");
 
     options.lock = left; /* which mimics no more */
     robot = parsed(&x, followers, &options);
