@@ -30,7 +30,9 @@
                   first coordinate runs along unit vector k + 1 (after z comes x) made square to the axis,
                   the second along axis cross first: for z they are x, y; for x: y, z; for y: z, x.
                   Unless the axis is z the link is a fixed body on a nameless one that the joint moves
-     mimic        follows another joint, also through others
+     mimic        follows another joint, also through others. With multiplier 0, or following a joint of
+                  options.lock, it is held still where that puts it
+     axis         what is not of unit length is made so
      limits       zero velocity or effort, or lower >= upper: none
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
@@ -41,10 +43,11 @@
    Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
    robot.nwarnings say how long the arrays must be for the second call.
 
-   An error says what is wrong and names link or joint; a link that no real body is like, but that the
-   algorithms can compute with, is a warning. The text may come from anywhere. Locale does not matter.
-   urdfdom's messages go to nobody unless options.show_messages; calls from several threads wait for each
-   other, because urdfdom's console is one for all. No exception leaves, nothing stays allocated.
+   An error says what is wrong, names link or joint, and the option that helps; what is odd but can be
+   computed with, as a link that no real body is like, is a warning. The text may come from anywhere. Locale
+   does not matter. urdfdom's messages go to nobody unless options.show_messages; calls from several threads
+   wait for each other, because urdfdom's console is one for all. No exception leaves, nothing stays
+   allocated.
 */
 #ifndef RBD_URDF_H
 #define RBD_URDF_H
@@ -57,16 +60,24 @@ extern "C" {
 
 /* ---- options [options] ---- */
 
+/* A joint to be held still. */
+typedef struct rbd_urdf_lock {
+    const char *joint;
+    double value; /* where, in rad or m; of a planar or floating joint 0, which is its neutral position */
+} rbd_urdf_lock;
+
 /* How to read. NULL, or all zero, is a robot with its root link fixed to the world. */
 typedef struct rbd_urdf_options {
-    rbd_joint_type root;     /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
-    const char *root_joint;  /* its name, NULL = "root" */
-    const double *gravity;   /* 3, world frame, handed on to the result; NULL = (0, 0, -9.81) */
-    const char *const *keep; /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
-    int keep_all;            /* keep all fixed links as bodies */
-    int lock_massless;       /* hold joints still that move no mass, with a warning; else an error */
-    int strict;              /* warnings are errors */
-    int show_messages;       /* leave urdfdom's messages to its console, which is standard error */
+    rbd_joint_type root;       /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
+    const char *root_joint;    /* its name, NULL = "root" */
+    const double *gravity;     /* 3, world frame, handed on to the result; NULL = (0, 0, -9.81) */
+    const char *const *keep;   /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
+    int keep_all;              /* keep all fixed links as bodies */
+    int lock_massless;         /* hold joints still that move no mass, with a warning; else an error */
+    int strict;                /* warnings are errors */
+    int show_messages;         /* leave urdfdom's messages to its console, which is standard error */
+    const char *root_link;     /* take only this link, as the root, and what hangs on it; NULL = all */
+    const rbd_urdf_lock *lock; /* joints to hold still, ended by joint = NULL; NULL = none */
 } rbd_urdf_options;
 
 /* ---- status [status] ---- */
@@ -75,7 +86,7 @@ typedef struct rbd_urdf_options {
 typedef enum rbd_urdf_status {
     RBD_URDF_OK = 0,
     RBD_URDF_ERR_NULL = -1,      /* a required pointer is NULL */
-    RBD_URDF_ERR_OPTION = -2,    /* an option has no such value, or names a link that is not there */
+    RBD_URDF_ERR_OPTION = -2,    /* an option has no such value, or names a link or joint that is not there */
     RBD_URDF_ERR_FILE = -3,      /* the file cannot be read */
     RBD_URDF_ERR_ROOM = -4,      /* an array is too short: the counts say how long they must be */
     RBD_URDF_ERR_MEMORY = -5,    /* out of memory */
@@ -85,15 +96,19 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_NUMBER = -9,    /* not a finite number, or not as many as there must be */
     RBD_URDF_ERR_INERTIAL = -10, /* <inertial> is incomplete, or the mass negative */
     RBD_URDF_ERR_JOINT = -11,    /* unknown type, or parent or child is missing */
-    RBD_URDF_ERR_AXIS = -12,     /* zero, or not of unit length */
+    RBD_URDF_ERR_AXIS = -12,     /* zero, or without xyz */
     RBD_URDF_ERR_MIMIC = -13,    /* what it follows is missing, itself, or cannot be followed */
     RBD_URDF_ERR_TREE = -14,     /* the links are no tree: a cycle, two parents, two roots */
     RBD_URDF_ERR_MODEL = -15,    /* rbd_model_build would refuse it */
     RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
     RBD_URDF_WARN_INERTIA = 1,   /* no real body has this mass and inertia */
-    RBD_URDF_WARN_LIMIT = 2,     /* limits are missing or make no sense: read as none */
-    RBD_URDF_WARN_ROOT = 3,      /* a floating root link without mass */
-    RBD_URDF_WARN_LOCKED = 4     /* a joint that moves no mass is held still */
+    RBD_URDF_WARN_LIMIT = 2,   /* limits make no sense: read as none; or a joint is held still beyond them */
+    RBD_URDF_WARN_ROOT = 3,    /* a floating root link without mass */
+    RBD_URDF_WARN_LOCKED = 4,  /* a joint that moves no mass, or mimics one at rest, is held still */
+    RBD_URDF_WARN_AXIS = 5,    /* an axis is not of unit length: made so */
+    RBD_URDF_WARN_NAME = 6,    /* the robot has no name: it is called "robot" */
+    RBD_URDF_WARN_MIMIC = 7,   /* a fixed joint mimics another: ignored */
+    RBD_URDF_WARN_SINGULAR = 8 /* neither a joint nor what mimics it moves mass */
 } rbd_urdf_status;
 
 /* A few words for a status, English, static. */
@@ -103,7 +118,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status);
 typedef struct rbd_urdf_finding {
     rbd_urdf_status status;
     int line;       /* of the text, from 1; 0 = none in particular */
-    char text[240]; /* a sentence that names link or joint, cut to fit */
+    char text[400]; /* a sentence that names link or joint, cut to fit */
 } rbd_urdf_finding;
 
 /* ---- robot [robot] ---- */
@@ -179,6 +194,7 @@ int rbd_urdf_link(const rbd_urdf *robot, const char *link);
 #error "rbd_urdf.h: the file that defines RBD_URDF_IMPLEMENTATION must be C++: urdfdom is"
 #endif
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -210,6 +226,70 @@ struct failure {
 
 inline str quoted(const str &name) {
     return "'" + name + "'";
+}
+
+/* A number for a message. */
+inline str text_of(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", x);
+    return text;
+}
+
+inline str lock_hint(const str &joint) {
+    return "; to hold it still: options.lock, rbd-model --lock " + quoted(joint);
+}
+
+inline str massless_hint(const str &joint) {
+    return lock_hint(joint) + ", or --lock-massless for all such";
+}
+
+inline char lower_case(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c;
+}
+
+/* How many characters must be put in, left out or changed to make one name of the other (Levenshtein);
+   upper and lower case are the same. */
+inline size_t difference(const str &a, const str &b) {
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t k = 0; k <= b.size(); ++k)
+        row[k] = k;
+    for (size_t i = 0; i < a.size(); ++i) {
+        size_t diagonal = row[0]++;
+        for (size_t k = 0; k < b.size(); ++k) {
+            const size_t changed = diagonal + (lower_case(a[i]) != lower_case(b[k]));
+            diagonal = row[k + 1];
+            row[k + 1] = std::min(changed, 1 + std::min(diagonal, row[k]));
+        }
+    }
+    return row[b.size()];
+}
+
+/* A hint at the name that one which is missing may stand for: a third of it may differ. */
+inline str nearest(const str &name, const std::map<str, int> &known) {
+    const size_t longest = 100; /* the time goes with the square */
+    size_t least = name.size() / 3 + 1;
+    str best;
+    for (std::map<str, int>::const_iterator i = known.begin(); i != known.end(); ++i) {
+        if (name.size() > longest || i->first.size() > longest)
+            continue;
+        const size_t d = difference(name, i->first);
+        if (d < least)
+            least = d, best = i->first;
+    }
+    return best.empty() ? best : "; did you mean " + quoted(best) + "?";
+}
+
+/* Makes a vector that is not zero a unit vector and returns its length. The power of two keeps the squares
+   in range and changes no digit. */
+inline double make_unit(double v[3]) {
+    int exponent;
+    std::frexp(std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2]))), &exponent);
+    for (int i = 0; i < 3; ++i)
+        v[i] = std::ldexp(v[i], -exponent);
+    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; ++i)
+        v[i] /= length;
+    return std::ldexp(length, exponent);
 }
 
 /* ---- XML [xml] ----
@@ -488,11 +568,17 @@ struct link_part {
 struct joint_part {
     str name, mimic;
     int line;
-    rbd_joint_type type;
-    int parent, child; /* links */
-    double armature;
-    bool locked; /* fixed because it moves no mass */
-    joint_part() : line(0), type(RBD_FIXED), parent(-1), child(-1), armature(0), locked(false) {
+    rbd_joint_type motion, type; /* of the file; RBD_FIXED if it is held still */
+    int parent, child;           /* links */
+    double axis[3], lower, upper, armature, ratio, offset;
+    double value; /* where it is held still */
+    joint_part()
+        : line(0), motion(RBD_FIXED), type(RBD_FIXED), parent(-1), child(-1), lower(0), upper(0), armature(0),
+          ratio(1), offset(0), value(0) {
+        axis[0] = 1, axis[1] = axis[2] = 0; /* URDF's default */
+    }
+    bool held() const {
+        return type != motion;
     }
 };
 
@@ -517,6 +603,48 @@ inline bool has_one_dof(rbd_joint_type type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC;
 }
 
+/* The link that a joint names as its parent or child. */
+inline const str *end_of(const element &joint, const char *which) {
+    const element *x = joint.child(which);
+    return x ? x->attribute("link") : NULL;
+}
+
+/* Takes from a robot the links that do not hang on this one, and the joints that they carry. What has no
+   name, or names what is not there, stays to be refused. */
+inline void take_subtree(element &robot, const str &root) {
+    std::map<str, int> taken; /* all links: whether they hang on the root */
+    std::multimap<str, str> carries;
+    for (size_t i = 0; i < robot.children.size(); ++i) {
+        const element &e = robot.children[i];
+        if (e.name == "link" && e.attribute("name"))
+            taken[*e.attribute("name")] = 0;
+        if (e.name == "joint" && end_of(e, "parent") && end_of(e, "child"))
+            carries.insert(std::make_pair(*end_of(e, "parent"), *end_of(e, "child")));
+    }
+    if (!taken.count(root))
+        throw failure(RBD_URDF_ERR_OPTION, 0,
+                      "there is no link " + quoted(root) + " to be the root" + nearest(root, taken));
+    for (std::vector<str> open(1, root); !open.empty();) {
+        const str link = open.back();
+        open.pop_back();
+        if (!taken.count(link) || taken[link]++)
+            continue;
+        for (std::multimap<str, str>::const_iterator i = carries.lower_bound(link);
+             i != carries.end() && i->first == link; ++i)
+            open.push_back(i->second);
+    }
+    std::vector<element> rest;
+    for (size_t i = 0; i < robot.children.size(); ++i) {
+        element &e = robot.children[i];
+        const str *link = e.name == "link"    ? e.attribute("name")
+                          : e.name == "joint" ? end_of(e, "parent")
+                                              : NULL;
+        if (!link || !taken.count(*link) || taken[*link])
+            rest.push_back(std::move(e));
+    }
+    robot.children.swap(rest);
+}
+
 /* The part of a URDF that dynamics needs, checked, and as text for urdfdom. */
 class checked {
   public:
@@ -525,13 +653,15 @@ class checked {
     std::vector<joint_part> joints;
     int root;
 
-    checked(const element &top, bool lock, warning_list &w) : root(-1), warnings(w) {
+    checked(element top, const rbd_urdf_options &o, warning_list &w) : root(-1), options(o), warnings(w) {
         if (top.name != "robot")
             fail(RBD_URDF_ERR_ROBOT, top,
                  "<" + top.name + "> is not a robot: <robot> must be the first element");
         refuse_xacro(top);
-        robot = name_of(top, "the robot");
+        robot = name_of_robot(top);
         text = "<robot name=\"" + escaped(robot) + "\">\n";
+        if (options.root_link)
+            take_subtree(top, options.root_link);
         for (size_t i = 0; i < top.children.size(); ++i)
             if (top.children[i].name == "link")
                 add_link(top.children[i]);
@@ -542,10 +672,12 @@ class checked {
                 add_joint(top.children[i]);
         text += "</robot>\n";
         check_tree();
-        if (lock)
+        check_names();
+        if (options.lock_massless)
             lock_massless();
+        follow_mimics();
+        check_leaders();
         check_count();
-        check_mimics();
     }
 
     int link(const str &name) const {
@@ -556,6 +688,7 @@ class checked {
     }
 
   private:
+    const rbd_urdf_options &options;
     warning_list &warnings;
     std::map<str, int> link_index, joint_index;
     std::vector<int> outwards; /* links, parents first */
@@ -603,6 +736,14 @@ class checked {
             if ((unsigned char)(*name)[i] < 0x20 || (*name)[i] == 0x7f)
                 throw failure(RBD_URDF_ERR_NAME, e.line, "the name of " + what + " has a control character");
         return *name;
+    }
+
+    str name_of_robot(const element &e) {
+        const str *name = e.attribute("name");
+        if (name && !name->empty())
+            return name_of(e, "the robot");
+        warnings.add(RBD_URDF_WARN_NAME, e.line, "the robot has no name; it is called 'robot'");
+        return "robot";
     }
 
     /* The child of this name, NULL if there is none; two are an error. */
@@ -728,12 +869,13 @@ class checked {
 
     int end_of_joint(const element &e, const char *which) {
         const element *x = only(e, which);
-        const str *name = x ? x->attribute("link") : NULL;
+        const str *name = end_of(e, which);
         if (!name)
             fail(RBD_URDF_ERR_JOINT, e, str("it has no <") + which + " link=\"...\">");
         int index = link(*name);
         if (index < 0)
-            fail(RBD_URDF_ERR_JOINT, *x, str("its ") + which + " link " + quoted(*name) + " is missing");
+            fail(RBD_URDF_ERR_JOINT, *x,
+                 str("its ") + which + " link " + quoted(*name) + " is missing" + nearest(*name, link_index));
         text += str("<") + which + " link=\"" + escaped(*name) + "\"/>";
         return index;
     }
@@ -746,46 +888,49 @@ class checked {
         who = "joint " + quoted(j.name);
         if (!joint_index.insert(std::make_pair(j.name, (int)joints.size())).second)
             fail(RBD_URDF_ERR_NAME, e, "the name stands twice");
-        j.type = joint_type(e);
+        j.motion = j.type = joint_type(e);
         text += "<joint name=\"" + escaped(j.name) + "\" type=\"" + *e.attribute("type") + "\">";
         origin(e);
         j.parent = end_of_joint(e, "parent");
         j.child = end_of_joint(e, "child");
         if (has_joint_axis(j.type))
-            axis(e);
+            axis(e, j.axis);
         if (has_one_dof(j.type))
-            limit(e, j.type);
+            limit(e, j);
         dynamics(e, j);
-        mimic(e, j);
+        if (const rbd_urdf_lock *lock = lock_of(j.name))
+            hold_at(j, lock->value);
+        else
+            mimic(e, j);
         text += "</joint>\n";
         hang(e, j);
         joints.push_back(j);
     }
 
-    void axis(const element &e) {
+    void axis(const element &e, double x[3]) {
         const element *a = only(e, "axis");
-        double x[3];
         if (!a)
             return;
         text += "<axis";
         if (!copy(*a, "xyz", 3, x))
             fail(RBD_URDF_ERR_AXIS, *a, "<axis> has no xyz");
         text += "/>";
-        double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        if (!(length > 0))
+        if (x[0] == 0 && x[1] == 0 && x[2] == 0)
             fail(RBD_URDF_ERR_AXIS, *a, "the axis is zero");
-        if (!(length > 0.99 && length < 1.01)) {
-            char number[32];
-            std::snprintf(number, sizeof number, "%.6g", length);
-            fail(RBD_URDF_ERR_AXIS, *a, "the axis is of length " + str(number) + ", must be a unit vector");
-        }
+        double unit[3] = {x[0], x[1], x[2]};
+        const double length = make_unit(unit);
+        if (length > 0.99 && length < 1.01)
+            return; /* as it is written: rounded */
+        std::memcpy(x, unit, sizeof unit);
+        warnings.add(RBD_URDF_WARN_AXIS, a->line,
+                     who + ": the axis is of length " + text_of(length) + "; made a unit vector");
     }
 
     /* urdfdom insists on limits, dynamics does not: what is missing, infinite or makes no sense is none. */
-    void limit(const element &e, rbd_joint_type type) {
+    void limit(const element &e, joint_part &j) {
         static const char *const names[] = {"lower", "upper", "velocity", "effort"};
         const element *l = only(e, "limit");
-        const bool needed = type != RBD_CONTINUOUS;
+        const bool needed = j.type != RBD_CONTINUOUS;
         double x[4] = {0, 0, 0, 0};
         bool finite[4] = {true, true, true, true};
         if (!l && needed)
@@ -795,6 +940,8 @@ class checked {
         if (needed && finite[0] && finite[1] && x[0] > x[1])
             no_limit(*l, "the lower limit exceeds the upper");
         const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
+        if (bounds)
+            j.lower = x[0], j.upper = x[1];
         text += "<limit";
         for (int i = 0; i < 4; ++i) {
             if (i < 2 ? bounds : x[i] > 0)
@@ -826,7 +973,7 @@ class checked {
         str word;
         for (size_t i = 0; i < value.size(); ++i)
             if (!std::strchr("+- .", value[i]))
-                word += (char)(value[i] | 0x20); /* lower case */
+                word += lower_case(value[i]);
         return word == "inf" || word == "infinity";
     }
     void no_limit(const element &e, const str &what) const {
@@ -854,19 +1001,49 @@ class checked {
 
     void mimic(const element &e, joint_part &j) {
         const element *m = only(e, "mimic");
-        double x;
-        if (!m)
+        if (m && j.type == RBD_FIXED)
+            warnings.add(RBD_URDF_WARN_MIMIC, m->line, who + ": it is fixed; its <mimic> is ignored");
+        if (!m || j.type == RBD_FIXED)
             return;
         const str *name = m->attribute("joint");
         if (!name || name->empty())
             fail(RBD_URDF_ERR_MIMIC, *m, "<mimic> has no joint");
         if (!has_one_dof(j.type))
-            fail(RBD_URDF_ERR_MIMIC, *m, "only revolute, continuous and prismatic joints can mimic");
+            fail(RBD_URDF_ERR_MIMIC, *m,
+                 "only revolute, continuous and prismatic joints can mimic" + lock_hint(j.name));
         j.mimic = *name;
         text += "<mimic joint=\"" + escaped(*name) + "\"";
-        copy(*m, "multiplier", 1, &x);
-        copy(*m, "offset", 1, &x);
+        copy(*m, "multiplier", 1, &j.ratio);
+        copy(*m, "offset", 1, &j.offset);
         text += "/>";
+    }
+
+    /* What the options say of a joint, NULL if nothing. */
+    const rbd_urdf_lock *lock_of(const str &joint) const {
+        for (const rbd_urdf_lock *l = options.lock; l && l->joint; ++l)
+            if (joint == l->joint)
+                return l;
+        return NULL;
+    }
+
+    /* Makes a joint fixed. */
+    static void hold(joint_part &j, double value) {
+        j.type = RBD_FIXED;
+        j.value = value;
+        j.mimic.clear();
+    }
+    void hold_at(joint_part &j, double value) const {
+        const str joint = "joint " + quoted(j.name), at = "held still at " + text_of(value);
+        if (!std::isfinite(value))
+            throw failure(RBD_URDF_ERR_NUMBER, j.line, joint + ": " + at + ", which is not finite");
+        if (value != 0 && !has_one_dof(j.motion))
+            throw failure(RBD_URDF_ERR_OPTION, j.line,
+                          joint + ": only revolute, continuous and prismatic joints can be " + at);
+        if (j.lower < j.upper && (value < j.lower || value > j.upper))
+            warnings.add(RBD_URDF_WARN_LIMIT, j.line,
+                         joint + ": " + at + ", beyond its limits " + text_of(j.lower) + " .. " +
+                             text_of(j.upper));
+        hold(j, value);
     }
 
     void hang(const element &e, const joint_part &j) {
@@ -888,9 +1065,12 @@ class checked {
             if (links[i].joint >= 0)
                 continue;
             if (root >= 0)
-                throw failure(RBD_URDF_ERR_TREE, links[i].line,
-                              "two links are no joint's child, so there are two roots: " +
-                                  quoted(links[(size_t)root].name) + " and " + quoted(links[i].name));
+                throw failure(
+                    RBD_URDF_ERR_TREE, links[i].line,
+                    "two links are no joint's child, so there are two roots: " +
+                        quoted(links[(size_t)root].name) + " and " + quoted(links[i].name) +
+                        "; to take one with what hangs on it: options.root_link, rbd-model --root " +
+                        quoted(links[(size_t)root].name));
             root = (int)i;
         }
         std::vector<bool> seen(links.size(), false);
@@ -916,23 +1096,75 @@ class checked {
         return i;
     }
 
-    /* Makes joints fixed that move no mass and have no armature. */
-    void lock_massless() {
-        std::vector<bool> massive(links.size());
+    /* Of each joint, whether it moves mass or has armature, or one does that mimics it. */
+    std::vector<bool> movers() const {
+        std::vector<bool> massive(links.size()), moves(joints.size());
         for (size_t k = outwards.size(); k-- > 1;) {
-            const link_part &l = links[(size_t)outwards[k]];
-            joint_part &j = joints[(size_t)l.joint];
-            if (l.massive)
-                massive[(size_t)outwards[k]] = true;
-            if (massive[(size_t)outwards[k]])
-                massive[(size_t)j.parent] = true;
-            else if (j.type != RBD_FIXED && !(j.armature > 0)) {
-                warnings.add(RBD_URDF_WARN_LOCKED, j.line,
-                             "joint " + quoted(j.name) + ": it moves no mass; held still");
-                j.type = RBD_FIXED;
-                j.locked = true;
-                j.mimic.clear();
-            }
+            const size_t child = (size_t)outwards[k], number = (size_t)links[child].joint;
+            massive[child] = massive[child] || links[child].massive;
+            moves[number] = massive[child] || joints[number].armature > 0;
+            if (massive[child])
+                massive[(size_t)joints[number].parent] = true;
+        }
+        for (size_t i = 0; i < joints.size(); ++i)
+            for (int k = moves[i] ? joint(joints[i].mimic) : -1; k >= 0 && !moves[(size_t)k];
+                 k = joint(joints[(size_t)k].mimic))
+                moves[(size_t)k] = true;
+        return moves;
+    }
+
+    void lock_massless() {
+        const std::vector<bool> moves = movers();
+        for (size_t k = outwards.size(); k-- > 1;) {
+            const int number = links[(size_t)outwards[k]].joint;
+            joint_part &j = joints[(size_t)number];
+            if (j.type == RBD_FIXED || moves[(size_t)number])
+                continue;
+            warnings.add(RBD_URDF_WARN_LOCKED, j.line,
+                         "joint " + quoted(j.name) + ": it moves no mass; held still");
+            hold(j, 0);
+        }
+    }
+
+    /* rbd_model_build refuses a joint that moves no mass, but not one that others mimic. */
+    void check_leaders() const {
+        std::vector<bool> good = movers();
+        for (size_t i = 0; i < joints.size(); ++i) {
+            const int leader = joint(joints[i].mimic);
+            if (leader < 0 || good[(size_t)leader])
+                continue;
+            const joint_part &j = joints[(size_t)leader];
+            good[(size_t)leader] = true; /* told once */
+            warnings.add(RBD_URDF_WARN_SINGULAR, j.line,
+                         "joint " + quoted(j.name) +
+                             ": neither it nor what mimics it moves mass: forward dynamics is singular" +
+                             massless_hint(j.name));
+        }
+    }
+
+    /* A hint at the joint that is meant by a name that none has. */
+    str joint_meant(const str &name) const {
+        const int child = link(name), number = child < 0 ? -1 : links[(size_t)child].joint;
+        if (number < 0)
+            return nearest(name, joint_index);
+        return "; link " + quoted(name) + " hangs on joint " + quoted(joints[(size_t)number].name);
+    }
+
+    /* That the options name what is there. */
+    void check_names() const {
+        const str part = options.root_link ? " on link " + quoted(options.root_link) : "";
+        for (const char *const *k = options.keep; k && *k; ++k)
+            if (link(*k) < 0)
+                throw failure(RBD_URDF_ERR_OPTION, 0,
+                              "there is no link " + quoted(*k) + " to keep" + part + nearest(*k, link_index));
+        for (const rbd_urdf_lock *l = options.lock; l && l->joint; ++l) {
+            if (joint(l->joint) < 0)
+                throw failure(RBD_URDF_ERR_OPTION, 0,
+                              "there is no joint " + quoted(l->joint) + " to hold still" + part +
+                                  joint_meant(l->joint));
+            if (lock_of(l->joint) != l)
+                throw failure(RBD_URDF_ERR_OPTION, 0,
+                              "joint " + quoted(l->joint) + " is to be held still twice");
         }
     }
 
@@ -947,8 +1179,8 @@ class checked {
                               std::to_string(RBD_MAX_BODIES));
     }
 
-    /* Follows every joint to one that does not mimic, or that is known to lead to one. */
-    void check_mimics() const {
+    /* Makes every joint that mimics follow one that does not, as rbd's do, or holds it still. */
+    void follow_mimics() {
         std::vector<bool> good(joints.size(), false);
         std::vector<size_t> path;
         for (size_t i = 0; i < joints.size(); ++i) {
@@ -959,9 +1191,30 @@ class checked {
                                            : "joints that mimic each other in a circle");
                 path.push_back(k);
             }
-            for (size_t step = 0; step < path.size(); ++step)
-                good[path[step]] = true;
+            for (size_t step = path.size(); step-- > 0; good[path[step]] = true)
+                follow(joints[path[step]]);
         }
+    }
+
+    /* The one that this joint mimics leads, follows one that leads, or is held still. */
+    void follow(joint_part &j) {
+        const joint_part &source = joints[(size_t)joint(j.mimic)];
+        if (source.held()) {
+            hold_follower(j, j.ratio * source.value + j.offset, "it mimics " + quoted(j.mimic));
+            return;
+        }
+        if (!source.mimic.empty()) {
+            j.offset += j.ratio * source.offset;
+            j.ratio *= source.ratio;
+            j.mimic = source.mimic;
+        }
+        if (j.ratio == 0)
+            hold_follower(j, j.offset, "its <mimic> has multiplier 0");
+    }
+    void hold_follower(joint_part &j, double value, const str &why) const {
+        hold_at(j, value);
+        warnings.add(RBD_URDF_WARN_LOCKED, j.line,
+                     "joint " + quoted(j.name) + ": held still at " + text_of(value) + ", as " + why);
     }
 
     /* The joint that this one mimics: it must be there, and be able to lead. */
@@ -969,17 +1222,16 @@ class checked {
         const str &name = joints[follower].mimic;
         const int source = joint(name);
         if (source < 0)
-            refuse_mimic(follower, quoted(name) + ", which is missing");
+            refuse_mimic(follower, quoted(name) + ", which is missing" + nearest(name, joint_index));
         const joint_part &j = joints[(size_t)source];
-        if (j.locked)
-            refuse_mimic(follower, quoted(name) + ", which moves no mass and is held still");
-        if (!has_one_dof(j.type))
+        if (!has_one_dof(j.motion))
             refuse_mimic(follower, quoted(name) + ", which is not revolute, continuous or prismatic");
         return (size_t)source;
     }
     void refuse_mimic(size_t follower, const str &what) const {
         const joint_part &j = joints[follower];
-        throw failure(RBD_URDF_ERR_MIMIC, j.line, "joint " + quoted(j.name) + ": it mimics " + what);
+        throw failure(RBD_URDF_ERR_MIMIC, j.line,
+                      "joint " + quoted(j.name) + ": it mimics " + what + lock_hint(j.name));
     }
 };
 
@@ -1184,9 +1436,9 @@ inline part sum(const std::vector<part> &parts) {
 
 /* A rotation whose third column is the axis; the first lies towards the unit vector that follows the
    axis's largest component. */
-inline void turn_z_to(const urdf::Vector3 &axis, double R[9]) {
-    const double length = std::sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
-    const double z[3] = {axis.x / length, axis.y / length, axis.z / length};
+inline void turn_z_to(const double axis[3], double R[9]) {
+    double z[3] = {axis[0], axis[1], axis[2]};
+    make_unit(z);
     int k = 0;
     for (int i = 1; i < 3; ++i)
         if (std::fabs(z[i]) > std::fabs(z[k]))
@@ -1202,6 +1454,27 @@ inline void turn_z_to(const urdf::Vector3 &axis, double R[9]) {
         const int j = (i + 1) % 3, l = (i + 2) % 3;
         R[3 * i] = x[i], R[3 * i + 1] = z[j] * x[l] - z[l] * x[j], R[3 * i + 2] = z[i];
     }
+}
+
+/* Where a joint that is held still puts its link: turned about the axis by R = cos 1 + sin [n]x +
+   (1 - cos) n n' (Rodrigues), or shifted along it. */
+inline pose pose_held(const joint_part &j) {
+    pose x;
+    double n[3] = {j.axis[0], j.axis[1], j.axis[2]};
+    if (!j.held() || j.value == 0)
+        return x;
+    make_unit(n);
+    if (j.motion == RBD_PRISMATIC) {
+        for (int i = 0; i < 3; ++i)
+            x.p[i] = j.value * n[i];
+        return x;
+    }
+    const double c = std::cos(j.value), s = std::sin(j.value);
+    const double cross[9] = {0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0};
+    for (int i = 0; i < 9; ++i)
+        x.R[i] = c * (i % 4 == 0) + s * cross[i] + (1 - c) * n[i / 3] * n[i % 3];
+    snap(x.R);
+    return x;
 }
 
 /* A body and the parts that belong to it; strings are written later. */
@@ -1234,7 +1507,6 @@ class description {
     description(const checked &c, const parsed &u, const rbd_urdf_options &o, warning_list &w)
         : fixed_mass(0), file(c), dom(u), options(o), warnings(w), frame_of(c.links.size(), -1) {
         std::set<int> ready; /* joints whose parent is there: the first in the file goes first */
-        check_keep();
         add_root();
         join(ready, file.root);
         while (!ready.empty()) {
@@ -1264,11 +1536,6 @@ class description {
         return options.root_joint ? options.root_joint : "root";
     }
 
-    void check_keep() const {
-        for (const char *const *k = options.keep; k && *k; ++k)
-            if (file.link(*k) < 0)
-                throw failure(RBD_URDF_ERR_OPTION, 0, "there is no link " + quoted(*k) + " to keep");
-    }
     bool kept(const str &link) const {
         for (const char *const *k = options.keep; k && *k; ++k)
             if (link == *k)
@@ -1291,7 +1558,8 @@ class description {
             if (file.joint(root_name()) >= 0)
                 throw failure(RBD_URDF_ERR_NAME, file.joints[(size_t)file.joint(root_name())].line,
                               "joint " + quoted(root_name()) +
-                                  ": the joint of the floating root link is called so");
+                                  ": the joint of the floating root link is called so; to call that one "
+                                  "otherwise: options.root_joint, rbd-model --root-joint");
             rows.push_back(row(-1, RBD_FLOATING, l.line));
             rows.back().joint = root_name();
         }
@@ -1371,7 +1639,8 @@ class description {
         const frame &parent = frames[(size_t)frame_of[(size_t)j.parent]];
         const urdf::Joint &u = dom.joint(j.name);
         const str &link = file.links[(size_t)j.child].name;
-        const pose at = compose(parent.at, pose_of(u.parent_to_joint_origin_transform));
+        const pose at =
+            compose(compose(parent.at, pose_of(u.parent_to_joint_origin_transform)), pose_held(j));
         if (j.type == RBD_FIXED && !kept(link)) {
             add_frame(j.child, number, parent.body, at);
             return;
@@ -1382,9 +1651,9 @@ class description {
         r.place(at);
         if (j.type != RBD_FIXED)
             add_motion(r, j, u);
-        const bool tilted = j.type == RBD_PLANAR && !(u.axis.x == 0 && u.axis.y == 0 && u.axis.z > 0);
+        const bool tilted = j.type == RBD_PLANAR && !(j.axis[0] == 0 && j.axis[1] == 0 && j.axis[2] > 0);
         if (tilted)
-            add_tilted(r, at, u.axis);
+            add_tilted(r, at, j.axis);
         else
             rows.push_back(r);
         add_frame(j.child, number, (int)rows.size() - 1, pose());
@@ -1392,7 +1661,7 @@ class description {
 
     /* A planar joint that moves about another axis than z: on a frame turned so that it is z, and the link
        turned back upon it. */
-    void add_tilted(row &r, const pose &at, const urdf::Vector3 &axis) {
+    void add_tilted(row &r, const pose &at, const double axis[3]) {
         pose tilt, back;
         turn_z_to(axis, tilt.R);
         snap(tilt.R);
@@ -1409,10 +1678,8 @@ class description {
 
     void add_motion(row &r, const joint_part &j, const urdf::Joint &u) const {
         static const int dofs[RBD_JOINT_TYPES] = {0, 1, 1, 1, 1, 1, 2, 2, 3, 3, 3, 3, 3, 3, 3, 6};
-        if (has_one_dof(j.type)) {
-            const double axis[3] = {u.axis.x, u.axis.y, u.axis.z};
-            std::memcpy(r.body.axis, axis, sizeof axis);
-        }
+        if (has_one_dof(j.type))
+            std::memcpy(r.body.axis, j.axis, sizeof j.axis);
         for (int i = 0; i < dofs[j.type]; ++i) {
             r.body.damping[i] = u.dynamics ? u.dynamics->damping : 0;
             r.body.friction[i] = u.dynamics ? u.dynamics->friction : 0;
@@ -1423,24 +1690,7 @@ class description {
             r.body.velocity = u.limits->velocity, r.body.effort = u.limits->effort;
         }
         if (!j.mimic.empty())
-            add_mimic(r, j);
-    }
-
-    /* rbd's mimic joints follow joints that do not follow. */
-    void add_mimic(row &r, const joint_part &start) const {
-        double ratio = 1, offset = 0;
-        for (const joint_part *j = &start; !j->mimic.empty();
-             j = &file.joints[(size_t)file.joint(j->mimic)]) {
-            const urdf::JointMimicSharedPtr &m = dom.joint(j->name).mimic;
-            if (!m)
-                throw failure(RBD_URDF_ERR_PARSER, j->line,
-                              "joint " + quoted(j->name) + ": urdfdom lost its <mimic>");
-            offset += ratio * m->offset;
-            ratio *= m->multiplier;
-            r.mimic = j->mimic;
-        }
-        r.body.mimic_ratio = ratio;
-        r.body.mimic_offset = offset;
+            r.mimic = j.mimic, r.body.mimic_ratio = j.ratio, r.body.mimic_offset = j.offset;
     }
 
     /* That rbd_model_build takes the description is found out by asking it. */
@@ -1465,10 +1715,10 @@ class description {
         if (report.error.body < 0)
             throw failure(RBD_URDF_ERR_MODEL, 0, str("the model: ") + rbd_status_string(report.error.status));
         const row &r = rows[(size_t)report.error.body];
-        const bool lockable = report.error.status == RBD_ERR_LEAF && !options.lock_massless;
+        const bool lockable = report.error.status == RBD_ERR_LEAF && file.joint(r.joint) >= 0;
         throw failure(RBD_URDF_ERR_MODEL, r.line,
                       "link " + quoted(r.name) + ", joint " + quoted(r.joint) + ", " + finding(report.error) +
-                          (lockable ? "; to hold it still: options.lock_massless, rbd-model --lock" : ""));
+                          (lockable ? massless_hint(r.joint) : ""));
     }
 };
 
@@ -1565,7 +1815,7 @@ inline void load(const char *text, size_t length, const rbd_urdf_options &option
     static const double earth[3] = {0, 0, -9.81};
     check_options(options);
     std::memcpy(robot->gravity, options.gravity ? options.gravity : earth, sizeof earth);
-    const checked file(reader(text, length).document(), options.lock_massless != 0, warnings);
+    const checked file(reader(text, length).document(), options, warnings);
     const parsed dom(file.text, options.show_messages != 0);
     write_result(file, description(file, dom, options, warnings), robot);
 }
@@ -1665,7 +1915,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     switch (status) {
     case RBD_URDF_OK: return "no error";
     case RBD_URDF_ERR_NULL: return "a required pointer is NULL";
-    case RBD_URDF_ERR_OPTION: return "an option has no such value";
+    case RBD_URDF_ERR_OPTION: return "an option has no such value, or names what is not there";
     case RBD_URDF_ERR_FILE: return "the file cannot be read";
     case RBD_URDF_ERR_ROOM: return "an array is too short";
     case RBD_URDF_ERR_MEMORY: return "out of memory";
@@ -1675,15 +1925,19 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_ERR_NUMBER: return "not a finite number";
     case RBD_URDF_ERR_INERTIAL: return "the inertial is incomplete or its mass negative";
     case RBD_URDF_ERR_JOINT: return "a joint lacks type, parent or child";
-    case RBD_URDF_ERR_AXIS: return "an axis is zero or not of unit length";
+    case RBD_URDF_ERR_AXIS: return "an axis is zero or has no xyz";
     case RBD_URDF_ERR_MIMIC: return "a joint cannot mimic what it names";
     case RBD_URDF_ERR_TREE: return "the links are no tree";
     case RBD_URDF_ERR_MODEL: return "not a model that rbd_model_build takes";
     case RBD_URDF_ERR_PARSER: return "urdfdom refuses it";
     case RBD_URDF_WARN_INERTIA: return "no real body has this mass and inertia";
-    case RBD_URDF_WARN_LIMIT: return "limits are missing or make no sense";
+    case RBD_URDF_WARN_LIMIT: return "limits are missing, make no sense or are not kept";
     case RBD_URDF_WARN_ROOT: return "the floating root link has no mass";
-    case RBD_URDF_WARN_LOCKED: return "a joint that moves no mass is held still";
+    case RBD_URDF_WARN_LOCKED: return "a joint that moves no mass, or mimics one at rest, is held still";
+    case RBD_URDF_WARN_AXIS: return "an axis is not of unit length";
+    case RBD_URDF_WARN_NAME: return "the robot has no name";
+    case RBD_URDF_WARN_MIMIC: return "a fixed joint mimics another";
+    case RBD_URDF_WARN_SINGULAR: return "neither a joint nor what mimics it moves mass";
     }
     return "unknown status";
 }

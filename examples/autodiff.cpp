@@ -2,7 +2,7 @@
 // gives the torques of the iiwa and all their derivatives by q; checked against central differences.
 #include <cmath>
 #include <cstdio>
-enum { N = 7 };
+enum { N = 7 }; // IIWA_NV, which the class must know before rbd.h
 
 // A value and its derivatives by N variables. The default constructor must be trivial: rbd's memory is raw.
 struct dual {
@@ -37,6 +37,7 @@ static dual sqrt(const dual &a) { return chain(std::sqrt(a.x), 0.5 / std::sqrt(a
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "models/iiwa_model.h"
+static_assert(N == IIWA_NQ && N == IIWA_NV, "as many variables as joints");
 
 static unsigned char memory[IIWA_WORK_SIZE];
 static const double q0[N] = {0.3, -0.7, 1.1, 1.4, -0.2, 0.9, 0.5};

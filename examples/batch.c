@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { STATES = 4096, NQ = 7, NV = 7 };
+enum { STATES = 4096, NQ = IIWA_NQ, NV = IIWA_NV };
 
 static double q[STATES * NQ], v[STATES * NV], tau[STATES * NV], a[STATES * NV], a_single[STATES * NV];
 

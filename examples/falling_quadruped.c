@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { NQ = 19, NV = 18, ROOT_Q = 7, ROOT_V = 6, LEGS = 12, STEPS = 50000, STEPS_PER_ROW = 500 };
-
+enum { LEG = HYQ_DOF_LF_HAA_JOINT, LEGS = HYQ_NV - LEG, STEPS = 50000, STEPS_PER_ROW = 500 };
 static const double dt = 2e-5, stiffness = 60, damping = 3; /* s, N m/rad, N m s/rad */
 static const double rest[LEGS] = {0, 0, 0, 0, 0.7, 0.7, -0.7, -0.7, -1.4, -1.4, 1.4, 1.4}; /* rad */
 
 static unsigned char memory[HYQ_WORK_SIZE];
 static rbd_work *w;
-static double q[NQ], v[NV], dissipated;
+static double q[HYQ_NQ], v[HYQ_NV], dissipated;
+static double *const legs = q + HYQ_Q_LF_HAA_JOINT, *const legs_v = v + LEG;
 
 static void check(rbd_status status) {
     if (status != RBD_OK) {
@@ -27,21 +27,21 @@ static void check(rbd_status status) {
 static void start(void) {
     check(rbd_work_init(&hyq_model, memory, sizeof memory, &w));
     check(rbd_neutral(&hyq_model, q));
-    q[2] = 6;                     /* height of the trunk, m */
-    v[0] = 1, v[1] = 6, v[5] = 2; /* turning about its x and y axes, rad/s, and rising, m/s */
+    q[HYQ_Q_ROOT_Z] = 6, v[HYQ_DOF_ROOT_VZ] = 2;    /* height of the trunk, m; rising, m/s */
+    v[HYQ_DOF_ROOT_WX] = 1, v[HYQ_DOF_ROOT_WY] = 6; /* turning about its x and y axes, rad/s */
 }
 
 /* Semi-implicit Euler: the velocity first, then the configuration by the new velocity. */
 static void step(void) {
-    double tau[NV] = {0}, a[NV];
+    double tau[HYQ_NV] = {0}, a[HYQ_NV];
     for (int i = 0; i < LEGS; i++)
-        tau[ROOT_V + i] = stiffness * (rest[i] - q[ROOT_Q + i]) - damping * v[ROOT_V + i];
+        tau[LEG + i] = stiffness * (rest[i] - legs[i]) - damping * legs_v[i];
     check(rbd_aba(&hyq_model, w, q, v, tau, NULL, a));
-    for (int i = 0; i < NV; i++)
+    for (int i = 0; i < HYQ_NV; i++)
         v[i] += a[i] * dt;
     check(rbd_integrate(&hyq_model, q, v, dt, q));
     for (int i = 0; i < LEGS; i++)
-        dissipated += damping * pow(v[ROOT_V + i], 2) * dt;
+        dissipated += damping * pow(legs_v[i], 2) * dt;
 }
 
 /* Writes a row; returns the sum of the energies, and the centre of mass. */
@@ -50,10 +50,10 @@ static double row(double t, double com[3], double velocity[3]) {
     check(rbd_kinematics(&hyq_model, w, q, v, NULL));
     check(rbd_energy(&hyq_model, w, &kinetic, &potential));
     check(rbd_com(&hyq_model, w, com, velocity, NULL));
-    check(rbd_body_pose(&hyq_model, w, rbd_body_index(&hyq_model, "lf_lowerleg"), NULL, fore));
-    check(rbd_body_pose(&hyq_model, w, rbd_body_index(&hyq_model, "rh_lowerleg"), NULL, hind));
+    check(rbd_body_pose(&hyq_model, w, HYQ_BODY_LF_LOWERLEG, NULL, fore));
+    check(rbd_body_pose(&hyq_model, w, HYQ_BODY_RH_LOWERLEG, NULL, hind));
     for (int i = 0; i < LEGS; i++)
-        elastic += stiffness * pow(q[ROOT_Q + i] - rest[i], 2) / 2;
+        elastic += stiffness * pow(legs[i] - rest[i], 2) / 2;
     const double sum = kinetic + potential + elastic + dissipated;
     printf("%.2f,%.4f,%.4f,%.4f,", t, com[2], fore[2], hind[2]);
     printf("%.3f,%.3f,%.3f,%.3f,%.3f\n", kinetic, potential, elastic, dissipated, sum);

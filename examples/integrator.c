@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { NQ = 19, NV = 18, STEPS = 100, RUNS = 2, TRUTH = 32 * STEPS };
+enum { NQ = HYQ_NQ, NV = HYQ_NV, STEPS = 100, RUNS = 2, TRUTH = 32 * STEPS };
 
 static unsigned char memory[HYQ_WORK_SIZE];
 static rbd_work *w;

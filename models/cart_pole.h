@@ -3,11 +3,24 @@
 #ifndef CART_POLE_H
 #define CART_POLE_H
 
+/* clang-format off */
+
 #define CART_POLE_NB 2 /* bodies */
 #define CART_POLE_NQ 2 /* length of q */
-#define CART_POLE_NV 2 /* degrees of freedom */
+#define CART_POLE_NV 2 /* degrees of freedom: length of v, a and tau */
 
-/* clang-format off */
+#ifndef CART_POLE_INDICES /* the description and the built model have the same */
+#define CART_POLE_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    CART_POLE_BODY_CART = 0,
+    CART_POLE_BODY_POLE = 1,
+    CART_POLE_Q_RAIL = 0,
+    CART_POLE_Q_HINGE = 1,
+    CART_POLE_DOF_RAIL = 0,
+    CART_POLE_DOF_HINGE = 1,
+};
+#endif
+
 /* A row: {link, joint, parent, type,
            axis, axis2, pitch,
            position,

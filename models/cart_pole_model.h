@@ -12,6 +12,22 @@
 
 /* clang-format off */
 
+#define CART_POLE_NB 2 /* bodies */
+#define CART_POLE_NQ 2 /* length of q */
+#define CART_POLE_NV 2 /* degrees of freedom: length of v, a and tau */
+
+#ifndef CART_POLE_INDICES /* the description and the built model have the same */
+#define CART_POLE_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    CART_POLE_BODY_CART = 0,
+    CART_POLE_BODY_POLE = 1,
+    CART_POLE_Q_RAIL = 0,
+    CART_POLE_Q_HINGE = 1,
+    CART_POLE_DOF_RAIL = 0,
+    CART_POLE_DOF_HINGE = 1,
+};
+#endif
+
 /* Bytes for rbd_work_init, exactly. */
 #define CART_POLE_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3, 0)
 

@@ -3,11 +3,24 @@
 #ifndef DOUBLE_PENDULUM_H
 #define DOUBLE_PENDULUM_H
 
+/* clang-format off */
+
 #define DOUBLE_PENDULUM_NB 2 /* bodies */
 #define DOUBLE_PENDULUM_NQ 2 /* length of q */
-#define DOUBLE_PENDULUM_NV 2 /* degrees of freedom */
+#define DOUBLE_PENDULUM_NV 2 /* degrees of freedom: length of v, a and tau */
 
-/* clang-format off */
+#ifndef DOUBLE_PENDULUM_INDICES /* the description and the built model have the same */
+#define DOUBLE_PENDULUM_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    DOUBLE_PENDULUM_BODY_UPPER_ROD = 0,
+    DOUBLE_PENDULUM_BODY_LOWER_ROD = 1,
+    DOUBLE_PENDULUM_Q_SHOULDER = 0,
+    DOUBLE_PENDULUM_Q_ELBOW = 1,
+    DOUBLE_PENDULUM_DOF_SHOULDER = 0,
+    DOUBLE_PENDULUM_DOF_ELBOW = 1,
+};
+#endif
+
 /* A row: {link, joint, parent, type,
            axis, axis2, pitch,
            position,

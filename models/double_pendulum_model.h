@@ -12,6 +12,22 @@
 
 /* clang-format off */
 
+#define DOUBLE_PENDULUM_NB 2 /* bodies */
+#define DOUBLE_PENDULUM_NQ 2 /* length of q */
+#define DOUBLE_PENDULUM_NV 2 /* degrees of freedom: length of v, a and tau */
+
+#ifndef DOUBLE_PENDULUM_INDICES /* the description and the built model have the same */
+#define DOUBLE_PENDULUM_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    DOUBLE_PENDULUM_BODY_UPPER_ROD = 0,
+    DOUBLE_PENDULUM_BODY_LOWER_ROD = 1,
+    DOUBLE_PENDULUM_Q_SHOULDER = 0,
+    DOUBLE_PENDULUM_Q_ELBOW = 1,
+    DOUBLE_PENDULUM_DOF_SHOULDER = 0,
+    DOUBLE_PENDULUM_DOF_ELBOW = 1,
+};
+#endif
+
 /* Bytes for rbd_work_init, exactly. */
 #define DOUBLE_PENDULUM_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3, 0)
 

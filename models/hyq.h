@@ -3,11 +3,68 @@
 #ifndef HYQ_H
 #define HYQ_H
 
+/* clang-format off */
+
 #define HYQ_NB 13 /* bodies */
 #define HYQ_NQ 19 /* length of q */
-#define HYQ_NV 18 /* degrees of freedom */
+#define HYQ_NV 18 /* degrees of freedom: length of v, a and tau */
 
-/* clang-format off */
+#ifndef HYQ_INDICES /* the description and the built model have the same */
+#define HYQ_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    HYQ_BODY_BASE_LINK_0 = 0,
+    HYQ_BODY_LF_HIPASSEMBLY = 1,
+    HYQ_BODY_RF_HIPASSEMBLY = 2,
+    HYQ_BODY_LH_HIPASSEMBLY = 3,
+    HYQ_BODY_RH_HIPASSEMBLY = 4,
+    HYQ_BODY_LF_UPPERLEG = 5,
+    HYQ_BODY_RF_UPPERLEG = 6,
+    HYQ_BODY_LH_UPPERLEG = 7,
+    HYQ_BODY_RH_UPPERLEG = 8,
+    HYQ_BODY_LF_LOWERLEG = 9,
+    HYQ_BODY_RF_LOWERLEG = 10,
+    HYQ_BODY_LH_LOWERLEG = 11,
+    HYQ_BODY_RH_LOWERLEG = 12,
+    HYQ_Q_ROOT_X = 0,
+    HYQ_Q_ROOT_Y = 1,
+    HYQ_Q_ROOT_Z = 2,
+    HYQ_Q_ROOT_QX = 3,
+    HYQ_Q_ROOT_QY = 4,
+    HYQ_Q_ROOT_QZ = 5,
+    HYQ_Q_ROOT_QW = 6,
+    HYQ_Q_LF_HAA_JOINT = 7,
+    HYQ_Q_RF_HAA_JOINT = 8,
+    HYQ_Q_LH_HAA_JOINT = 9,
+    HYQ_Q_RH_HAA_JOINT = 10,
+    HYQ_Q_LF_HFE_JOINT = 11,
+    HYQ_Q_RF_HFE_JOINT = 12,
+    HYQ_Q_LH_HFE_JOINT = 13,
+    HYQ_Q_RH_HFE_JOINT = 14,
+    HYQ_Q_LF_KFE_JOINT = 15,
+    HYQ_Q_RF_KFE_JOINT = 16,
+    HYQ_Q_LH_KFE_JOINT = 17,
+    HYQ_Q_RH_KFE_JOINT = 18,
+    HYQ_DOF_ROOT_WX = 0,
+    HYQ_DOF_ROOT_WY = 1,
+    HYQ_DOF_ROOT_WZ = 2,
+    HYQ_DOF_ROOT_VX = 3,
+    HYQ_DOF_ROOT_VY = 4,
+    HYQ_DOF_ROOT_VZ = 5,
+    HYQ_DOF_LF_HAA_JOINT = 6,
+    HYQ_DOF_RF_HAA_JOINT = 7,
+    HYQ_DOF_LH_HAA_JOINT = 8,
+    HYQ_DOF_RH_HAA_JOINT = 9,
+    HYQ_DOF_LF_HFE_JOINT = 10,
+    HYQ_DOF_RF_HFE_JOINT = 11,
+    HYQ_DOF_LH_HFE_JOINT = 12,
+    HYQ_DOF_RH_HFE_JOINT = 13,
+    HYQ_DOF_LF_KFE_JOINT = 14,
+    HYQ_DOF_RF_KFE_JOINT = 15,
+    HYQ_DOF_LH_KFE_JOINT = 16,
+    HYQ_DOF_RH_KFE_JOINT = 17,
+};
+#endif
+
 /* A row: {link, joint, parent, type,
            axis, axis2, pitch,
            position,

@@ -12,6 +12,37 @@
 
 /* clang-format off */
 
+#define IIWA_NB 7 /* bodies */
+#define IIWA_NQ 7 /* length of q */
+#define IIWA_NV 7 /* degrees of freedom: length of v, a and tau */
+
+#ifndef IIWA_INDICES /* the description and the built model have the same */
+#define IIWA_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    IIWA_BODY_LBR_IIWA_LINK_1 = 0,
+    IIWA_BODY_LBR_IIWA_LINK_2 = 1,
+    IIWA_BODY_LBR_IIWA_LINK_3 = 2,
+    IIWA_BODY_LBR_IIWA_LINK_4 = 3,
+    IIWA_BODY_LBR_IIWA_LINK_5 = 4,
+    IIWA_BODY_LBR_IIWA_LINK_6 = 5,
+    IIWA_BODY_LBR_IIWA_LINK_7 = 6,
+    IIWA_Q_LBR_IIWA_JOINT_1 = 0,
+    IIWA_Q_LBR_IIWA_JOINT_2 = 1,
+    IIWA_Q_LBR_IIWA_JOINT_3 = 2,
+    IIWA_Q_LBR_IIWA_JOINT_4 = 3,
+    IIWA_Q_LBR_IIWA_JOINT_5 = 4,
+    IIWA_Q_LBR_IIWA_JOINT_6 = 5,
+    IIWA_Q_LBR_IIWA_JOINT_7 = 6,
+    IIWA_DOF_LBR_IIWA_JOINT_1 = 0,
+    IIWA_DOF_LBR_IIWA_JOINT_2 = 1,
+    IIWA_DOF_LBR_IIWA_JOINT_3 = 2,
+    IIWA_DOF_LBR_IIWA_JOINT_4 = 3,
+    IIWA_DOF_LBR_IIWA_JOINT_5 = 4,
+    IIWA_DOF_LBR_IIWA_JOINT_6 = 5,
+    IIWA_DOF_LBR_IIWA_JOINT_7 = 6,
+};
+#endif
+
 /* Bytes for rbd_work_init, exactly. */
 #define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28, 0)
 

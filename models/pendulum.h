@@ -3,11 +3,21 @@
 #ifndef PENDULUM_H
 #define PENDULUM_H
 
+/* clang-format off */
+
 #define PENDULUM_NB 1 /* bodies */
 #define PENDULUM_NQ 1 /* length of q */
-#define PENDULUM_NV 1 /* degrees of freedom */
+#define PENDULUM_NV 1 /* degrees of freedom: length of v, a and tau */
 
-/* clang-format off */
+#ifndef PENDULUM_INDICES /* the description and the built model have the same */
+#define PENDULUM_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    PENDULUM_BODY_ROD = 0,
+    PENDULUM_Q_HINGE = 0,
+    PENDULUM_DOF_HINGE = 0,
+};
+#endif
+
 /* A row: {link, joint, parent, type,
            axis, axis2, pitch,
            position,

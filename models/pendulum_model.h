@@ -12,6 +12,19 @@
 
 /* clang-format off */
 
+#define PENDULUM_NB 1 /* bodies */
+#define PENDULUM_NQ 1 /* length of q */
+#define PENDULUM_NV 1 /* degrees of freedom: length of v, a and tau */
+
+#ifndef PENDULUM_INDICES /* the description and the built model have the same */
+#define PENDULUM_INDICES
+enum { /* bodies; Q: in q; DOF: in v, a and tau */
+    PENDULUM_BODY_ROD = 0,
+    PENDULUM_Q_HINGE = 0,
+    PENDULUM_DOF_HINGE = 0,
+};
+#endif
+
 /* Bytes for rbd_work_init, exactly. */
 #define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1, 0)
 

@@ -66,3 +66,14 @@ const char *joint_type_name(rbd_joint_type type) {
 const char *joint_type_constant(rbd_joint_type type) {
     return types[type][1];
 }
+
+const char *const *coordinate_names(rbd_joint_type type) {
+    static const char *const one[] = {""}, *const planar[] = {"x", "y", "angle"};
+    static const char *const floating[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
+}
+const char *const *dof_names(rbd_joint_type type) {
+    static const char *const one[] = {""}, *const planar[] = {"w", "vx", "vy"};
+    static const char *const floating[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
+    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
+}

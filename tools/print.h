@@ -5,8 +5,9 @@
 #include "robot.h"
 
 void print_summary(const robot *r);
-void print_c(const robot *r, const char *name);       /* the description as a C table */
-void print_c_model(const robot *r, const char *name); /* the built model as a C table */
+void print_c(const robot *r, const char *name);         /* the description as a C table */
+void print_c_model(const robot *r, const char *name);   /* the built model as a C table */
+void print_c_indices(const robot *r, const char *name); /* what both begin with: sizes, and indices by name */
 void print_urdf(const robot *r);
 void print_dot(const robot *r);
 
@@ -25,5 +26,9 @@ const char *file_name(const char *path);
 /* Of a joint: "revolute", as URDF and the summary call it; "RBD_REVOLUTE", as C does. */
 const char *joint_type_name(rbd_joint_type type);
 const char *joint_type_constant(rbd_joint_type type);
+
+/* What its coordinates and its degrees of freedom are called, beside its name: "" if there is one. */
+const char *const *coordinate_names(rbd_joint_type type);
+const char *const *dof_names(rbd_joint_type type);
 
 #endif

@@ -78,12 +78,6 @@ static void print_head(const robot *r, const char *name) {
     printf(": change that instead. */\n");
 }
 
-static void print_count(const char *name, const char *what, int n, const char *comment) {
-    printf("#define ");
-    print_upper(name);
-    printf("_%s %d /* %s */\n", what, n, comment);
-}
-
 void print_c(const robot *r, const char *name) {
     print_head(r, name);
     printf("#ifndef ");
@@ -91,10 +85,9 @@ void print_c(const robot *r, const char *name) {
     printf("_H\n#define ");
     print_upper(name);
     printf("_H\n\n");
-    print_count(name, "NB", r->urdf.nb, "bodies");
-    print_count(name, "NQ", rbd_nq(r->model), "length of q");
-    print_count(name, "NV", rbd_nv(r->model), "degrees of freedom");
-    printf("\n/* clang-format off */\n"
+    printf("/* clang-format off */\n\n");
+    print_c_indices(r, name);
+    printf("\n"
            "/* A row: {link, joint, parent, type,\n"
            "           axis, axis2, pitch,\n"
            "           position,\n"

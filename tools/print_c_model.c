@@ -186,6 +186,8 @@ static void write_head(const robot *r, const char *name) {
 void print_c_model(const robot *r, const char *name) {
     const rbd_model *m = r->model;
     write_head(r, name);
+    print_c_indices(r, name);
+    printf("\n");
     write_work_size(name, m);
     write_links(name, m);
     write_blocks(name, m);

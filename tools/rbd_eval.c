@@ -1,7 +1,7 @@
 /* rbd-eval: evaluates an algorithm on states given as a table, to check one library against another.
    SPDX-License-Identifier: MIT */
 #include "csv.h"
-#include "robot.h"
+#include "print.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -159,18 +159,6 @@ static void free_columns(columns *c) {
     for (int i = 0; i < c->n; i++)
         free(c->name[i]);
     free(c->name);
-}
-
-/* What the coordinates and degrees of freedom of a joint are called, beside its name. */
-static const char *const *coordinate_names(rbd_joint_type type) {
-    static const char *const one[] = {""}, *const planar[] = {"x", "y", "angle"};
-    static const char *const floating[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
-    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
-}
-static const char *const *dof_names(rbd_joint_type type) {
-    static const char *const one[] = {""}, *const planar[] = {"w", "vx", "vy"};
-    static const char *const floating[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
-    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
 }
 
 static void add_coordinates(columns *c, const rbd_model *m) {
@@ -456,9 +444,9 @@ static int run(options *o) {
 int main(int argc, char **argv) {
     options o = {0};
     int status;
-    o.settings.keep = allocate((size_t)argc + 1, sizeof *o.settings.keep);
+    o.settings = settings_new(argc);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
-    free(o.settings.keep);
+    settings_free(&o.settings);
     return status;
 }

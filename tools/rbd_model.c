@@ -91,6 +91,8 @@ static int read_options(options *o, char **argv) {
     }
     if (o->settings.urdf.gravity && (o->output == C || o->output == URDF || o->output == DOT))
         return 1 + usage_error("--gravity: only the built model has gravity (--c-model)");
+    if (!o->path && o->settings.nlock)
+        return 1 + usage_error("no file given (--lock takes a joint, --lock-massless nothing)");
     return o->path ? 0 : 1 + usage_error("no file given");
 }
 
@@ -124,9 +126,9 @@ static int run(const options *o) {
 int main(int argc, char **argv) {
     options o = {0};
     int status;
-    o.settings.keep = allocate((size_t)argc, sizeof *o.settings.keep);
+    o.settings = settings_new(argc);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
-    free(o.settings.keep);
+    settings_free(&o.settings);
     return status;
 }

@@ -54,10 +54,13 @@ const char *option_value(char **argv, int *i) {
 const char settings_help[] =
     "  --floating          the root link is on a floating joint, not fixed to the world\n"
     "  --root-joint NAME   what that joint is called (root)\n"
+    "  --root LINK         take only this link, as the root, and what hangs on it\n"
     "  --gravity X,Y,Z     in the world frame, m/s^2 (0,0,-9.81)\n"
     "  --keep LINK         keep this fixed link as a body, a frame; may stand several times\n"
     "  --keep-all          keep all fixed links\n"
-    "  --lock              hold joints still that move no mass (else they are an error)\n"
+    "  --lock JOINT=VALUE  hold this joint still there, in rad or m (JOINT alone: at 0), and those that\n"
+    "                      mimic it; may stand several times\n"
+    "  --lock-massless     hold joints still that move no mass (else they are an error)\n"
     "  --strict            warnings are errors\n"
     "  --messages          show what urdfdom has to say\n"
     "  --help, --version\n";
@@ -71,6 +74,42 @@ static int read_gravity(settings *s, const char *text) {
     return 0;
 }
 
+settings settings_new(int argc) {
+    settings s = {.nkeep = 0};
+    s.keep = allocate((size_t)argc, sizeof *s.keep);
+    s.lock = allocate((size_t)argc, sizeof *s.lock);
+    s.urdf.keep = s.keep;
+    s.urdf.lock = s.lock;
+    return s;
+}
+
+void settings_free(settings *s) {
+    free(s->keep);
+    free(s->lock);
+}
+
+/* Takes "JOINT" or "JOINT=VALUE" apart: the text, an argument of the program, then ends after the name. */
+static int read_lock(settings *s, char *text) {
+    char *equals = strrchr(text, '='), *end;
+    rbd_urdf_lock *lock = &s->lock[s->nlock++];
+    lock->joint = text;
+    if (!equals)
+        return 0;
+    lock->value = strtod(equals + 1, &end);
+    if (end == equals + 1 || *end != 0)
+        return usage_error("--lock: '%s' in '%s' is not a number", equals + 1, text);
+    *equals = 0;
+    return 0;
+}
+
+/* In rbd 0.1.0 --lock stood alone, for --lock-massless: it still may where no joint can be meant. */
+static int is_lock_alone(const char *argument, const char *next) {
+    const size_t length = next ? strlen(next) : 0;
+    return strcmp(argument, "--lock") == 0 &&
+           (!next || strcmp(next, "-") == 0 || strncmp(next, "--", 2) == 0 ||
+            (length >= 5 && strcmp(next + length - 5, ".urdf") == 0));
+}
+
 int settings_read(settings *s, char **argv, int *i) {
     const char *argument = argv[*i], *value;
     if (strcmp(argument, "--floating") == 0)
@@ -79,7 +118,7 @@ int settings_read(settings *s, char **argv, int *i) {
         s->urdf.keep_all = 1;
     else if (strcmp(argument, "--strict") == 0)
         s->urdf.strict = 1;
-    else if (strcmp(argument, "--lock") == 0)
+    else if (strcmp(argument, "--lock-massless") == 0 || is_lock_alone(argument, argv[*i + 1]))
         s->urdf.lock_massless = 1;
     else if (strcmp(argument, "--messages") == 0)
         s->urdf.show_messages = 1;
@@ -87,12 +126,13 @@ int settings_read(settings *s, char **argv, int *i) {
         return (value = option_value(argv, i)) ? read_gravity(s, value) : EXIT_USAGE;
     else if (option_is(argument, "--root-joint"))
         return (s->urdf.root_joint = option_value(argv, i)) ? 0 : EXIT_USAGE;
-    else if (option_is(argument, "--keep")) {
-        if (!(value = option_value(argv, i)))
-            return EXIT_USAGE;
-        s->keep[s->nkeep++] = value;
-        s->urdf.keep = s->keep;
-    } else
+    else if (option_is(argument, "--root"))
+        return (s->urdf.root_link = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    else if (option_is(argument, "--lock"))
+        return (value = option_value(argv, i)) ? read_lock(s, (char *)value) : EXIT_USAGE;
+    else if (option_is(argument, "--keep"))
+        return (s->keep[s->nkeep++] = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    else
         return -1;
     return 0;
 }

@@ -17,13 +17,17 @@ int usage_error(const char *format, ...);
 typedef struct settings {
     rbd_urdf_options urdf;
     double gravity[3];
-    const char **keep; /* room for argc names */
-    int nkeep;
+    const char **keep;   /* ended by NULL */
+    rbd_urdf_lock *lock; /* ended by joint = NULL */
+    int nkeep, nlock;
 } settings;
 
-/* Reads argument *i if it is one of --floating, --root-joint, --gravity, --keep, --keep-all, --lock,
-   --strict or --messages, and its value. Returns 0 if it was, -1 if it is none of these, or an exit status.
- */
+/* Settings with room for the names that argc arguments may give. */
+settings settings_new(int argc);
+void settings_free(settings *s);
+
+/* Reads argument *i if it is one of those in settings_help, and its value. Returns 0 if it was, -1 if it is
+   none of these, or an exit status. */
 int settings_read(settings *s, char **argv, int *i);
 extern const char settings_help[];
 

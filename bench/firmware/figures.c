@@ -13,13 +13,13 @@
 /* How many of the robots fit into the board's RAM. */
 #if FIGURES_ROBOTS == 1
 #define WORK_SIZE IIWA_WORK_SIZE
-enum { MAX_NQ = 7, MAX_NV = 7, PAINTED = 3000 };
+enum { MAX_NQ = IIWA_NQ, MAX_NV = IIWA_NV, PAINTED = 3000 };
 #elif FIGURES_ROBOTS == 2
 #define WORK_SIZE HYQ_WORK_SIZE
-enum { MAX_NQ = 19, MAX_NV = 18, PAINTED = 3000 };
+enum { MAX_NQ = HYQ_NQ, MAX_NV = HYQ_NV, PAINTED = 3000 };
 #else
 #define WORK_SIZE ATLAS_WORK_SIZE
-enum { MAX_NQ = 37, MAX_NV = 36, PAINTED = 7000 };
+enum { MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV, PAINTED = 7000 };
 #endif
 
 enum { STATES = 8 };

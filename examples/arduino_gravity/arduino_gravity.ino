@@ -21,12 +21,13 @@ void setup() {
 }
 
 void loop() {
-    const float q[2] = {angle(A0), angle(A1)};
-    float tau[2];
+    float q[DOUBLE_PENDULUM_NQ], tau[DOUBLE_PENDULUM_NV];
+    q[DOUBLE_PENDULUM_Q_SHOULDER] = angle(A0);
+    q[DOUBLE_PENDULUM_Q_ELBOW] = angle(A1);
     if (rbd_gravity(&double_pendulum_model, work, q, tau) == RBD_OK) {
-        Serial.print(tau[0], 4);
+        Serial.print(tau[DOUBLE_PENDULUM_DOF_SHOULDER], 4);
         Serial.print(' ');
-        Serial.println(tau[1], 4);
+        Serial.println(tau[DOUBLE_PENDULUM_DOF_ELBOW], 4);
     }
     delay(100);
 }

@@ -6,7 +6,7 @@
 #include "control.h"
 #include "models/iiwa_model.h" /* the built model: const, in flash */
 
-enum { N = 7, STEPS = 1000000 / PERIOD_US }; /* one second */
+enum { N = IIWA_NV, STEPS = 1000000 / PERIOD_US }; /* one second */
 
 static const rbd_real bandwidth =
     8; /* 1/s, critically damped: error'' + 2 bandwidth error' + bandwidth^2 error = 0 */

@@ -7,7 +7,7 @@
 #include "control.h"
 #include "models/hyq_model.h" /* the built model: const, in flash */
 
-enum { NQ = 19, NV = 18, TRUNK = 6, STEPS = 1000000 / PERIOD_US }; /* one second */
+enum { NV = HYQ_NV, TRUNK = HYQ_DOF_LF_HAA_JOINT, LEGS = 4, STEPS = 1000000 / PERIOD_US }; /* one second */
 
 static const rbd_real damping = 1; /* N m s/rad, by the motors */
 static const rbd_real gantry_damping = 60;
@@ -24,22 +24,25 @@ static rbd_status control(rbd_work *w, const rbd_real *q, const rbd_real *v, rbd
 
 /* Relative: the force that carries the trunk against what the model weighs. */
 static rbd_real weight_error(const rbd_real *g) {
-    const rbd_real force = sqrtf(g[3] * g[3] + g[4] * g[4] + g[5] * g[5]);
+    const rbd_real *f = &g[HYQ_DOF_ROOT_VX];
+    const rbd_real force = sqrtf(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     return fabsf(force / (9.81f * rbd_mass(&hyq_model)) - 1);
 }
 
 int main(void) {
     static unsigned char memory[HYQ_WORK_SIZE];
-    static rbd_real q[NQ], v[NV], g[NV], tau[NV], scratch[NV];
-    const rbd_real crouch[3] = {0.1f, 0.7f, -1.4f}; /* of each leg; the order of the joints is the model's */
+    static rbd_real q[HYQ_NQ], v[NV], g[NV], tau[NV], scratch[NV];
     rbd_work *w;
     rbd_status status = rbd_work_init(&hyq_model, memory, sizeof memory, &w);
     rbd_real weight = 0, fastest = 0;
     int late = 0;
     rbd_neutral(&hyq_model, q);
-    for (int i = TRUNK; i < NV; i++)
-        q[i + 1] = crouch[(i - TRUNK) % 3];
-    v[TRUNK] = push;
+    for (int leg = 0; leg < LEGS; leg++) { /* crouching, rad */
+        q[HYQ_Q_LF_HAA_JOINT + leg] = 0.1f;
+        q[HYQ_Q_LF_HFE_JOINT + leg] = 0.7f;
+        q[HYQ_Q_LF_KFE_JOINT + leg] = -1.4f;
+    }
+    v[HYQ_DOF_LF_HAA_JOINT] = push;
     board_start();
     uint32_t start = board_now();
     for (int step = 0; step < STEPS && status == RBD_OK; step++) {

@@ -45,9 +45,15 @@ for command in rbd-model rbd-eval; do
     expect 0 "" "$program" --version
     grep -q "^$command [0-9]" out || fail "$command --version does not say which"
     expect 2 "$command: --gravity: '1,2' is not three numbers X,Y,Z; see $command --help" "$program" --gravity 1,2
-    expect 2 "$command: --keep: its value is missing; see $command --help" "$program" --keep
+    for option in --keep --root --root-joint; do
+        expect 2 "$command: $option: its value is missing; see $command --help" "$program" $option
+    done
+    expect 2 "$command: --lock: 'x' in 'j=x' is not a number; see $command --help" "$program" --lock j=x
+    expect 2 "$command: --lock: '' in 'j=' is not a number; see $command --help" "$program" --lock=j=
 done
 expect 2 "rbd-model: no file given; see rbd-model --help" "$rbd_model"
+expect 2 "rbd-model: no file given (--lock takes a joint, --lock-massless nothing); see rbd-model --help" \
+    "$rbd_model" --lock robot
 expect 2 "rbd-model: more than one file: 'b'; see rbd-model --help" "$rbd_model" a b
 expect 2 "rbd-model: unknown option '--cc'; see rbd-model --help" "$rbd_model" --cc
 expect 2 "rbd-model: --c: '1x' is not a C identifier; see rbd-model --help" "$rbd_model" --c 1x a
@@ -81,6 +87,42 @@ expect 0 "odd.urdf:5: warning: link 'b', $triangle" "$rbd_model" --check odd.urd
 expect 1 "odd.urdf:3: error: link 'a*/??/\"\\é', $triangle" "$rbd_model" --check --strict odd.urdf
 expect 0 "" "$rbd_model" odd.urdf
 grep -qxF "line 5: link 'b', $triangle" out || fail "the summary does not have the warnings"
+
+# ---- rbd-model: joints held still, a part of the robot ----
+
+expect 1 "cart_pole.urdf: error: there is no joint 'hinges' to hold still; did you mean 'hinge'?" \
+    "$rbd_model" cart_pole.urdf --lock hinges
+expect 1 "cart_pole.urdf: error: there is no link 'poles' to be the root; did you mean 'pole'?" \
+    "$rbd_model" cart_pole.urdf --root poles
+expect 0 "cart_pole.urdf:22: warning: joint 'rail': held still at 3, beyond its limits -2 .. 2" \
+    "$rbd_model" --lock=rail=3 cart_pole.urdf --check
+expect 0 "" "$rbd_model" cart_pole.urdf --lock rail=0.5 --lock hinge=-1 --floating --root-joint free
+grep -q "^cart_pole: 3 links, 1 body, 6 degrees of freedom" out || fail "--lock: not one body"
+expect 0 "" "$rbd_model" cart_pole.urdf --root cart
+grep -q "^cart_pole: 2 links, 1 body, 1 degree of freedom" out || fail "--root: not two links"
+# the cart where it is held
+printf 'q.hinge\n0\n' >table
+"$rbd_eval" --model cart_pole.urdf --lock rail=0.5 --algorithm pose <table >out || fail "rbd-eval --lock"
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "p.pole.x") column = i } NR == 2 { exit !($column == 0.5) }' out ||
+    { fail "rbd-eval --lock: the pole is elsewhere"; cat out; }
+
+# --lock alone holds joints still that move no mass, as in 0.1.0, where nothing else can be meant
+cat >massless.urdf <<'END'
+<robot name="massless"><link name="a"/><link name="c"/><link name="b"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>
+END
+expect 1 "massless.urdf:4: error: link 'c', joint 'k', mass: a movable leaf needs mass, inertia or armature: forward \
+dynamics would be singular; to hold it still: options.lock, rbd-model --lock 'k', or --lock-massless for all such" \
+    "$rbd_model" massless.urdf
+held="massless.urdf:4: warning: joint 'k': it moves no mass; held still"
+expect 0 "$held" "$rbd_model" --check massless.urdf --lock-massless
+expect 0 "$held" "$rbd_model" --check massless.urdf --lock
+expect 0 "$held" "$rbd_model" --check --lock massless.urdf
+expect 0 "$held" "$rbd_model" --lock --check massless.urdf
+expect 0 "$held" "$rbd_eval" --lock --model massless.urdf --algorithm id --layout
+expect 0 "" "$rbd_model" --check --lock k massless.urdf
 
 # ---- rbd-model: the summary, line by line ----
 
@@ -126,7 +168,7 @@ int main(void)
     const rbd_model *m;
     rbd_work *w;
     if (rbd_model_build(nasty_bodies, NASTY_NB, memory, sizeof memory, &m, NULL) != RBD_OK) return 1;
-    if (rbd_nq(m) != NASTY_NQ || rbd_nv(m) != NASTY_NV || NASTY_NV != 4) return 2;
+    if (rbd_nb(m) != NASTY_NB || rbd_nq(m) != NASTY_NQ || rbd_nv(m) != NASTY_NV || NASTY_NV != 4) return 2;
     if (rbd_work_init(m, work, sizeof work, &w) != RBD_OK) return 3;
     if (rbd_rnea(m, w, q, v, v, NULL, built) != RBD_OK) return 4;
     if (rbd_work_init(&nasty_model, work, sizeof work, &w) != RBD_OK) return 5;
@@ -140,6 +182,109 @@ for standard in c99 c11; do
         -o program -lm || fail "the tables do not compile as $standard"
     ./program || fail "the tables differ: $?"
 done
+
+# ---- both tables size q, v and tau, and index them by name, in C and C++, two robots in one file ----
+
+cat >names.urdf <<'END'
+<robot name="names"><link name="base"/><link name="Left-arm"/><link name="left arm"/><link name="left_arm_2"/>
+<link name="腕"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="a" type="floating"><parent link="base"/><child link="Left-arm"/></joint>
+<joint name="a.qx" type="continuous"><parent link="Left-arm"/><child link="left arm"/></joint>
+<joint name="3rd" type="continuous"><parent link="left arm"/><child link="left_arm_2"/></joint>
+<joint name="-" type="continuous"><parent link="left_arm_2"/><child link="腕"/></joint>
+<link name="finger"/><joint name="follow" type="continuous"><parent link="base"/><child link="finger"/>
+<mimic joint="3rd"/></joint></robot>
+END
+expect 0 "" "$rbd_model" names.urdf --c names && cp out names.h
+expect 0 "" "$rbd_model" names.urdf --c-model names && cp out names_model.h
+expect 0 "" "$rbd_model" hyq.urdf --floating --c-model hyq && cp out hyq_model.h
+cat >indices.c <<'END'
+#include "rbd.h"
+#include "hyq_model.h"
+#ifdef DESCRIPTION_FIRST
+#include "names.h"
+#include "names_model.h"
+#elif defined DESCRIPTION
+#include "names.h"
+#else
+#include "names_model.h"
+#include "names.h"
+#endif
+#include <stdio.h>
+#include <string.h>
+
+static rbd_real q[NAMES_NQ], v[NAMES_NV], tau[NAMES_NV];
+#if NAMES_NB != 5 || NAMES_NQ != 10 || NAMES_NV != 9 || HYQ_NB != 13 || HYQ_NQ != 19 || HYQ_NV != 18
+#error "sizes"
+#endif
+/* what a switch takes is a constant of the compiler */
+static int is_of_hand(int dof) {
+    switch (dof) {
+    case NAMES_DOF_3RD: case NAMES_DOF_8: return 1;
+    default: return 0;
+    }
+}
+static int differ(int index, int expected, const char *name) {
+    if (index != expected) printf("%s: %d, not %d\n", name, index, expected);
+    return index != expected;
+}
+#define DIFFERS(index, expected) differ(index, expected, #index)
+int main(void) {
+    int bad = 0;
+    q[NAMES_Q_A_QW] = 1, v[NAMES_DOF_A_VX] = 2, tau[NAMES_DOF_A_QX] = 3;
+    bad += DIFFERS(q[6] == 1 && v[3] == 2 && tau[6] == 3 && is_of_hand(7) && is_of_hand(8) && !is_of_hand(6), 1);
+    bad += DIFFERS(NAMES_BODY_LEFT_ARM, 0) + DIFFERS(NAMES_BODY_LEFT_ARM_3, 1) + DIFFERS(NAMES_BODY_LEFT_ARM_2, 2);
+    bad += DIFFERS(NAMES_BODY_3, 3) + DIFFERS(NAMES_BODY_FINGER, 4);
+    bad += DIFFERS(NAMES_Q_A_X, 0) + DIFFERS(NAMES_Q_A_QX, 3) + DIFFERS(NAMES_Q_A_QX_2, 7) + DIFFERS(NAMES_Q_9, 9);
+    bad += DIFFERS(NAMES_DOF_A_WX, 0) + DIFFERS(NAMES_DOF_A_VZ, 5) + DIFFERS(NAMES_DOF_A_QX, 6);
+    bad += DIFFERS(HYQ_Q_ROOT_QW, 6) + DIFFERS(HYQ_DOF_ROOT_WX, 0) + DIFFERS(HYQ_BODY_LF_LOWERLEG, 9);
+    bad += DIFFERS(rbd_body_index(&hyq_model, "rh_lowerleg"), HYQ_BODY_RH_LOWERLEG);
+    for (int b = 0; b < HYQ_NB; b++) {
+        rbd_joint_info j;
+        rbd_joint(&hyq_model, b, &j);
+        if (strcmp(rbd_joint_name(&hyq_model, b), "lh_hfe_joint") == 0)
+            bad += DIFFERS(HYQ_Q_LH_HFE_JOINT, j.iq) + DIFFERS(HYQ_DOF_LH_HFE_JOINT, j.iv);
+    }
+#ifndef DESCRIPTION
+    bad += DIFFERS(rbd_nv(&names_model), NAMES_NV);
+#endif
+    bad += DIFFERS(strcmp(names_bodies[NAMES_BODY_LEFT_ARM_3].name, "left arm") == 0, 1);
+    return bad;
+}
+END
+printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >library.c
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -std=c99 -I"$root" -c library.c -o library.o || fail "the library does not compile"
+for language in "-x c -std=c99" "-x c -std=c11" "-x c++ -std=c++11" "-x c++ -std=c++20"; do
+    for tables in BOTH DESCRIPTION_FIRST DESCRIPTION; do
+        # shellcheck disable=SC2086 # CC may be "ccache cc"; a language is two words
+        ${CC:-cc} $language -pedantic -Wall -Wextra -Wconversion -Werror -D$tables -I"$root" -I. indices.c \
+            -x none library.o -o indices -lm || fail "indices by name do not compile: $language $tables"
+        ./indices || fail "indices by name: $language $tables"
+    done
+done
+
+# the snippet of the README, on a robot with an elbow
+cat >arm.urdf <<'END'
+<robot name="arm"><link name="base"/><link name="upper"/><link name="forearm"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="forearm"/><axis xyz="0 1 0"/></joint></robot>
+END
+expect 0 "" "$rbd_model" arm.urdf --c-model robot && cp out robot_model.h
+awk '/^    #include "rbd.h"/ { inside = 1 } inside && !/^    / { exit } inside' "$root/README.md" >snippet
+grep -q robot_model.h snippet || fail "README.md has no snippet for firmware"
+{
+    grep -E '^ *(#|static)' snippet
+    echo 'double encoder(int); void motor(int, double); int main(void);'
+    echo 'double encoder(int i) { return i; } void motor(int i, double tau) { (void)i, (void)tau; }'
+    echo 'int main(void) {'
+    grep -vE '^ *(#|static)' snippet
+    echo 'return ROBOT_NB - ROBOT_BODY_FOREARM != 1; }'
+} >firmware.c
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror -I"$root" -I. firmware.c library.o -o firmware -lm
+./firmware || { fail "the snippet of README.md"; cat firmware.c; }
 
 # a table before rbd.h, or of another version, says so
 printf '#include "nasty_model.h"\n#include "rbd.h"\n' >late.c

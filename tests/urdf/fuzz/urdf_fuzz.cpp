@@ -44,6 +44,32 @@ static void compute(const rbd_body *bodies, int nb) {
         require(std::isfinite(tau[i]));
 }
 
+/* What a text gave; strings lie in names. */
+struct loaded {
+    std::vector<rbd_body> bodies;
+    std::vector<rbd_urdf_frame> frames;
+    std::vector<char> names;
+};
+
+/* Returns whether the text is good. */
+static bool load(const char *text, size_t length, const rbd_urdf_options &options, loaded &to) {
+    rbd_urdf robot = {};
+    const rbd_urdf_status counted = rbd_urdf_parse(text, length, &options, &robot);
+    require((counted == RBD_URDF_OK) == (robot.error.text[0] == 0));
+    require(counted != RBD_URDF_ERR_PARSER); /* what urdfdom refuses, our checks must have refused before */
+    if (counted != RBD_URDF_OK)
+        return false;
+    to.bodies.resize((size_t)robot.nb);
+    to.frames.resize((size_t)robot.nframes);
+    to.names.resize(robot.names_size);
+    robot.bodies = to.bodies.data(), robot.bodies_max = robot.nb;
+    robot.frames = to.frames.data(), robot.frames_max = robot.nframes;
+    robot.names = to.names.data(), robot.names_max = robot.names_size;
+    require(rbd_urdf_parse(text, length, &options, &robot) == RBD_URDF_OK);
+    compute(robot.bodies, robot.nb);
+    return true;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (size == 0)
         return 0;
@@ -53,19 +79,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     options.lock_massless = data[0] >> 2 & 1;
     options.strict = (data[0] >> 3 & 7) == 7;
     const char *text = (const char *)data + 1;
-    rbd_urdf robot = {};
-    const rbd_urdf_status counted = rbd_urdf_parse(text, size - 1, &options, &robot);
-    require((counted == RBD_URDF_OK) == (robot.error.text[0] == 0));
-    require(counted != RBD_URDF_ERR_PARSER); /* what urdfdom refuses, our checks must have refused before */
-    if (counted != RBD_URDF_OK)
+    loaded whole, part;
+    if (!load(text, size - 1, options, whole))
         return 0;
-    std::vector<rbd_body> bodies((size_t)robot.nb);
-    std::vector<rbd_urdf_frame> frames((size_t)robot.nframes);
-    std::vector<char> names(robot.names_size);
-    robot.bodies = bodies.data(), robot.bodies_max = robot.nb;
-    robot.frames = frames.data(), robot.frames_max = robot.nframes;
-    robot.names = names.data(), robot.names_max = robot.names_size;
-    require(rbd_urdf_parse(text, size - 1, &options, &robot) == RBD_URDF_OK);
-    compute(robot.bodies, robot.nb);
+    /* once more, of what is in the middle: the part on a link, and with a joint held still */
+    const rbd_body &b = whole.bodies[whole.bodies.size() / 2];
+    const rbd_urdf_lock lock[] = {{b.joint, data[0] & 0x40 ? 0.5 : 0}, {NULL, 0}};
+    options.lock = lock;
+    load(text, size - 1, options, part);
+    options.lock = NULL;
+    options.root_link = whole.frames[whole.frames.size() / 2].link;
+    load(text, size - 1, options, part);
     return 0;
 }
