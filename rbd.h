@@ -315,9 +315,9 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. With a model of other
-   numbers of bodies, links or degrees of freedom, every call returns RBD_ERR_WORK (a copy of the same
-   table will do).
+/* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
+   of other lengths, every call returns RBD_ERR_WORK, be it another one or what was built in the memory of
+   this one since (a copy of the same model will do).
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
@@ -687,6 +687,8 @@ typedef struct rbdi_frame {
     rbd_const lower, upper, velocity, effort;
 } rbdi_frame;
 
+#define RBDI_SHAPE 3 /* words */
+
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
@@ -698,6 +700,7 @@ struct rbd_model {
     const rbdi_dof *dof;     /* nv + nmimic */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
+    uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
 };
 
 typedef struct rbdi_v3 {
@@ -771,14 +774,8 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
 
-/* What the sizes of a work's arrays depend on. */
-typedef struct rbdi_shape {
-    int nb, nq, nv, nl, nblock, nslot, nmimic, nh;
-} rbdi_shape;
-
 struct rbd_work {
-    const rbd_model *model; /* it was made for; compared, never followed */
-    rbdi_shape shape;       /* of that model */
+    uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;        /* dof, -1 = none */
     int have_kinematics;
@@ -1836,25 +1833,17 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     return s;
 }
 
-RBDI_INLINE rbdi_shape rbdi_shape_of(const rbd_model *m)
+/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
+   have been built there meanwhile, and the same table may stand at another. */
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w)
 {
-    rbdi_shape s;
-    s.nb = m->nb, s.nq = m->nq, s.nv = m->nv, s.nl = m->nl;
-    s.nblock = m->nblock, s.nslot = m->nslot, s.nmimic = m->nmimic, s.nh = m->nh;
-    return s;
-}
-/* Whether a work suits a model that is not the very one it was made for: another copy of its table, say. */
-RBDI_PART int rbdi_same_shape(const rbd_model *m, const rbd_work *w)
-{
-    const rbdi_shape a = rbdi_shape_of(m), b = w->shape;
-    return a.nb == b.nb && a.nq == b.nq && a.nv == b.nv && a.nl == b.nl && a.nblock == b.nblock &&
-           a.nslot == b.nslot && a.nmimic == b.nmimic && a.nh == b.nh;
+    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
 }
 /* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays)
 {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return w->model == m || rbdi_same_shape(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
@@ -3656,8 +3645,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
-    w->model = m;
-    w->shape = rbdi_shape_of(m);
+    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -4686,6 +4674,20 @@ static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n
     }
 }
 
+/* Four counts side by side. */
+static uint64_t rbdi_pack(int a, int b, int c, int d)
+{
+    return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
+}
+/* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
+   the same. */
+static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE])
+{
+    shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
+    shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
+    shape[2] = (uint64_t)m->nh;
+}
+
 static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_place *place,
                       const rbdi_draft *draft, rbd_model *m, rbdi_link *link, rbdi_block *block,
                       rbdi_dof *dof, rbdi_mimic *mimic, rbdi_frame *frame)
@@ -4735,6 +4737,7 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
             k->ratio = RBD_C(bodies[i].mimic_ratio), k->offset = RBD_C(bodies[i].mimic_offset);
         }
     }
+    rbdi_shape(m, m->shape);
 }
 
 RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb)
