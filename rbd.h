@@ -1025,8 +1025,10 @@ typedef rbd_real rbdi_batch
     __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
+/* Needs products and sums rounded to the scalar: not -1, 1 and 2, which keep more of them. Other values, as 16 of
+   GCC's default dialects where there is a half precision unit, are of types that are not used here. */
 #if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && defined __GNUC__ && !defined RBDI_OWN_SINCOS && \
-    __FLT_EVAL_METHOD__ == 0
+    (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 typedef uint64_t rbdi_bit;
@@ -1101,7 +1103,8 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 #endif
 
 /* Sines and cosines of n angles of any size: error below 2.3e-16 (double), 1.0e-7 (float) up to the
-   limit; libm's beyond it. The arrays are padded to whole batches. */
+   limit; libm's beyond it. The arrays are padded to whole batches. The angle itself, q + gamma, is rounded
+   before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double. */
 RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c)
 {
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -1438,11 +1441,29 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     return &m->block[l->block];
 }
 
-/* 1 / (sum of n squares), or 0, with *bad set, where that is below 1e-30. */
-RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *bad)
+/* Powers of two small enough that the square of no finite number times them overflows, and large enough that a
+   number whose square does overflow stays above 1e-15. */
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_SHORTEN 2.9134143481250808e-157 /* 2^-520 */
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_SHORTEN 8.47032947e-22f /* 2^-70 */
+#else
+#define RBDI_SQUARE(x) ((x) * (x))
+#define RBDI_SHORTEN /* 2^-8208 */ \
+    RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBD_C(3.7291703656001034e-155)))))
+#endif
+
+/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0, with
+   *bad set, where that is below 1e-30. */
+RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad)
 {
-    rbd_real sum = q[0] * q[0];
-    RBDI_UNROLL for (int k = 1; k < n; ++k) sum = sum + q[k] * q[k];
+    const rbd_real one = rbdi_set(RBD_C(1)), far = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
+    rbd_real sum = q[0] * q[0], k;
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + q[i] * q[i];
+    k = rbdi_select(rbdi_less(far, sum), rbdi_set(RBDI_SHORTEN), one);
+    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) u[i] = q[i] * k;
+    sum = u[0] * u[0];
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + u[i] * u[i];
     *bad = rbdi_less(sum, sum);
     return rbdi_reciprocal(sum, RBD_C(1e-30), bad);
 }
@@ -1452,16 +1473,16 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *ba
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 {
     rbdi_mask bad;
-    rbd_real s = rbdi_inverse_square(q, 4, &bad), x, y, z;
+    rbd_real u[4], s = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
     s = s + s;
-    x = s * q[0], y = s * q[1], z = s * q[2];
-    E.xx = rbdi_set(RBD_C(1)) - (y * q[1] + z * q[2]);
-    E.yy = rbdi_set(RBD_C(1)) - (x * q[0] + z * q[2]);
-    E.zz = rbdi_set(RBD_C(1)) - (x * q[0] + y * q[1]);
-    E.xy = x * q[1] + z * q[3], E.yx = x * q[1] - z * q[3];
-    E.xz = x * q[2] - y * q[3], E.zx = x * q[2] + y * q[3];
-    E.yz = y * q[2] + x * q[3], E.zy = y * q[2] - x * q[3];
+    x = s * u[0], y = s * u[1], z = s * u[2];
+    E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
+    E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
+    E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
+    E.xy = x * u[1] + z * u[3], E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3], E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3], E.zy = y * u[2] - x * u[3];
     return E;
 }
 
@@ -1505,9 +1526,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 2, &bad));
-    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), q[0] * k);
-    *s = rbdi_select(bad, rbdi_zero(), q[1] * k);
+    rbd_real u[2], k = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
+    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * k);
+    *s = rbdi_select(bad, rbdi_zero(), u[1] * k);
 }
 
 /* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
@@ -3373,9 +3394,9 @@ static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c)
 static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
 {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, &bad));
-    for (int i = 0; i < 3; ++i) u[i] = q[i] * k;
-    u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), q[3] * k);
+    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
+    for (int i = 0; i < 4; ++i) u[i] = u[i] * k;
+    u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), u[3]);
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
@@ -3577,10 +3598,11 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        rbd_real *x = &q[u->iq];
+        rbd_real *x;
         const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
+        x = &q[u->iq];
         if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
             x[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
