@@ -52,7 +52,8 @@
      their direction counts); one shorter than 1e-15 is read as the identity.
      a = dv/dt component by component (floating: the spatial acceleration in body axes).
 
-   [configuration] Define before including; the same in every file that includes.
+   [configuration] Define before including; the same in every file that includes. The symbols carry the
+   scalar (rbd_rnea is rbd_rnea_double to the linker), so that files which differ in it do not link.
      RBD_REAL         scalar of states and results, one of these words: double (default), float,
                       __float128
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
@@ -104,6 +105,13 @@
 
 /* ---- configuration ---- */
 
+/* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
+   message. */
+#if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
+#error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#endif
+
 #ifndef RBD_REAL
 #define RBD_REAL double
 #endif
@@ -111,6 +119,40 @@
 #define RBD_CONST double
 #elif !defined RBD_CONST
 #define RBD_CONST RBD_REAL
+#endif
+
+#define RBDI_KIND_double 1
+#define RBDI_KIND_float 2
+#define RBDI_KIND___float128 3
+#define RBDI_KIND_long 0 && /* long double, that the words behind it count as 0 */
+#define RBDI_KIND_OF(type) RBDI_KIND_##type
+#define RBDI_KIND(type) RBDI_KIND_OF(type)
+#ifdef RBD_REAL_CUSTOM
+#define RBDI_REAL_KIND 0
+#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; for a class define RBD_REAL_CUSTOM too */
+#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
+#else
+#error "rbd: RBD_REAL must be double, float or __float128 (for a C++ class define RBD_REAL_CUSTOM as well)"
+#undef RBD_REAL
+#undef RBD_CONST
+#define RBD_REAL double
+#define RBD_CONST double
+#define RBDI_REAL_KIND 1
+#endif
+#if !(RBDI_KIND(RBD_CONST)) || (RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND % 3 != 0)
+#error "rbd: RBD_CONST must be RBD_REAL; where that is __float128 or a class: double, float or __float128"
+#undef RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#if defined RBD_LANES && (RBD_LANES + 0 < 2 || (RBD_LANES + 0 & RBD_LANES + -1) != 0)
+#error "rbd: RBD_LANES must be 2, 4, 8 or another power of two; leave it undefined for one state at a time"
+#undef RBD_LANES
+#define RBD_LANES 2
+#endif
+#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
+#undef RBD_LANES
 #endif
 
 #ifdef RBD_STATIC
@@ -154,17 +196,72 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
-/* These symbols carry the scalar, so that C files which differ in it do not link. */
-#ifndef RBD_REAL_CUSTOM
+/* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not link:
+   rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are ordinary
+   ones, are without the lanes. Of a class the mangled names tell. */
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
-#ifdef RBD_LANES
-#define rbd_work_init RBDI_PASTE(RBDI_PASTE(rbd_work_init, RBD_REAL), RBD_LANES)
+#if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
+#define RBDI_OF_SCALAR(name) RBDI_PASTE(RBDI_PASTE(name, RBD_REAL), RBD_CONST)
 #else
-#define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
+#define RBDI_OF_SCALAR(name) RBDI_PASTE(name, RBD_CONST)
 #endif
-#define rbd_batch_init RBDI_PASTE(rbd_batch_init, RBD_REAL)
+#ifdef RBD_LANES
+#define RBDI_SYMBOL(name) RBDI_PASTE(RBDI_OF_SCALAR(name), RBD_LANES)
+#else
+#define RBDI_SYMBOL(name) RBDI_OF_SCALAR(name)
 #endif
+#define rbd_model_build RBDI_SYMBOL(rbd_model_build)
+#define rbd_model_size RBDI_SYMBOL(rbd_model_size)
+#define rbd_work_init RBDI_SYMBOL(rbd_work_init)
+#define rbd_work_size RBDI_SYMBOL(rbd_work_size)
+#define rbd_set_gravity RBDI_SYMBOL(rbd_set_gravity)
+#define rbd_singular_dof RBDI_SYMBOL(rbd_singular_dof)
+#define rbd_rnea RBDI_SYMBOL(rbd_rnea)
+#define rbd_bias RBDI_SYMBOL(rbd_bias)
+#define rbd_gravity RBDI_SYMBOL(rbd_gravity)
+#define rbd_crba RBDI_SYMBOL(rbd_crba)
+#define rbd_crba_packed RBDI_SYMBOL(rbd_crba_packed)
+#define rbd_packed_size RBDI_SYMBOL(rbd_packed_size)
+#define rbd_packed_index RBDI_SYMBOL(rbd_packed_index)
+#define rbd_aba RBDI_SYMBOL(rbd_aba)
+#define rbd_fd_cholesky RBDI_SYMBOL(rbd_fd_cholesky)
+#define rbd_cholesky_factor RBDI_SYMBOL(rbd_cholesky_factor)
+#define rbd_cholesky_factor_packed RBDI_SYMBOL(rbd_cholesky_factor_packed)
+#define rbd_cholesky_solve RBDI_SYMBOL(rbd_cholesky_solve)
+#define rbd_passive RBDI_SYMBOL(rbd_passive)
+#define rbd_kinematics RBDI_SYMBOL(rbd_kinematics)
+#define rbd_body_pose RBDI_SYMBOL(rbd_body_pose)
+#define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
+#define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)
+#define rbd_body_acceleration_classical RBDI_SYMBOL(rbd_body_acceleration_classical)
+#define rbd_energy RBDI_SYMBOL(rbd_energy)
+#define rbd_com RBDI_SYMBOL(rbd_com)
+#define rbd_mass RBDI_SYMBOL(rbd_mass)
+#define rbd_neutral RBDI_SYMBOL(rbd_neutral)
+#define rbd_integrate RBDI_SYMBOL(rbd_integrate)
+#define rbd_difference RBDI_SYMBOL(rbd_difference)
+#define rbd_random RBDI_SYMBOL(rbd_random)
+#define rbd_nb RBDI_SYMBOL(rbd_nb)
+#define rbd_nq RBDI_SYMBOL(rbd_nq)
+#define rbd_nv RBDI_SYMBOL(rbd_nv)
+#define rbd_body_index RBDI_SYMBOL(rbd_body_index)
+#define rbd_joint_index RBDI_SYMBOL(rbd_joint_index)
+#define rbd_body_name RBDI_SYMBOL(rbd_body_name)
+#define rbd_joint_name RBDI_SYMBOL(rbd_joint_name)
+#define rbd_joint RBDI_SYMBOL(rbd_joint)
+#define rbd_dof_body RBDI_SYMBOL(rbd_dof_body)
+#define rbd_batch_lanes RBDI_OF_SCALAR(rbd_batch_lanes)
+#define rbd_batch_size RBDI_OF_SCALAR(rbd_batch_size)
+#define rbd_batch_init RBDI_OF_SCALAR(rbd_batch_init)
+#define rbd_batch_set_gravity RBDI_OF_SCALAR(rbd_batch_set_gravity)
+#define rbd_batch_rnea RBDI_OF_SCALAR(rbd_batch_rnea)
+#define rbd_batch_bias RBDI_OF_SCALAR(rbd_batch_bias)
+#define rbd_batch_crba RBDI_OF_SCALAR(rbd_batch_crba)
+#define rbd_batch_crba_packed RBDI_OF_SCALAR(rbd_batch_crba_packed)
+#define rbd_batch_aba RBDI_OF_SCALAR(rbd_batch_aba)
+#define rbd_batch_fd_cholesky RBDI_OF_SCALAR(rbd_batch_fd_cholesky)
+#define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
@@ -566,15 +663,6 @@ RBDI_EXTERN_C_CLOSE
 
 /* ---- the built model and the work, laid open for compile-time sizes and generated tables only ---- */
 
-#define RBDI_KIND_double 1
-#define RBDI_KIND_float 2
-#define RBDI_KIND___float128 3
-#define RBDI_KIND_OF(type) RBDI_KIND_##type
-#define RBDI_KIND(type) RBDI_KIND_OF(type)
-#if RBDI_KIND(RBD_CONST) != 1 && RBDI_KIND(RBD_CONST) != 2 && RBDI_KIND(RBD_CONST) != 3
-#error "RBD_CONST must be double, float or __float128"
-#endif
-
 /* Arithmetic of the build: double at least, whatever the model's scalar. */
 #if RBDI_KIND(RBD_CONST) == 3
 RBDI_EXTENSION typedef __float128 rbdi_wide;
@@ -847,14 +935,6 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 
 /* ---- scalar [scalar] ---- */
 
-#if !defined RBD_REAL_CUSTOM
-#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
-#if RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND != 3
-#error "RBD_CONST must be RBD_REAL (or double where RBD_REAL is __float128 or a class)"
-#endif
-#else
-#define RBDI_REAL_KIND 0
-#endif
 #if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
 #ifdef __cplusplus
 extern "C" {
