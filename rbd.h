@@ -89,6 +89,61 @@
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
+/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what else
+   there may be) come back at the end. */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
+
 #ifndef RBD_H
 #define RBD_H
 
@@ -1537,10 +1592,10 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
    *bad set, where that is below 1e-30. */
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad)
 {
-    const rbd_real one = rbdi_set(RBD_C(1)), far = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
+    const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
     rbd_real sum = q[0] * q[0], k;
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + q[i] * q[i];
-    k = rbdi_select(rbdi_less(far, sum), rbdi_set(RBDI_SHORTEN), one);
+    k = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
     RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) u[i] = q[i] * k;
     sum = u[0] * u[0];
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + u[i] * u[i];
@@ -1594,9 +1649,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         break;
     }
     if (!b->identity) {
-        const rbdi_mat E0 = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, E0);
-        shift = rbdi_mul_t(E0, shift);
+        const rbdi_mat joint = rbdi_mat_c(b->E);
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
     return X;
@@ -3414,15 +3469,15 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
 {
     rbdi_exp e;
     rbd_real theta, s, A;
-    rbdi_mask small;
+    rbdi_mask near_zero;
     e.x = rbdi_dot(turn, turn) + RBD_C(1e-30); /* keeps the quotients finite, alters no digit */
     theta = rbdi_sqrt(e.x);
     rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
     e.half_sine = s / theta;
     e.B = (e.half_sine + e.half_sine) * e.half_sine;
     A = (e.half_sine + e.half_sine) * e.half_cosine;
-    small = rbdi_less(e.x, rbdi_set(RBD_C(1)));
-    e.C = rbdi_select(small, rbdi_tail(rbdi_select(small, e.x, rbdi_zero()), 3),
+    near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
+    e.C = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 3),
                       (rbdi_set(RBD_C(1)) - A) / e.x);
     return e;
 }
@@ -3439,9 +3494,9 @@ static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
 {
     rbdi_v3 wu = rbdi_cross(w, u);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
-    rbdi_mask small = rbdi_less(e.x, one);
-    rbd_real x = rbdi_select(small, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
-    rbd_real k = rbdi_select(small, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
+    rbdi_mask near_zero = rbdi_less(e.x, one);
+    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
+    rbd_real k = rbdi_select(near_zero, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
     u = rbdi_add(u, rbdi_scale(k, rbdi_cross(w, wu)));
     return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
 }
@@ -5140,6 +5195,33 @@ RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */
 
 #endif /* RBD_IMPLEMENTATION */
+
+#pragma pop_macro("A")
+#pragma pop_macro("B")
+#pragma pop_macro("C")
+#pragma pop_macro("D")
+#pragma pop_macro("E")
+#pragma pop_macro("F")
+#pragma pop_macro("G")
+#pragma pop_macro("H")
+#pragma pop_macro("I")
+#pragma pop_macro("J")
+#pragma pop_macro("K")
+#pragma pop_macro("L")
+#pragma pop_macro("M")
+#pragma pop_macro("N")
+#pragma pop_macro("O")
+#pragma pop_macro("P")
+#pragma pop_macro("Q")
+#pragma pop_macro("R")
+#pragma pop_macro("S")
+#pragma pop_macro("T")
+#pragma pop_macro("U")
+#pragma pop_macro("V")
+#pragma pop_macro("W")
+#pragma pop_macro("X")
+#pragma pop_macro("Y")
+#pragma pop_macro("Z")
 
 /* ---- licence ----
 
