@@ -351,7 +351,7 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, and mass. */
+   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and mimic_ratio. */
 typedef struct rbd_body {
     const char *name;     /* of the link; unique, NULL = nameless */
     const char *joint;    /* name of the joint; unique, NULL = nameless */
@@ -373,7 +373,7 @@ typedef struct rbd_body {
     double velocity;      /* limit, 0 = none; carried for the user */
     double effort;        /* limit, 0 = none; carried for the user */
     const char *mimic;    /* name of the joint this one follows, NULL = none; one-dof joints only */
-    double mimic_ratio;   /* q = ratio * (q of that joint) + offset */
+    double mimic_ratio;   /* q = ratio * (q of that joint) + offset; not 0 */
     double mimic_offset;
 } rbd_body;
 
@@ -394,7 +394,7 @@ typedef enum rbd_status {
     RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES */
     RBD_ERR_NAME = -8,     /* a name stands twice */
     RBD_ERR_PARENT = -9,   /* parent is not an earlier body or -1 */
-    RBD_ERR_TYPE = -10,    /* unknown joint type */
+    RBD_ERR_TYPE = -10,    /* unknown joint type, or missing: fixed, but with an axis */
     RBD_ERR_AXIS = -11,    /* axis zero or not finite; universal: axes parallel */
     RBD_ERR_PITCH = -12,   /* not finite */
     RBD_ERR_POSITION = -13,
@@ -407,15 +407,14 @@ typedef enum rbd_status {
     RBD_ERR_DAMPING = -20,
     RBD_ERR_FRICTION = -21,
     RBD_ERR_LIMITS = -22, /* not finite, or a negative velocity or effort limit */
-    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, or what it follows is missing or follows too */
+    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,   /* the work, or batch, was made for another model */
     RBD_ERR_NAN = -25,    /* the mass matrix is not a number: so is q, or something overflowed */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
-    RBD_WARN_FIXED = 5             /* a fixed joint with an axis: is its type missing? */
+    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
 } rbd_status;
 
 #ifndef RBD_NO_TEXT
@@ -429,6 +428,7 @@ typedef struct rbd_finding {
     int body;          /* index in the description, -1 = the whole model */
     const char *name;  /* of that body, NULL if nameless; points into the description */
     const char *field; /* of rbd_body, e.g. "inertia" */
+    const char *text;  /* a sentence where the status's says too little, else NULL */
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
@@ -3916,7 +3916,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_COUNT: return "the number of bodies is below 1 or above RBD_MAX_BODIES";
     case RBD_ERR_NAME: return "the name stands twice";
     case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
-    case RBD_ERR_TYPE: return "unknown joint type";
+    case RBD_ERR_TYPE: return "unknown joint type, or missing";
     case RBD_ERR_AXIS: return "zero or not finite; axis2 of a universal joint also if parallel to axis";
     case RBD_ERR_PITCH: return "not finite";
     case RBD_ERR_POSITION: return "not finite";
@@ -3931,15 +3931,14 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC:
-        return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or "
-               "mimics too";
+        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
+               "missing or mimics too";
     case RBD_ERR_WORK: return "the work was made for another model";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
-    case RBD_WARN_FIXED: return "the joint is fixed but has an axis: is its type missing?";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
     }
     return "unknown status";
@@ -3983,7 +3982,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
         at = rbdi_append(text, size, at, finding->field);
         at = rbdi_append(text, size, at, "': ");
     }
-    rbdi_append(text, size, at, rbd_status_string(finding->status));
+    rbdi_append(text, size, at, finding->text ? finding->text : rbd_status_string(finding->status));
     return text;
 }
 #endif
@@ -4007,7 +4006,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
 typedef struct rbdi_joint_fact {
     int nq, nv, first; /* first: of a block's spatial axes */
-    const char *axes;
+    char axes[4];
 } rbdi_joint_fact;
 
 static const rbdi_joint_fact *rbdi_joint_facts(int type)
@@ -4227,7 +4226,7 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
 {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     }
     ++report->warnings;
 }
@@ -4236,7 +4235,7 @@ static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, c
                               const char *field)
 {
     rbd_finding *f = &report->error;
-    f->status = status, f->body = body, f->name = name, f->field = field;
+    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
 }
 
@@ -4270,14 +4269,25 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i)
     return -1;
 }
 
+#ifdef RBD_NO_TEXT
+#define RBDI_TEXT(sentence) NULL
+#else
+#define RBDI_TEXT(sentence) sentence
+#endif
+
 static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report)
 {
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type;
     const char *axes;
-#define RBDI_REQUIRE(condition, status, field)                                                          \
+#define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
+#define RBDI_REQUIRE_SAYING(condition, status, field, sentence)                                         \
     do {                                                                                                \
-        if (!(condition)) return rbdi_refuse(report, status, i, b->name, field);                        \
+        if (!(condition)) {                                                                             \
+            rbdi_refuse(report, status, i, b->name, field);                                             \
+            report->error.text = sentence;                                                              \
+            return status;                                                                              \
+        }                                                                                               \
     } while (0)
     for (int j = 0; j < i; ++j) {
         RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
@@ -4286,8 +4296,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
-    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
-        rbdi_warn(report, RBD_WARN_FIXED, i, b->name, "type");
+    RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
+                        RBDI_TEXT("missing? it is 0, fixed, but the joint has an axis"));
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -4306,10 +4316,13 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
     if (b->mimic) {
         RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio");
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC, "mimic_ratio",
+                            RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
         RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
     }
 #undef RBDI_REQUIRE
+#undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
     return RBD_OK;
 }

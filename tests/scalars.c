@@ -269,14 +269,14 @@ static rbd_body massive_body(rbd_joint_type type) {
     return b;
 }
 
-static rbd_status build(const rbd_body *body) {
-    static unsigned char memory[RBD_MODEL_SIZE(1)];
-    return rbd_model_build(body, 1, memory, sizeof memory, &model, NULL);
+static rbd_status build(const rbd_body *bodies, int nb) {
+    static unsigned char memory[RBD_MODEL_SIZE(2)];
+    return rbd_model_build(bodies, nb, memory, sizeof memory, &model, NULL);
 }
 
 static void load_body(const rbd_body *body) {
     static unsigned char memory[RBD_WORK_SIZE(1, 6)];
-    RUN(build(body));
+    RUN(build(body, 1));
     RUN(rbd_work_init(model, memory, sizeof memory, &work));
 }
 
@@ -419,7 +419,7 @@ END_TEST
     do {                                                                                                     \
         rbd_body b = massive_body(RBD_HELICAL);                                                              \
         b.field = 1e300;                                                                                     \
-        ck_assert_msg(build(&b) == status, "%s: %d", #field, build(&b));                                     \
+        ck_assert_msg(build(&b, 1) == status, "%s: %d", #field, build(&b, 1));                                     \
     } while (0)
 
 /* What is finite in the description but not in the model. */
@@ -436,6 +436,19 @@ START_TEST(figures_beyond_the_scalar_are_refused) {
     REFUSES(RBD_ERR_LIMITS, upper);
     REFUSES(RBD_ERR_LIMITS, velocity);
     REFUSES(RBD_ERR_LIMITS, effort);
+}
+END_TEST
+
+/* A ratio too small for the scalar would freeze the follower. */
+START_TEST(ratio_that_becomes_zero_is_refused) {
+    rbd_body b[2];
+    b[0] = b[1] = massive_body(RBD_REVOLUTE);
+    b[0].joint = "lead";
+    b[1].mimic = "lead";
+    b[1].mimic_ratio = 1e-40;
+    ck_assert_int_eq(build(b, 2), RBD_OK);
+    b[1].mimic_ratio = -1e-60;
+    ck_assert_int_eq(build(b, 2), RBD_ERR_MIMIC);
 }
 END_TEST
 #endif
@@ -474,6 +487,7 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, widest_limits_give_finite_configurations);
 #ifdef SCALAR_FLOAT
     tcase_add_test(c, figures_beyond_the_scalar_are_refused);
+    tcase_add_test(c, ratio_that_becomes_zero_is_refused);
 #endif
 #ifdef RBD_LANES
     tcase_add_test(c, one_singular_lane_is_reported);
