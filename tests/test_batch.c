@@ -243,7 +243,8 @@ static void check_one(robot r, robot_check *check) {
 }
 
 static rbd_body body_of_type(rbd_joint_type type, int parent) {
-    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6, 0, 0.8}, .axis2 = {0, 1, 0},
+    const double length = type == RBD_FIXED ? 0 : 1;
+    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6 * length, 0, 0.8 * length}, .axis2 = {0, 1, 0},
                         .position = {0.3, -0.1, 0.2}, BOX, .pitch = type == RBD_HELICAL ? 0.3 : 0};
     return b;
 }
