@@ -89,8 +89,8 @@
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
-/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what else
-   there may be) come back at the end. */
+/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
+   else there may be) come back at the end. */
 #pragma push_macro("A")
 #undef A
 #pragma push_macro("B")
@@ -184,7 +184,7 @@
 #define RBDI_KIND(type) RBDI_KIND_OF(type)
 #ifdef RBD_REAL_CUSTOM
 #define RBDI_REAL_KIND 0
-#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; for a class define RBD_REAL_CUSTOM too */
+#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; a class needs RBD_REAL_CUSTOM too */
 #define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
 #else
 #error "rbd: RBD_REAL must be double, float or __float128 (for a C++ class define RBD_REAL_CUSTOM as well)"
@@ -251,9 +251,9 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
-/* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not link:
-   rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are ordinary
-   ones, are without the lanes. Of a class the mangled names tell. */
+/* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not
+   link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are
+   ordinary ones, are without the lanes. Of a class the mangled names tell. */
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 #if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
@@ -351,7 +351,8 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and mimic_ratio. */
+   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and
+   mimic_ratio of a joint that mimics. */
 typedef struct rbd_body {
     const char *name;     /* of the link; unique, NULL = nameless */
     const char *joint;    /* name of the joint; unique, NULL = nameless */
@@ -1160,8 +1161,8 @@ typedef rbd_real rbdi_batch
     __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
-/* Needs products and sums rounded to the scalar: not -1, 1 and 2, which keep more of them. Other values, as 16 of
-   GCC's default dialects where there is a half precision unit, are of types that are not used here. */
+/* Needs products and sums rounded to the scalar: not -1, 1 and 2, which keep more of them. Other values, as 16
+   of GCC's default dialects where there is a half precision unit, are of types that are not used here. */
 #if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && defined __GNUC__ && !defined RBDI_OWN_SINCOS && \
     (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
 #define RBDI_POLYNOMIAL_SINCOS
@@ -2951,10 +2952,10 @@ static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
     const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
-    const rbd_real far = rr * M + (g.IA + (rr + dd) * g.M) * square;
+    const rbd_real moved = rr * M + (g.IA + (rr + dd) * g.M) * square;
     const rbd_const z = block ? RBD_C(1) : turn;
     K = rbdi_abi_up_link(m, w, i, rbdi_abi_plus(K, rbdi_vec(I, I, I * z), rbdi_vec(M, M, M * z)));
-    return rbdi_abi_plus(K, rbdi_vec(far, far, far), rbdi_vec0());
+    return rbdi_abi_plus(K, rbdi_vec(moved, moved, moved), rbdi_vec0());
 }
 
 /* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of the bound,
