@@ -52,7 +52,8 @@
      their direction counts); one shorter than 1e-15 is read as the identity.
      a = dv/dt component by component (floating: the spatial acceleration in body axes).
 
-   [configuration] Define before including; the same in every file that includes.
+   [configuration] Define before including; the same in every file that includes. The symbols carry the
+   scalar (rbd_rnea is rbd_rnea_double to the linker), so that files which differ in it do not link.
      RBD_REAL         scalar of states and results, one of these words: double (default), float,
                       __float128
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
@@ -88,6 +89,61 @@
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
+/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
+   else there may be) come back at the end. */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
+
 #ifndef RBD_H
 #define RBD_H
 
@@ -104,6 +160,13 @@
 
 /* ---- configuration ---- */
 
+/* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
+   message. */
+#if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
+#error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#endif
+
 #ifndef RBD_REAL
 #define RBD_REAL double
 #endif
@@ -111,6 +174,40 @@
 #define RBD_CONST double
 #elif !defined RBD_CONST
 #define RBD_CONST RBD_REAL
+#endif
+
+#define RBDI_KIND_double 1
+#define RBDI_KIND_float 2
+#define RBDI_KIND___float128 3
+#define RBDI_KIND_long 0 && /* long double, that the words behind it count as 0 */
+#define RBDI_KIND_OF(type) RBDI_KIND_##type
+#define RBDI_KIND(type) RBDI_KIND_OF(type)
+#ifdef RBD_REAL_CUSTOM
+#define RBDI_REAL_KIND 0
+#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; a class needs RBD_REAL_CUSTOM too */
+#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
+#else
+#error "rbd: RBD_REAL must be double, float or __float128 (for a C++ class define RBD_REAL_CUSTOM as well)"
+#undef RBD_REAL
+#undef RBD_CONST
+#define RBD_REAL double
+#define RBD_CONST double
+#define RBDI_REAL_KIND 1
+#endif
+#if !(RBDI_KIND(RBD_CONST)) || (RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND % 3 != 0)
+#error "rbd: RBD_CONST must be RBD_REAL; where that is __float128 or a class: double, float or __float128"
+#undef RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#if defined RBD_LANES && (RBD_LANES + 0 < 2 || (RBD_LANES + 0 & RBD_LANES + -1) != 0)
+#error "rbd: RBD_LANES must be 2, 4, 8 or another power of two; leave it undefined for one state at a time"
+#undef RBD_LANES
+#define RBD_LANES 2
+#endif
+#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
+#undef RBD_LANES
 #endif
 
 #ifdef RBD_STATIC
@@ -154,17 +251,72 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
-/* These symbols carry the scalar, so that C files which differ in it do not link. */
-#ifndef RBD_REAL_CUSTOM
+/* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not
+   link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are
+   ordinary ones, are without the lanes. Of a class the mangled names tell. */
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
-#ifdef RBD_LANES
-#define rbd_work_init RBDI_PASTE(RBDI_PASTE(rbd_work_init, RBD_REAL), RBD_LANES)
+#if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
+#define RBDI_OF_SCALAR(name) RBDI_PASTE(RBDI_PASTE(name, RBD_REAL), RBD_CONST)
 #else
-#define rbd_work_init RBDI_PASTE(rbd_work_init, RBD_REAL)
+#define RBDI_OF_SCALAR(name) RBDI_PASTE(name, RBD_CONST)
 #endif
-#define rbd_batch_init RBDI_PASTE(rbd_batch_init, RBD_REAL)
+#ifdef RBD_LANES
+#define RBDI_SYMBOL(name) RBDI_PASTE(RBDI_OF_SCALAR(name), RBD_LANES)
+#else
+#define RBDI_SYMBOL(name) RBDI_OF_SCALAR(name)
 #endif
+#define rbd_model_build RBDI_SYMBOL(rbd_model_build)
+#define rbd_model_size RBDI_SYMBOL(rbd_model_size)
+#define rbd_work_init RBDI_SYMBOL(rbd_work_init)
+#define rbd_work_size RBDI_SYMBOL(rbd_work_size)
+#define rbd_set_gravity RBDI_SYMBOL(rbd_set_gravity)
+#define rbd_singular_dof RBDI_SYMBOL(rbd_singular_dof)
+#define rbd_rnea RBDI_SYMBOL(rbd_rnea)
+#define rbd_bias RBDI_SYMBOL(rbd_bias)
+#define rbd_gravity RBDI_SYMBOL(rbd_gravity)
+#define rbd_crba RBDI_SYMBOL(rbd_crba)
+#define rbd_crba_packed RBDI_SYMBOL(rbd_crba_packed)
+#define rbd_packed_size RBDI_SYMBOL(rbd_packed_size)
+#define rbd_packed_index RBDI_SYMBOL(rbd_packed_index)
+#define rbd_aba RBDI_SYMBOL(rbd_aba)
+#define rbd_fd_cholesky RBDI_SYMBOL(rbd_fd_cholesky)
+#define rbd_cholesky_factor RBDI_SYMBOL(rbd_cholesky_factor)
+#define rbd_cholesky_factor_packed RBDI_SYMBOL(rbd_cholesky_factor_packed)
+#define rbd_cholesky_solve RBDI_SYMBOL(rbd_cholesky_solve)
+#define rbd_passive RBDI_SYMBOL(rbd_passive)
+#define rbd_kinematics RBDI_SYMBOL(rbd_kinematics)
+#define rbd_body_pose RBDI_SYMBOL(rbd_body_pose)
+#define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
+#define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)
+#define rbd_body_acceleration_classical RBDI_SYMBOL(rbd_body_acceleration_classical)
+#define rbd_energy RBDI_SYMBOL(rbd_energy)
+#define rbd_com RBDI_SYMBOL(rbd_com)
+#define rbd_mass RBDI_SYMBOL(rbd_mass)
+#define rbd_neutral RBDI_SYMBOL(rbd_neutral)
+#define rbd_integrate RBDI_SYMBOL(rbd_integrate)
+#define rbd_difference RBDI_SYMBOL(rbd_difference)
+#define rbd_random RBDI_SYMBOL(rbd_random)
+#define rbd_nb RBDI_SYMBOL(rbd_nb)
+#define rbd_nq RBDI_SYMBOL(rbd_nq)
+#define rbd_nv RBDI_SYMBOL(rbd_nv)
+#define rbd_body_index RBDI_SYMBOL(rbd_body_index)
+#define rbd_joint_index RBDI_SYMBOL(rbd_joint_index)
+#define rbd_body_name RBDI_SYMBOL(rbd_body_name)
+#define rbd_joint_name RBDI_SYMBOL(rbd_joint_name)
+#define rbd_joint RBDI_SYMBOL(rbd_joint)
+#define rbd_dof_body RBDI_SYMBOL(rbd_dof_body)
+#define rbd_batch_lanes RBDI_OF_SCALAR(rbd_batch_lanes)
+#define rbd_batch_size RBDI_OF_SCALAR(rbd_batch_size)
+#define rbd_batch_init RBDI_OF_SCALAR(rbd_batch_init)
+#define rbd_batch_set_gravity RBDI_OF_SCALAR(rbd_batch_set_gravity)
+#define rbd_batch_rnea RBDI_OF_SCALAR(rbd_batch_rnea)
+#define rbd_batch_bias RBDI_OF_SCALAR(rbd_batch_bias)
+#define rbd_batch_crba RBDI_OF_SCALAR(rbd_batch_crba)
+#define rbd_batch_crba_packed RBDI_OF_SCALAR(rbd_batch_crba_packed)
+#define rbd_batch_aba RBDI_OF_SCALAR(rbd_batch_aba)
+#define rbd_batch_fd_cholesky RBDI_OF_SCALAR(rbd_batch_fd_cholesky)
+#define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
@@ -199,7 +351,8 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, and mass. */
+   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and
+   mimic_ratio of a joint that mimics. */
 typedef struct rbd_body {
     const char *name;     /* of the link; unique, NULL = nameless */
     const char *joint;    /* name of the joint; unique, NULL = nameless */
@@ -221,7 +374,7 @@ typedef struct rbd_body {
     double velocity;      /* limit, 0 = none; carried for the user */
     double effort;        /* limit, 0 = none; carried for the user */
     const char *mimic;    /* name of the joint this one follows, NULL = none; one-dof joints only */
-    double mimic_ratio;   /* q = ratio * (q of that joint) + offset */
+    double mimic_ratio;   /* q = ratio * (q of that joint) + offset; not 0 */
     double mimic_offset;
 } rbd_body;
 
@@ -242,7 +395,7 @@ typedef enum rbd_status {
     RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES */
     RBD_ERR_NAME = -8,     /* a name stands twice */
     RBD_ERR_PARENT = -9,   /* parent is not an earlier body or -1 */
-    RBD_ERR_TYPE = -10,    /* unknown joint type */
+    RBD_ERR_TYPE = -10,    /* unknown joint type, or missing: fixed, but with an axis */
     RBD_ERR_AXIS = -11,    /* axis zero or not finite; universal: axes parallel */
     RBD_ERR_PITCH = -12,   /* not finite */
     RBD_ERR_POSITION = -13,
@@ -255,15 +408,14 @@ typedef enum rbd_status {
     RBD_ERR_DAMPING = -20,
     RBD_ERR_FRICTION = -21,
     RBD_ERR_LIMITS = -22, /* not finite, or a negative velocity or effort limit */
-    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, or what it follows is missing or follows too */
+    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,   /* the work, or batch, was made for another model */
     RBD_ERR_NAN = -25,    /* the mass matrix is not a number: so is q, or something overflowed */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
-    RBD_WARN_FIXED = 5             /* a fixed joint with an axis: is its type missing? */
+    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
 } rbd_status;
 
 #ifndef RBD_NO_TEXT
@@ -277,6 +429,7 @@ typedef struct rbd_finding {
     int body;          /* index in the description, -1 = the whole model */
     const char *name;  /* of that body, NULL if nameless; points into the description */
     const char *field; /* of rbd_body, e.g. "inertia" */
+    const char *text;  /* a sentence where the status's says too little, else NULL */
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
@@ -315,9 +468,9 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. With a model of other
-   numbers of bodies, links or degrees of freedom, every call returns RBD_ERR_WORK (a copy of the same
-   table will do).
+/* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
+   of other lengths, every call returns RBD_ERR_WORK, be it another one or what was built in the memory of
+   this one since (a copy of the same model will do).
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
@@ -566,15 +719,6 @@ RBDI_EXTERN_C_CLOSE
 
 /* ---- the built model and the work, laid open for compile-time sizes and generated tables only ---- */
 
-#define RBDI_KIND_double 1
-#define RBDI_KIND_float 2
-#define RBDI_KIND___float128 3
-#define RBDI_KIND_OF(type) RBDI_KIND_##type
-#define RBDI_KIND(type) RBDI_KIND_OF(type)
-#if RBDI_KIND(RBD_CONST) != 1 && RBDI_KIND(RBD_CONST) != 2 && RBDI_KIND(RBD_CONST) != 3
-#error "RBD_CONST must be double, float or __float128"
-#endif
-
 /* Arithmetic of the build: double at least, whatever the model's scalar. */
 #if RBDI_KIND(RBD_CONST) == 3
 RBDI_EXTENSION typedef __float128 rbdi_wide;
@@ -687,6 +831,8 @@ typedef struct rbdi_frame {
     rbd_const lower, upper, velocity, effort;
 } rbdi_frame;
 
+#define RBDI_SHAPE 3 /* words */
+
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
@@ -698,6 +844,7 @@ struct rbd_model {
     const rbdi_dof *dof;     /* nv + nmimic */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
+    uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
 };
 
 typedef struct rbdi_v3 {
@@ -771,14 +918,8 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
 
-/* What the sizes of a work's arrays depend on. */
-typedef struct rbdi_shape {
-    int nb, nq, nv, nl, nblock, nslot, nmimic, nh;
-} rbdi_shape;
-
 struct rbd_work {
-    const rbd_model *model; /* it was made for; compared, never followed */
-    rbdi_shape shape;       /* of that model */
+    uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;        /* dof, -1 = none */
     int have_kinematics;
@@ -850,14 +991,6 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 
 /* ---- scalar [scalar] ---- */
 
-#if !defined RBD_REAL_CUSTOM
-#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
-#if RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND != 3
-#error "RBD_CONST must be RBD_REAL (or double where RBD_REAL is __float128 or a class)"
-#endif
-#else
-#define RBDI_REAL_KIND 0
-#endif
 #if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
 #ifdef __cplusplus
 extern "C" {
@@ -1028,8 +1161,10 @@ typedef rbd_real rbdi_batch
     __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
+/* Needs products and sums rounded to the scalar: not -1, 1 and 2, which keep more of them. Other values, as 16
+   of GCC's default dialects where there is a half precision unit, are of types that are not used here. */
 #if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && defined __GNUC__ && !defined RBDI_OWN_SINCOS && \
-    __FLT_EVAL_METHOD__ == 0
+    (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 typedef uint64_t rbdi_bit;
@@ -1104,7 +1239,8 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 #endif
 
 /* Sines and cosines of n angles of any size: error below 2.3e-16 (double), 1.0e-7 (float) up to the
-   limit; libm's beyond it. The arrays are padded to whole batches. */
+   limit; libm's beyond it. The arrays are padded to whole batches. The angle itself, q + gamma, is rounded
+   before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double. */
 RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c)
 {
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -1441,11 +1577,29 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     return &m->block[l->block];
 }
 
-/* 1 / (sum of n squares), or 0, with *bad set, where that is below 1e-30. */
-RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *bad)
+/* Powers of two small enough that the square of no finite number times them overflows, and large enough that a
+   number whose square does overflow stays above 1e-15. */
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_SHORTEN 2.9134143481250808e-157 /* 2^-520 */
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_SHORTEN 8.47032947e-22f /* 2^-70 */
+#else
+#define RBDI_SQUARE(x) ((x) * (x))
+#define RBDI_SHORTEN /* 2^-8208 */ \
+    RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBD_C(3.7291703656001034e-155)))))
+#endif
+
+/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0, with
+   *bad set, where that is below 1e-30. */
+RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad)
 {
-    rbd_real sum = q[0] * q[0];
-    RBDI_UNROLL for (int k = 1; k < n; ++k) sum = sum + q[k] * q[k];
+    const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
+    rbd_real sum = q[0] * q[0], k;
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + q[i] * q[i];
+    k = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
+    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) u[i] = q[i] * k;
+    sum = u[0] * u[0];
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + u[i] * u[i];
     *bad = rbdi_less(sum, sum);
     return rbdi_reciprocal(sum, RBD_C(1e-30), bad);
 }
@@ -1455,16 +1609,16 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbdi_mask *ba
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 {
     rbdi_mask bad;
-    rbd_real s = rbdi_inverse_square(q, 4, &bad), x, y, z;
+    rbd_real u[4], s = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
     s = s + s;
-    x = s * q[0], y = s * q[1], z = s * q[2];
-    E.xx = rbdi_set(RBD_C(1)) - (y * q[1] + z * q[2]);
-    E.yy = rbdi_set(RBD_C(1)) - (x * q[0] + z * q[2]);
-    E.zz = rbdi_set(RBD_C(1)) - (x * q[0] + y * q[1]);
-    E.xy = x * q[1] + z * q[3], E.yx = x * q[1] - z * q[3];
-    E.xz = x * q[2] - y * q[3], E.zx = x * q[2] + y * q[3];
-    E.yz = y * q[2] + x * q[3], E.zy = y * q[2] - x * q[3];
+    x = s * u[0], y = s * u[1], z = s * u[2];
+    E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
+    E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
+    E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
+    E.xy = x * u[1] + z * u[3], E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3], E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3], E.zy = y * u[2] - x * u[3];
     return E;
 }
 
@@ -1496,9 +1650,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         break;
     }
     if (!b->identity) {
-        const rbdi_mat E0 = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, E0);
-        shift = rbdi_mul_t(E0, shift);
+        const rbdi_mat joint = rbdi_mat_c(b->E);
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
     return X;
@@ -1508,9 +1662,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 2, &bad));
-    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), q[0] * k);
-    *s = rbdi_select(bad, rbdi_zero(), q[1] * k);
+    rbd_real u[2], k = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
+    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * k);
+    *s = rbdi_select(bad, rbdi_zero(), u[1] * k);
 }
 
 /* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
@@ -1836,25 +1990,17 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     return s;
 }
 
-RBDI_INLINE rbdi_shape rbdi_shape_of(const rbd_model *m)
+/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
+   have been built there meanwhile, and the same table may stand at another. */
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w)
 {
-    rbdi_shape s;
-    s.nb = m->nb, s.nq = m->nq, s.nv = m->nv, s.nl = m->nl;
-    s.nblock = m->nblock, s.nslot = m->nslot, s.nmimic = m->nmimic, s.nh = m->nh;
-    return s;
-}
-/* Whether a work suits a model that is not the very one it was made for: another copy of its table, say. */
-RBDI_PART int rbdi_same_shape(const rbd_model *m, const rbd_work *w)
-{
-    const rbdi_shape a = rbdi_shape_of(m), b = w->shape;
-    return a.nb == b.nb && a.nq == b.nq && a.nv == b.nv && a.nl == b.nl && a.nblock == b.nblock &&
-           a.nslot == b.nslot && a.nmimic == b.nmimic && a.nh == b.nh;
+    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
 }
 /* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays)
 {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return w->model == m || rbdi_same_shape(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
@@ -2806,10 +2952,10 @@ static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
     const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
-    const rbd_real far = rr * M + (g.IA + (rr + dd) * g.M) * square;
+    const rbd_real moved = rr * M + (g.IA + (rr + dd) * g.M) * square;
     const rbd_const z = block ? RBD_C(1) : turn;
     K = rbdi_abi_up_link(m, w, i, rbdi_abi_plus(K, rbdi_vec(I, I, I * z), rbdi_vec(M, M, M * z)));
-    return rbdi_abi_plus(K, rbdi_vec(far, far, far), rbdi_vec0());
+    return rbdi_abi_plus(K, rbdi_vec(moved, moved, moved), rbdi_vec0());
 }
 
 /* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of the bound,
@@ -3324,15 +3470,15 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
 {
     rbdi_exp e;
     rbd_real theta, s, A;
-    rbdi_mask small;
+    rbdi_mask near_zero;
     e.x = rbdi_dot(turn, turn) + RBD_C(1e-30); /* keeps the quotients finite, alters no digit */
     theta = rbdi_sqrt(e.x);
     rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
     e.half_sine = s / theta;
     e.B = (e.half_sine + e.half_sine) * e.half_sine;
     A = (e.half_sine + e.half_sine) * e.half_cosine;
-    small = rbdi_less(e.x, rbdi_set(RBD_C(1)));
-    e.C = rbdi_select(small, rbdi_tail(rbdi_select(small, e.x, rbdi_zero()), 3),
+    near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
+    e.C = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 3),
                       (rbdi_set(RBD_C(1)) - A) / e.x);
     return e;
 }
@@ -3349,9 +3495,9 @@ static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
 {
     rbdi_v3 wu = rbdi_cross(w, u);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
-    rbdi_mask small = rbdi_less(e.x, one);
-    rbd_real x = rbdi_select(small, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
-    rbd_real k = rbdi_select(small, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
+    rbdi_mask near_zero = rbdi_less(e.x, one);
+    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
+    rbd_real k = rbdi_select(near_zero, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
     u = rbdi_add(u, rbdi_scale(k, rbdi_cross(w, wu)));
     return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
 }
@@ -3384,9 +3530,9 @@ static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c)
 static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
 {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, &bad));
-    for (int i = 0; i < 3; ++i) u[i] = q[i] * k;
-    u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), q[3] * k);
+    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
+    for (int i = 0; i < 4; ++i) u[i] = u[i] * k;
+    u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), u[3]);
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
@@ -3588,10 +3734,11 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        rbd_real *x = &q[u->iq];
+        rbd_real *x;
         const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
+        x = &q[u->iq];
         if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
             x[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
@@ -3656,8 +3803,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
-    w->model = m;
-    w->shape = rbdi_shape_of(m);
+    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -3771,7 +3917,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_COUNT: return "the number of bodies is below 1 or above RBD_MAX_BODIES";
     case RBD_ERR_NAME: return "the name stands twice";
     case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
-    case RBD_ERR_TYPE: return "unknown joint type";
+    case RBD_ERR_TYPE: return "unknown joint type, or missing";
     case RBD_ERR_AXIS: return "zero or not finite; axis2 of a universal joint also if parallel to axis";
     case RBD_ERR_PITCH: return "not finite";
     case RBD_ERR_POSITION: return "not finite";
@@ -3786,15 +3932,14 @@ RBD_API const char *rbd_status_string(rbd_status status)
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC:
-        return "ratio or offset not finite, not a one-dof joint, or it follows a joint that is missing or "
-               "mimics too";
+        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
+               "missing or mimics too";
     case RBD_ERR_WORK: return "the work was made for another model";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
-    case RBD_WARN_FIXED: return "the joint is fixed but has an axis: is its type missing?";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
     }
     return "unknown status";
@@ -3838,7 +3983,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
         at = rbdi_append(text, size, at, finding->field);
         at = rbdi_append(text, size, at, "': ");
     }
-    rbdi_append(text, size, at, rbd_status_string(finding->status));
+    rbdi_append(text, size, at, finding->text ? finding->text : rbd_status_string(finding->status));
     return text;
 }
 #endif
@@ -3862,7 +4007,7 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
 typedef struct rbdi_joint_fact {
     int nq, nv, first; /* first: of a block's spatial axes */
-    const char *axes;
+    char axes[4];
 } rbdi_joint_fact;
 
 static const rbdi_joint_fact *rbdi_joint_facts(int type)
@@ -4082,7 +4227,7 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
 {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     }
     ++report->warnings;
 }
@@ -4091,7 +4236,7 @@ static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, c
                               const char *field)
 {
     rbd_finding *f = &report->error;
-    f->status = status, f->body = body, f->name = name, f->field = field;
+    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
 }
 
@@ -4125,14 +4270,25 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i)
     return -1;
 }
 
+#ifdef RBD_NO_TEXT
+#define RBDI_TEXT(sentence) NULL
+#else
+#define RBDI_TEXT(sentence) sentence
+#endif
+
 static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report)
 {
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type;
     const char *axes;
-#define RBDI_REQUIRE(condition, status, field)                                                          \
+#define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
+#define RBDI_REQUIRE_SAYING(condition, status, field, sentence)                                         \
     do {                                                                                                \
-        if (!(condition)) return rbdi_refuse(report, status, i, b->name, field);                        \
+        if (!(condition)) {                                                                             \
+            rbdi_refuse(report, status, i, b->name, field);                                             \
+            report->error.text = sentence;                                                              \
+            return status;                                                                              \
+        }                                                                                               \
     } while (0)
     for (int j = 0; j < i; ++j) {
         RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
@@ -4141,8 +4297,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
-    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
-        rbdi_warn(report, RBD_WARN_FIXED, i, b->name, "type");
+    RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
+                        RBDI_TEXT("missing? it is 0, fixed, but the joint has an axis"));
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -4161,10 +4317,13 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
     if (b->mimic) {
         RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio");
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC, "mimic_ratio",
+                            RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
         RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
     }
 #undef RBDI_REQUIRE
+#undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
     return RBD_OK;
 }
@@ -4686,6 +4845,20 @@ static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n
     }
 }
 
+/* Four counts side by side. */
+static uint64_t rbdi_pack(int a, int b, int c, int d)
+{
+    return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
+}
+/* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
+   the same. */
+static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE])
+{
+    shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
+    shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
+    shape[2] = (uint64_t)m->nh;
+}
+
 static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_place *place,
                       const rbdi_draft *draft, rbd_model *m, rbdi_link *link, rbdi_block *block,
                       rbdi_dof *dof, rbdi_mimic *mimic, rbdi_frame *frame)
@@ -4735,6 +4908,7 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
             k->ratio = RBD_C(bodies[i].mimic_ratio), k->offset = RBD_C(bodies[i].mimic_offset);
         }
     }
+    rbdi_shape(m, m->shape);
 }
 
 RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb)
@@ -5035,6 +5209,33 @@ RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */
 
 #endif /* RBD_IMPLEMENTATION */
+
+#pragma pop_macro("A")
+#pragma pop_macro("B")
+#pragma pop_macro("C")
+#pragma pop_macro("D")
+#pragma pop_macro("E")
+#pragma pop_macro("F")
+#pragma pop_macro("G")
+#pragma pop_macro("H")
+#pragma pop_macro("I")
+#pragma pop_macro("J")
+#pragma pop_macro("K")
+#pragma pop_macro("L")
+#pragma pop_macro("M")
+#pragma pop_macro("N")
+#pragma pop_macro("O")
+#pragma pop_macro("P")
+#pragma pop_macro("Q")
+#pragma pop_macro("R")
+#pragma pop_macro("S")
+#pragma pop_macro("T")
+#pragma pop_macro("U")
+#pragma pop_macro("V")
+#pragma pop_macro("W")
+#pragma pop_macro("X")
+#pragma pop_macro("Y")
+#pragma pop_macro("Z")
 
 /* ---- licence ----
 

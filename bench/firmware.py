@@ -193,7 +193,7 @@ def worst_frames(graph_file):
             open_calls.pop()
         return worst[function]
 
-    return {function: depth(function) for function in list(frame)}
+    return {re.sub("_(double|float)$", "", function): depth(function) for function in list(frame)}
 
 
 def figures(target, folder, printed):

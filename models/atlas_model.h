@@ -499,6 +499,7 @@ static const rbd_model atlas_model = {
     31, 1, 2, 0, 351, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     atlas_links, atlas_blocks, atlas_dofs, NULL, atlas_frames,
+    {UINT64_C(0x1f00250024001f), UINT64_C(0x100020000), UINT64_C(0x15f)}, /* lengths of a work's arrays */
 };
 
 #endif

@@ -72,6 +72,7 @@ static const rbd_model cart_pole_model = {
     2, 0, 0, 0, 3, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     cart_pole_links, NULL, cart_pole_dofs, NULL, cart_pole_frames,
+    {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x3)}, /* lengths of a work's arrays */
 };
 
 #endif

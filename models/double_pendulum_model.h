@@ -72,6 +72,7 @@ static const rbd_model double_pendulum_model = {
     2, 0, 0, 0, 3, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     double_pendulum_links, NULL, double_pendulum_dofs, NULL, double_pendulum_frames,
+    {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x3)}, /* lengths of a work's arrays */
 };
 
 #endif

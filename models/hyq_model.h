@@ -247,6 +247,7 @@ static const rbd_model hyq_model = {
     13, 1, 1, 0, 117, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     hyq_links, hyq_blocks, hyq_dofs, NULL, hyq_frames,
+    {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x75)}, /* lengths of a work's arrays */
 };
 
 #endif

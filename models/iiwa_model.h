@@ -142,6 +142,7 @@ static const rbd_model iiwa_model = {
     7, 0, 0, 0, 28, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     iiwa_links, NULL, iiwa_dofs, NULL, iiwa_frames,
+    {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c)}, /* lengths of a work's arrays */
 };
 
 #endif

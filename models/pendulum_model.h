@@ -58,6 +58,7 @@ static const rbd_model pendulum_model = {
     1, 0, 0, 0, 1, /* links, blocks, slots, mimics, packed entries */
     {0, 0, RBD_C(-9.81)},
     pendulum_links, NULL, pendulum_dofs, NULL, pendulum_frames,
+    {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x1)}, /* lengths of a work's arrays */
 };
 
 #endif

@@ -44,9 +44,9 @@ leave_out() {
     fi
     # shellcheck disable=SC2046,SC2086 # words wanted
     ${CC:-cc} -std=c99 -E -P $(flags "$@") -I"$root" "$scratch/declarations.c" | tr '\n' ' ' |
-        grep -o 'extern [^;(]* \**rbd_[a-z_]* *(' | sed 's/.*rbd_/rbd_/; s/ *($//' | grep -v '^rbd_batch' |
+        grep -o 'extern [^;(]* \**rbd_[a-z_]* *(' | sed 's/.*rbd_/rbd_/; s/ *($//; s/_double$//' | grep -v '^rbd_batch' |
         sort -u >"$scratch/declared"
-    nm "$scratch/rbd.o" | awk '$2 == "T" { print $3 }' | sort -u >"$scratch/defined"
+    nm "$scratch/rbd.o" | awk '$2 == "T" { sub(/_double$/, "", $3); print $3 }' | sort -u >"$scratch/defined"
     [ -s "$scratch/declared" ] && diff "$scratch/declared" "$scratch/defined" ||
         fail "without $*: declared (<) is not what is defined (>)"
 }

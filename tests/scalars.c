@@ -6,15 +6,20 @@
 #define SCALAR_NAME "float"
 #define SCALAR_EPSILON 6e-8
 #define SCALAR_LARGEST FLT_MAX
+#define SCALAR_EXPONENT 128
 #elif defined SCALAR_QUAD
 #define RBD_REAL __float128
 #define SCALAR_NAME "__float128"
 #define SCALAR_EPSILON 1e-34
+#define SCALAR_EXPONENT 16384
 #elif !defined SCALAR_NAME
 #define SCALAR_NAME "double"
 #endif
 #ifndef SCALAR_EPSILON
 #define SCALAR_EPSILON 1.1e-16
+#endif
+#ifndef SCALAR_EXPONENT /* 2^this overflows */
+#define SCALAR_EXPONENT 1024
 #endif
 #ifndef SCALAR_LARGEST /* that a description can have */
 #define SCALAR_LARGEST DBL_MAX
@@ -264,14 +269,14 @@ static rbd_body massive_body(rbd_joint_type type) {
     return b;
 }
 
-static rbd_status build(const rbd_body *body) {
-    static unsigned char memory[RBD_MODEL_SIZE(1)];
-    return rbd_model_build(body, 1, memory, sizeof memory, &model, NULL);
+static rbd_status build(const rbd_body *bodies, int nb) {
+    static unsigned char memory[RBD_MODEL_SIZE(2)];
+    return rbd_model_build(bodies, nb, memory, sizeof memory, &model, NULL);
 }
 
 static void load_body(const rbd_body *body) {
     static unsigned char memory[RBD_WORK_SIZE(1, 6)];
-    RUN(build(body));
+    RUN(build(body, 1));
     RUN(rbd_work_init(model, memory, sizeof memory, &work));
 }
 
@@ -337,6 +342,56 @@ START_TEST(point_mass_on_the_axis_is_singular) {
 }
 END_TEST
 
+/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral configuration. */
+static int images(const rbd_real *at, rbd_real *x) {
+    static rbd_real neutral[7], next[7];
+    int n = rbd_nv(model);
+    EACH_LANE for (int k = 0; k < n; k++) put(&v[k], lane, 0.3 - 0.2 * k);
+    RUN(rbd_neutral(model, neutral));
+    RUN(rbd_rnea(model, work, at, v, v, NULL, x));
+    RUN(rbd_difference(model, neutral, at, x + n));
+    RUN(rbd_difference(model, at, neutral, x + 2 * n));
+    RUN(rbd_integrate(model, at, v, v[0], next));
+    for (int k = 0; k < rbd_nq(model); k++)
+        x[3 * n + k] = next[k];
+    n = 3 * n + rbd_nq(model);
+    RUN(rbd_kinematics(model, work, at, NULL, NULL));
+    RUN(rbd_body_pose(model, work, 0, x + n, x + n + 9));
+    return n + 12;
+}
+
+/* The length of q from coordinate first on is a power of two times ever greater, up to the largest number:
+   nothing changes, not even by rounding. */
+static void stretch(rbd_joint_type type, int first) {
+    const double along[4] = {0.5, -0.625, 0.375, 0.8125};
+    rbd_body b = massive_body(type);
+    rbd_real expected[40], stretched[40], sixteen;
+    b.axis[0] = 1;
+    b.com[0] = 0.2, b.com[1] = 0.5;
+    load_body(&b);
+    EACH_LANE {
+        put(&sixteen, lane, 65536);
+        for (int k = 0; k < rbd_nq(model); k++)
+            put(&q[k], lane, k < first ? 0.7 : along[k - first]);
+    }
+    const int n = images(q, expected);
+    for (int exponent = 16; exponent <= SCALAR_EXPONENT; exponent += 16) {
+        for (int k = first; k < rbd_nq(model); k++)
+            q[k] = q[k] * sixteen;
+        images(q, stretched);
+        EACH_LANE for (int k = 0; k < n; k++) ck_assert_msg(
+            fabs(get(stretched[k] - expected[k], lane)) <= 0, "%s, joint type %d, 2^%d: image %d changes by %.3g",
+            SCALAR_NAME, (int)type, exponent, k, get(stretched[k] - expected[k], lane));
+    }
+}
+
+START_TEST(only_directions_count_at_any_length) {
+    stretch(RBD_SPHERICAL, 0);
+    stretch(RBD_FLOATING, 3);
+    stretch(RBD_CONTINUOUS_CS, 0);
+}
+END_TEST
+
 /* Limits whose difference overflows still have configurations between them. */
 START_TEST(widest_limits_give_finite_configurations) {
     rbd_body b = massive_body(RBD_REVOLUTE);
@@ -364,7 +419,7 @@ END_TEST
     do {                                                                                                     \
         rbd_body b = massive_body(RBD_HELICAL);                                                              \
         b.field = 1e300;                                                                                     \
-        ck_assert_msg(build(&b) == status, "%s: %d", #field, build(&b));                                     \
+        ck_assert_msg(build(&b, 1) == status, "%s: %d", #field, build(&b, 1));                                     \
     } while (0)
 
 /* What is finite in the description but not in the model. */
@@ -381,6 +436,19 @@ START_TEST(figures_beyond_the_scalar_are_refused) {
     REFUSES(RBD_ERR_LIMITS, upper);
     REFUSES(RBD_ERR_LIMITS, velocity);
     REFUSES(RBD_ERR_LIMITS, effort);
+}
+END_TEST
+
+/* A ratio too small for the scalar would freeze the follower. */
+START_TEST(ratio_that_becomes_zero_is_refused) {
+    rbd_body b[2];
+    b[0] = b[1] = massive_body(RBD_REVOLUTE);
+    b[0].joint = "lead";
+    b[1].mimic = "lead";
+    b[1].mimic_ratio = 1e-40;
+    ck_assert_int_eq(build(b, 2), RBD_OK);
+    b[1].mimic_ratio = -1e-60;
+    ck_assert_int_eq(build(b, 2), RBD_ERR_MIMIC);
 }
 END_TEST
 #endif
@@ -415,9 +483,11 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, integrate_and_difference_match_the_reference);
     tcase_add_test(c, thin_rod_turns_about_its_axis);
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
+    tcase_add_test(c, only_directions_count_at_any_length);
     tcase_add_test(c, widest_limits_give_finite_configurations);
 #ifdef SCALAR_FLOAT
     tcase_add_test(c, figures_beyond_the_scalar_are_refused);
+    tcase_add_test(c, ratio_that_becomes_zero_is_refused);
 #endif
 #ifdef RBD_LANES
     tcase_add_test(c, one_singular_lane_is_reported);

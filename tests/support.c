@@ -187,6 +187,8 @@ void random_joint(uint64_t *seed, rbd_body *bodies, int index, rbd_joint_type ty
     b->pitch = type == RBD_HELICAL ? uniform(seed, -0.5, 0.5) : 0;
     if (type == RBD_UNIVERSAL)
         random_second_axis(seed, b);
+    if (type == RBD_FIXED)
+        memset(b->axis, 0, sizeof b->axis);
 }
 
 static int has_one_dof(rbd_joint_type type) {

@@ -243,7 +243,8 @@ static void check_one(robot r, robot_check *check) {
 }
 
 static rbd_body body_of_type(rbd_joint_type type, int parent) {
-    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6, 0, 0.8}, .axis2 = {0, 1, 0},
+    const double length = type == RBD_FIXED ? 0 : 1;
+    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6 * length, 0, 0.8 * length}, .axis2 = {0, 1, 0},
                         .position = {0.3, -0.1, 0.2}, BOX, .pitch = type == RBD_HELICAL ? 0.3 : 0};
     return b;
 }
@@ -552,6 +553,28 @@ START_TEST(batch_of_another_model_is_refused) {
 }
 END_TEST
 
+/* A fixed body more, in the same memory: f_ext is longer, all else is as before. */
+START_TEST(batch_of_a_model_built_over_is_refused) {
+    const rbd_body bodies[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, 1}},
+        {.parent = 0, .position = {0, 0, 1}}};
+    robot r = build("rod", bodies, 1);
+    const size_t size = rbd_model_size(bodies, 2), batch_size = rbd_batch_size(r.m);
+    void *memory = allocate(size);
+    ck_assert_int_eq(rbd_model_build(bodies, 1, memory, size, &r.m, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_init(r.m, r.memory[2], batch_size, &r.b), RBD_OK);
+    ck_assert_int_eq(rbd_model_build(bodies, 2, memory, size, &r.m, NULL), RBD_OK);
+    r.nb = 2;
+    states x = states_draw(&r, 1);
+    RBD_REAL out[1] = {0};
+    for (call c = RNEA; c < CALLS; c++)
+        ck_assert_int_eq(run_batch(&r, c, 1, &x, out), RBD_ERR_WORK);
+    states_free(&x);
+    free(memory);
+    release(&r);
+}
+END_TEST
+
 /* Memory that ends where it may, begins anywhere and holds no useful numbers. */
 static void check_memory(const robot *r) {
     const int offsets[5] = {0, 1, 8, 31, 63};
@@ -660,6 +683,7 @@ int main(int argc, char **argv) {
     tcase_add_test(c, null_arguments_are_refused);
     tcase_add_test(c, model_of_another_version_is_refused);
     tcase_add_test(c, batch_of_another_model_is_refused);
+    tcase_add_test(c, batch_of_a_model_built_over_is_refused);
     tcase_add_test(c, memory_of_the_stated_size_is_enough_and_less_is_refused);
     tcase_add_test(c, results_match_the_reference);
     suite_add_tcase(suite, c);

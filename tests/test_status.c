@@ -30,7 +30,7 @@ START_TEST(unknown_statuses_have_a_sentence_too) {
 }
 END_TEST
 
-static const rbd_finding finding = {RBD_ERR_MASS, 3, "left_foot", "mass"};
+static const rbd_finding finding = {RBD_ERR_MASS, 3, "left_foot", "mass", NULL};
 
 START_TEST(finding_names_body_field_and_cause) {
     char text[200], expected[200] = "body 3 'left_foot', field 'mass': ";
@@ -41,7 +41,8 @@ START_TEST(finding_names_body_field_and_cause) {
 END_TEST
 
 START_TEST(finding_without_name_or_body_is_still_a_sentence) {
-    const rbd_finding nameless = {RBD_ERR_COM, 12, NULL, "com"}, whole = {RBD_ERR_COUNT, -1, NULL, NULL};
+    const rbd_finding nameless = {RBD_ERR_COM, 12, NULL, "com", NULL},
+                      whole = {RBD_ERR_COUNT, -1, NULL, NULL, NULL};
     char text[200];
     rbd_finding_text(&nameless, text, sizeof text);
     ck_assert_ptr_nonnull(strstr(text, "body 12"));

@@ -279,6 +279,84 @@ START_TEST(work_serves_every_copy_of_its_model) {
 }
 END_TEST
 
+/* The same address is not the same model. */
+START_TEST(work_of_a_model_built_over_is_refused) {
+    const ref_model *small = reference_model(0), *large = reference_model(2);
+    const rbd_body mast = {.parent = -1, .mass = 1}, *bodies[] = {large->bodies, small->bodies, &mast};
+    const int nb[] = {large->nb, small->nb, 1};
+    void *memory = malloc(RBD_MODEL_SIZE(MAX_BODIES)), *work = malloc(RBD_WORK_SIZE(MAX_BODIES, MAX_V));
+    double x[MAX_V * MAX_V] = {0}, y[MAX_V * MAX_V];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const rbd_status expected = i == j ? RBD_OK : RBD_ERR_WORK;
+            const rbd_model *first, *second;
+            rbd_work *w;
+            ck_assert_int_eq(
+                rbd_model_build(bodies[i], nb[i], memory, RBD_MODEL_SIZE(MAX_BODIES), &first, NULL), RBD_OK);
+            ck_assert_int_eq(rbd_work_init(first, work, rbd_work_size(first), &w), RBD_OK);
+            ck_assert_int_eq(
+                rbd_model_build(bodies[j], nb[j], memory, RBD_MODEL_SIZE(MAX_BODIES), &second, NULL), RBD_OK);
+            ck_assert_ptr_eq(first, second);
+            ck_assert_int_eq(rbd_gravity(second, w, x, y), expected);
+            ck_assert_int_eq(rbd_crba(second, w, x, y), expected);
+            ck_assert_int_eq(rbd_kinematics(second, w, x, NULL, NULL), expected);
+        }
+    free(work);
+    free(memory);
+}
+END_TEST
+
+/* Whatever the length of one array depends on. */
+START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
+    enum { NB = 4 };
+    const rbd_body rod = {.type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0.1, 0, 1}};
+    /* rows: parents and types of as many bodies; the first is what the others are compared with */
+    static const struct {
+        int nb, parent[NB];
+        rbd_joint_type type[NB];
+        int mimics; /* the last body follows the first */
+    } trees[] = {
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},
+        {4, {-1, 0, 1, 2}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},      /* nb */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_CONTINUOUS_CS}, 0},               /* nq */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},                       /* nv, nl, nh */
+        {3, {-1, 0, 0}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},                    /* nslot, nh */
+        {3, {-1, -1, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},                   /* nh */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 1},                    /* nmimic */
+        {3, {-1, 0, 1}, {RBD_TRANSLATION, RBD_FIXED, RBD_FIXED}, 0},                       /* nblock, nl */
+    };
+    enum { TREES = sizeof trees / sizeof *trees };
+    void *memory[TREES];
+    const rbd_model *m[TREES];
+    double x[6] = {1, 0, 0, 0}, y[6];
+    for (int t = 0; t < TREES; t++) {
+        rbd_body b[NB];
+        for (int i = 0; i < trees[t].nb; i++) {
+            b[i] = rod;
+            b[i].parent = trees[t].parent[i];
+            b[i].type = trees[t].type[i];
+            if (b[i].type == RBD_FIXED || b[i].type == RBD_TRANSLATION)
+                b[i].axis[1] = 0;
+        }
+        b[0].joint = "first";
+        if (trees[t].mimics)
+            b[trees[t].nb - 1].mimic = "first", b[trees[t].nb - 1].mimic_ratio = 1;
+        memory[t] = malloc(RBD_MODEL_SIZE(NB));
+        ck_assert_int_eq(rbd_model_build(b, trees[t].nb, memory[t], RBD_MODEL_SIZE(NB), &m[t], NULL), RBD_OK);
+    }
+    for (int s = 0; s < TREES; s++)
+        for (int t = 0; t < TREES; t++) {
+            rbd_work *w;
+            void *work = malloc(rbd_work_size(m[s]));
+            ck_assert_int_eq(rbd_work_init(m[s], work, rbd_work_size(m[s]), &w), RBD_OK);
+            ck_assert_msg(rbd_gravity(m[t], w, x, y) == (s == t ? RBD_OK : RBD_ERR_WORK), "%d, %d", s, t);
+            free(work);
+        }
+    for (int t = 0; t < TREES; t++)
+        free(memory[t]);
+}
+END_TEST
+
 Suite *work_suite(void) {
     Suite *suite = suite_create("work");
     TCase *c = tcase_create("work");
@@ -290,6 +368,8 @@ Suite *work_suite(void) {
     tcase_add_test(c, gravity_is_earth_s_until_set);
     tcase_add_test(c, works_are_independent);
     tcase_add_test(c, work_of_another_model_is_refused);
+    tcase_add_test(c, work_of_a_model_built_over_is_refused);
+    tcase_add_test(c, work_of_a_model_that_differs_in_one_count_is_refused);
     tcase_add_test(c, work_serves_every_copy_of_its_model);
     suite_add_tcase(suite, c);
     TCase *bytes = tcase_create("bytes"); /* compares padding too, to which valgrind objects */

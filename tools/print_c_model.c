@@ -209,5 +209,8 @@ void print_c_model(const robot *r, const char *name) {
         printf("%s_mimics, ", name);
     else
         printf("NULL, ");
-    printf("%s_frames,\n};\n\n#endif\n", name);
+    printf("%s_frames,\n    {", name);
+    for (int k = 0; k < RBDI_SHAPE; ++k)
+        printf("%sUINT64_C(0x%llx)", k ? ", " : "", (unsigned long long)m->shape[k]);
+    printf("}, /* lengths of a work's arrays */\n};\n\n#endif\n");
 }

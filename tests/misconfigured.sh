@@ -1,0 +1,52 @@
+#!/bin/sh
+# A configuration that cannot work: the compiler says one sentence of ours, first, and nothing else of rbd.h.
+# usage: misconfigured.sh DIRECTORY_OF_RBD_H
+set -u
+
+root=${1:?usage: misconfigured.sh DIRECTORY_OF_RBD_H}
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+checks=0
+failures=0
+missing=
+
+printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/file.c"
+
+# says SENTENCE FLAG...: so does each compiler, in its only error
+says() {
+    sentence=$1
+    shift
+    for compiler in gcc g++ clang clang-19 clang++-19; do
+        command -v "$compiler" >/dev/null 2>&1 || continue
+        language="-x c -std=c99"
+        case $compiler,$* in
+        *++*,*-std*) continue ;;
+        *++*) language="-x c++ -std=c++11" ;;
+        esac
+        checks=$((checks + 1))
+        # shellcheck disable=SC2086 # words wanted
+        "$compiler" $language "$@" -Wall -Wextra -I"$root" -fsyntax-only "$scratch/file.c" 2>"$scratch/messages"
+        errors=$(grep -c 'error:' "$scratch/messages")
+        if [ "$errors" -ne 1 ] || ! grep 'error:' "$scratch/messages" | grep -qF "rbd: $sentence"; then
+            failures=$((failures + 1))
+            echo "FAILED: $compiler $*: $errors errors"
+            sed -n '1,5p' "$scratch/messages"
+        fi
+    done
+}
+
+for lanes in 0 1 3 6 -4 ''; do
+    says "RBD_LANES must be 2, 4, 8 or another power of two" "-DRBD_LANES=$lanes"
+done
+says "RBD_LANES needs GCC or clang, and RBD_REAL double or float" -DRBD_LANES=2 -DRBD_REAL=__float128
+for scalar in "long double" int real; do
+    says "RBD_REAL must be double, float or __float128" "-DRBD_REAL=$scalar"
+done
+says "RBD_CONST must be RBD_REAL" -DRBD_CONST=float
+says "RBD_CONST must be RBD_REAL" -DRBD_REAL=float -DRBD_CONST=double
+says "needs C99 or later" -std=c90
+says "needs C99 or later" -std=gnu90
+
+for compiler in gcc clang; do command -v "$compiler" >/dev/null 2>&1 || missing="$missing $compiler"; done
+echo "$checks checks, $failures failed; missing:${missing:- nothing}"
+[ "$checks" -gt 0 ] && [ "$failures" -eq 0 ]
