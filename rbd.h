@@ -585,6 +585,7 @@ typedef struct rbdi_draft {
     rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
+    rbdi_wide all, radius; /* of the subtree: mass, radius of gyration about the origin */
     rbdi_wide trace, moment, mass, mc; /* of the subtree: bounds of its mass moments; regrouped mass */
     rbdi_wide scale;                   /* of the pivot */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
@@ -3665,13 +3666,13 @@ static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3])
 static rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
 static rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
-/* Scales (c, s) to the unit circle, and to its nearest quarter point if within RBDI_SNAP of one. */
-static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s)
+/* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
+static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close)
 {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
     *c /= n, *s /= n;
-    if (rbdi_w_abs(*s) <= RBDI_SNAP) *c = *c > 0 ? 1 : -1, *s = 0;
-    if (rbdi_w_abs(*c) <= RBDI_SNAP) *s = *s > 0 ? 1 : -1, *c = 0;
+    if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
+    if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
 /* Angle in (-pi, pi] of a point on the unit circle; as rbdi_signed_angle, in the build's arithmetic. */
@@ -4123,12 +4124,12 @@ static void rbdi_draft_angles(rbdi_draft *l)
         l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
         l->ca = E[8], l->sa = sigma;
         if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
-        rbdi_w_snap(&l->ca, &l->sa);
-        rbdi_w_snap(&l->cb, &l->sb);
+        rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
+        rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
-    rbdi_w_snap(&l->cg, &l->sg);
+    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
     rbdi_w_turn_z(l->cg, l->sg, E);
     rbdi_w_turn_x(l->ca, l->sa, Z);
     rbdi_w_product(E, Z, E);
@@ -4136,10 +4137,41 @@ static void rbdi_draft_angles(rbdi_draft *l)
     rbdi_w_product(E, Z, E);
 }
 
-/* Step 5, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
+/* Second moment of mass, sum of m |x|^2, that the subtree of f can have about a point at this distance from f's
+   origin, its links stretched out away from it: what numbers about that point are the size of. */
+static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance)
+{
+    return f->all * (f->radius + distance) * (f->radius + distance);
+}
+
+/* Step 5, leaves to root: mass and radius of gyration of the subtree, so stretched, about the link's own origin.
+   Where the root stands is no part of it. */
+static void rbdi_draft_measure(rbdi_draft *draft, int i)
+{
+    rbdi_draft *l = &draft[i];
+    const rbdi_wide own = l->S[0] + l->S[3] + l->S[5];
+    if (own > 0) l->radius += own; /* else no real body is like this */
+    l->all += l->m;
+    l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
+    if (l->parent < 0) return;
+    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r)); /* a sum, until its turn comes */
+    draft[l->parent].all += l->all;
+}
+
+/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this distance
+   from it. Numbers about a far point grow with the square of the distance and inertias are their differences, so
+   those of this subtree must stay of the size that they have about the origin that the user chose. Errors of M
+   grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ, Atlas) pass. */
+static int rbdi_draft_near(const rbdi_draft *l, const rbdi_draft *f, rbdi_wide t, rbdi_wide distance)
+{
+    const rbdi_wide before = rbdi_draft_spread(l, 0), rest = before - rbdi_draft_spread(f, rbdi_w_length(f->r));
+    return rest + (l->all - f->all) * t * t + rbdi_draft_spread(f, distance) < 4 * before;
+}
+
+/* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
-static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bound)
+static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i)
 {
     rbdi_draft *l = &draft[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
@@ -4160,11 +4192,12 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) return;
+        if (!rbdi_draft_near(l, f, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
         t = f->r[2];
+        if (!rbdi_draft_near(l, f, t, a)) d = t * f->ca, t = 0;
         rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
     }
     f->dh = 1;
@@ -4178,7 +4211,7 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
-/* Step 6, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
+/* Step 7, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
    configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia
    only what is about the axis counts, and the rounding of its change of frame, for a thin rod may well
    turn about itself. */
@@ -4200,7 +4233,7 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i)
     up->mass += l->mass;
 }
 
-/* Step 7, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
+/* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
 static void rbdi_draft_regroup(rbdi_draft *draft, int i)
@@ -4242,7 +4275,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6])
 }
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
-/* Step 8: the solver's constants of the link at position p. */
+/* Step 9: the solver's constants of the link at position p. */
 static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p)
 {
     const rbdi_draft *l = &draft[draft[p].order];
@@ -4365,14 +4398,10 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
 /* The steps that turn drafts in the users' frames into drafts in the solver's. */
 static void rbdi_draft_solve(rbdi_draft *draft, int nl)
 {
-    rbdi_wide longest = 0;
     for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
     rbdi_draft_order(draft, nl);
-    for (int i = 0; i < nl; ++i) {
-        rbdi_wide r = rbdi_w_length(draft[i].r);
-        if (r > longest) longest = r;
-    }
-    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order, 10 * longest);
+    for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
+    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order);
     for (int i = 0; i < nl; ++i)
         if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
     for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
