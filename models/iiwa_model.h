@@ -6,14 +6,14 @@
 
 #ifndef RBD_H
 #error "include rbd.h before iiwa_model.h"
-#elif RBD_MODEL_VERSION != 1
+#elif RBD_MODEL_VERSION != 2
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
 #endif
 
 /* clang-format off */
 
 /* Bytes for rbd_work_init, exactly. */
-#define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28, 0)
+#define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28)
 
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -55,15 +55,16 @@ static const rbdi_link iiwa_links[7] = {
      {0, 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
+   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof iiwa_dofs[7] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(5.248552845394229)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(4.983027205394229)},
-    {2, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(1.281489184688816)},
-    {3, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(1.063457984688816)},
-    {4, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(0.15320981999999997)},
-    {5, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(0.017880183999999997)},
-    {6, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.0075286)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(5.248552845394229)},
+    {1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(4.983027205394229)},
+    {2, 1, 3, 2, 1, 2, 2, 3, 0, 0, 0, RBD_C(1.281489184688816)},
+    {3, 2, 6, 3, 2, 3, 3, 6, 0, 0, 0, RBD_C(1.063457984688816)},
+    {4, 3, 10, 4, 3, 4, 4, 10, 0, 0, 0, RBD_C(0.15320981999999997)},
+    {5, 4, 15, 5, 4, 5, 5, 15, 0, 0, 0, RBD_C(0.017880183999999997)},
+    {6, 5, 21, 6, 5, 6, 6, 21, 0, 0, 0, RBD_C(0.0075286)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -108,7 +109,7 @@ static const rbdi_frame iiwa_frames[7] = {
 
 static const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
-    7, 0, 0, 0, 28, /* links, blocks, slots, mimics, packed entries */
+    7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     iiwa_links, NULL, iiwa_dofs, NULL, iiwa_frames,
 };
