@@ -534,7 +534,8 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
 RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
-   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. */
+   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. Where joints mimic
+   others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
 RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
 #endif
 
@@ -733,6 +734,7 @@ typedef struct rbdi_draft {
     rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
+    rbdi_wide all, radius; /* of the subtree: mass, radius of gyration about the origin */
     rbdi_wide trace, moment, mass, mc; /* of the subtree: bounds of its mass moments; regrouped mass */
     rbdi_wide scale;                   /* of the pivot */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
@@ -802,11 +804,12 @@ typedef struct rbdi_block {
 /* A degree of freedom; those that mimic others follow the nv that do not. */
 typedef struct rbdi_dof {
     int16_t body;   /* index in the description */
-    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5) */
+    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
-    int16_t depth;  /* number of dofs before it towards the root */
+    int16_t depth;  /* number of dofs before it towards the root; of mimic dofs these three mean nothing */
+    int16_t before, level; /* lambda and depth in the mechanism, of mimic dofs too */
     int16_t here;     /* the dof that stands at this index in the solver's order, depth first */
-    int32_t row_here; /* and its row */
+    int32_t row_here; /* and the row that crba writes for it, of level + 1 entries: its own, or one behind them all */
     rbd_const armature, damping, friction;
     rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
 } rbdi_dof;
@@ -837,7 +840,8 @@ struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
     int16_t nl, nblock, nslot, nmimic;
-    int32_t nh;        /* entries of the packed tree matrix, mimic dofs included */
+    int32_t nh;        /* entries of the packed tree matrix */
+    int32_t nhx;       /* entries of the rows behind it, of mimic dofs and of those that they couple */
     rbdi_c3 gravity;   /* world frame */
     const rbdi_link *link;   /* nl, depth first */
     const rbdi_block *block; /* nblock */
@@ -934,9 +938,8 @@ struct rbd_work {
     rbd_real *pivot;     /* nv + nmimic: pivots of the last factorisation */
     rbd_real *bias;      /* nv */
     rbd_real *F;         /* 6 x (n + RBDI_CHUNK): crba: wrenches of the dofs, by component */
-    rbd_real *H;         /* nh, or nv (nv + 1) / 2 with mimic joints */
+    rbd_real *H;         /* nh + nhx */
     rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
-    rbd_real *Hx;        /* with mimic joints: nh */
 };
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
@@ -944,12 +947,12 @@ struct rbd_work {
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
-   mimics (0 without mimics), nv dofs, h packed entries, hx packed entries with mimics (0 without). */
-#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h, hx)                                                    \
+   mimics (0 without mimics), nv dofs without, h packed entries. */
+#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h)                                                        \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 3 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) +       \
      (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) +                       \
      (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) +                           \
-     sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) + (size_t)(hx) +               \
+     sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) +    \
                          ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
@@ -959,10 +962,10 @@ struct rbd_work {
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
    mimic joints (compile-time bounds; rbd_work_size is exact, and less). */
 #define RBD_WORK_SIZE(nb, nv)                                                                            \
-    RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv), 0)
+    RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv))
 #define RBD_WORK_SIZE_MIMIC(nb, nv)                                                                      \
     RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, (nb) + (nv), (nb) + 2 * (nv) + 1, \
-                    nv, RBDI_TRIANGLE(nv), RBDI_TRIANGLE((nb) + (nv)))
+                    nv, RBDI_TRIANGLE(nv) + RBDI_TRIANGLE((nb) + (nv)))
 #define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
 
 /* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
@@ -2267,7 +2270,7 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
                                          rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
     const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
-    const int iv = l->iv, depth = m->dof[iv].depth;
+    const int iv = l->iv, depth = m->dof[iv].level;
     const rbd_real *F = &w->F[stride * first];
     RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
         const rbdi_force own = rbdi_rbi_column(C, l->mc, first + k);
@@ -2286,7 +2289,7 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
 {
     const rbdi_link *l = &m->link[i];
     const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
-    const int iv = l->iv, depth = m->dof[iv].depth;
+    const int iv = l->iv, depth = m->dof[iv].level;
     const rbdi_entries e = rbdi_crba_column(m, iv, depth, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
     rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
@@ -2304,7 +2307,8 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
     }
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before. */
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before. With mimic
+   joints into H and the rows behind it; rbdi_reduce_H does the rest. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M)
 {
     rbdi_rbi carried = rbdi_rbi_zero();
@@ -2338,20 +2342,27 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     }
 }
 
-/* With mimic joints: dense packed lower triangle of G' H_x G. */
-RBDI_PART void rbdi_reduce_H(const rbd_model *m, const rbd_real *Hx, rbd_real *H)
+/* The dof that carries this one, itself unless it mimics, and its share of that. */
+RBDI_INLINE int rbdi_source(const rbd_model *m, int k) { return k < m->nv ? k : m->mimic[k - m->nv].source_v; }
+RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k)
 {
-    const int n = m->nv + m->nmimic;
-    rbdi_clear(H, m->nv * (m->nv + 1) / 2);
-    for (int i = 0; i < n; ++i) {
-        const rbd_real *h = &Hx[m->dof[i].row + m->dof[i].depth];
-        int a = i < m->nv ? i : m->mimic[i - m->nv].source_v;
-        rbd_const ka = i < m->nv ? RBD_C(1) : m->mimic[i - m->nv].ratio;
-        for (int j = i; j >= 0; j = m->dof[j].lambda, --h) {
-            int b = j < m->nv ? j : m->mimic[j - m->nv].source_v;
-            rbd_const kb = j < m->nv ? RBD_C(1) : m->mimic[j - m->nv].ratio;
-            int row = a > b ? a : b, column = a > b ? b : a, k = row * (row + 1) / 2 + column;
-            H[k] = H[k] + *h * (i != j && a == b ? 2 * ka * kb : ka * kb);
+    return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
+}
+
+/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where nobody
+   wrote. Off its diagonal M_x has every entry twice. */
+RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H)
+{
+    for (int s = 0; s < m->nv + m->nmimic; ++s) {
+        const int i = m->dof[s].here, a = rbdi_source(m, i);
+        const rbd_real *h = &H[m->dof[s].row_here + m->dof[i].level], k = rbdi_ratio(m, i);
+        if (m->dof[s].row_here < m->nh) continue;
+        H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
+        for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
+            const int b = rbdi_source(m, j);
+            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x = *--h * k;
+            if (j >= m->nv) x = x * rbdi_ratio(m, j);
+            *entry = *entry + (a == b ? x + x : x);
         }
     }
 }
@@ -2728,16 +2739,6 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
 
 /* ---- cholesky [cholesky] ---- */
 
-/* Parent dof, place of the diagonal and row start of the matrix that is factored: the tree's, or dense with
-   mimic joints. */
-RBDI_INLINE int rbdi_dense(const rbd_model *m) { return m->nmimic > 0; }
-RBDI_INLINE int rbdi_lambda(const rbd_model *m, int dense, int k) { return dense ? k - 1 : m->dof[k].lambda; }
-RBDI_INLINE int rbdi_depth(const rbd_model *m, int dense, int k) { return dense ? k : m->dof[k].depth; }
-RBDI_INLINE int rbdi_row(const rbd_model *m, int dense, int k)
-{
-    return dense ? k * (k + 1) / 2 : m->dof[k].row;
-}
-
 /* y -= k x, a batch at a time. */
 RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n)
 {
@@ -2751,52 +2752,41 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
-RBDI_INLINE rbdi_mask rbdi_factor_as(const rbd_model *m, int dense, rbd_work *w, rbd_real *H)
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
 {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
-        rbd_real *hk = &H[rbdi_row(m, dense, k)];
-        int d = rbdi_depth(m, dense, k), i = rbdi_lambda(m, dense, k);
+        rbd_real *hk = &H[m->dof[k].row];
+        int d = m->dof[k].depth, i = m->dof[k].lambda;
         rbd_real inverse = rbdi_pivot_inverse(hk[d], m->dof[k].scale, &doubt);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
-        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = rbdi_lambda(m, dense, i)) {
+        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
             const rbd_real x = hk[t] * inverse;
-            rbdi_subtract(&H[rbdi_row(m, dense, i)], x, hk, t + 1);
+            rbdi_subtract(&H[m->dof[i].row], x, hk, t + 1);
             hk[t] = x;
         }
     }
     return doubt;
 }
-RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
-{
-    return rbdi_dense(m) ? rbdi_factor_as(m, 1, w, H) : rbdi_factor_as(m, 0, w, H);
-}
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-RBDI_INLINE void rbdi_solve_as(const rbd_model *m, int dense, const rbd_real *L, rbd_real *x)
+RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
 {
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[rbdi_row(m, dense, k)], y = x[k];
-        int d = rbdi_depth(m, dense, k);
-        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, dense, k); t >= 0; --t, i = rbdi_lambda(m, dense, i))
+        const rbd_real *l = &L[m->dof[k].row], y = x[k];
+        int d = m->dof[k].depth;
+        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             x[i] = x[i] - l[t] * y;
     }
     RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[rbdi_row(m, dense, k)];
-        int d = rbdi_depth(m, dense, k);
+        const rbd_real *l = &L[m->dof[k].row];
+        int d = m->dof[k].depth;
         rbd_real y = x[k] * l[d];
-        RBDI_UNROLL for (int t = d - 1, i = rbdi_lambda(m, dense, k); t >= 0; --t, i = rbdi_lambda(m, dense, i))
+        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             y = y - l[t] * x[i];
         x[k] = y;
     }
-}
-RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
-{
-    if (rbdi_dense(m))
-        rbdi_solve_as(m, 1, L, x);
-    else
-        rbdi_solve_as(m, 0, L, x);
 }
 
 /* ---- pivots [pivots] ----
@@ -3024,13 +3014,12 @@ static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M)
    but for k and what lies behind it, by substitution. */
 RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real *L)
 {
-    const int n = m->nv, dense = rbdi_dense(m);
+    const int n = m->nv;
     rbd_real *M = w->F, *x = w->F + n; /* the scratch of crba */
     for (int k = 0; k < n; ++k) M[k] = rbdi_abs(w->pivot[k]);
     for (int k = 0; k < n; ++k)
-        for (int t = rbdi_depth(m, dense, k) - 1, i = rbdi_lambda(m, dense, k); t >= 0;
-             --t, i = rbdi_lambda(m, dense, i)) {
-            const rbd_real l = L[rbdi_row(m, dense, k) + t];
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            const rbd_real l = L[m->dof[k].row + t];
             M[i] = M[i] + l * l * rbdi_abs(w->pivot[k]);
         }
     rbdi_gross_dofs(m, w, M);
@@ -3039,10 +3028,9 @@ RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real
         rbd_real e = M[k];
         x[k] = rbdi_set(RBD_C(1));
         for (int j = k + 1; j < n; ++j) {
-            const rbd_real *row = &L[rbdi_row(m, dense, j)];
+            const rbd_real *row = &L[m->dof[j].row];
             x[j] = rbdi_zero();
-            for (int t = rbdi_depth(m, dense, j) - 1, i = rbdi_lambda(m, dense, j); i >= k;
-                 --t, i = rbdi_lambda(m, dense, i))
+            for (int t = m->dof[j].depth - 1, i = m->dof[j].lambda; i >= k; --t, i = m->dof[i].lambda)
                 x[j] = x[j] - row[t] * x[i];
             e = e + x[j] * x[j] * M[j];
         }
@@ -3104,8 +3092,10 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_crba(m, w, m->nmimic ? w->Hx : H, NULL);
-    if (m->nmimic) rbdi_reduce_H(m, w->Hx, H);
+    if (m->nmimic) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
+    if (m->nmimic) rbdi_reduce_H(m, w->H);
+    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
     return RBD_OK;
 }
 
@@ -3113,13 +3103,14 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
+    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
     if (m->nmimic) {
         rbd_crba_packed(m, w, q, w->H);
         for (int i = 0; i < m->nv; ++i)
-            for (int j = 0; j <= i; ++j) M[i * m->nv + j] = M[j * m->nv + i] = w->H[i * (i + 1) / 2 + j];
+            for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)
+                M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
-    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
     rbdi_joints(m, w, q);
     rbdi_crba(m, w, NULL, M);
     return RBD_OK;
@@ -3128,17 +3119,16 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 
 RBD_API int rbd_packed_size(const rbd_model *m)
 {
-    if (!m || m->nv == 0) return 0;
-    return rbdi_row(m, rbdi_dense(m), m->nv - 1) + rbdi_depth(m, rbdi_dense(m), m->nv - 1) + 1;
+    return m ? m->nh : 0;
 }
 
 RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
 {
     int row = i > j ? i : j, column = i > j ? j : i, t;
     if (!m || column < 0 || row >= m->nv) return -1;
-    t = rbdi_depth(m, rbdi_dense(m), row);
-    for (int k = row; k >= column; k = rbdi_lambda(m, rbdi_dense(m), k), --t)
-        if (k == column) return rbdi_row(m, rbdi_dense(m), row) + t;
+    t = m->dof[row].depth;
+    for (int k = row; k >= column; k = m->dof[k].lambda, --t)
+        if (k == column) return m->dof[row].row + t;
     return -1;
 }
 
@@ -3192,9 +3182,9 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
-        int d = rbdi_depth(m, rbdi_dense(m), i);
-        rbd_real *row = &L[rbdi_row(m, rbdi_dense(m), i)];
-        for (int t = d, j = i; t >= 0; --t, j = rbdi_lambda(m, rbdi_dense(m), j)) w->bias[t] = M[i * m->nv + j];
+        int d = m->dof[i].depth;
+        rbd_real *row = &L[m->dof[i].row];
+        for (int t = d, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
         for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
     }
     return rbd_cholesky_factor_packed(m, w, L);
@@ -3765,12 +3755,9 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
 
 RBD_API size_t rbd_work_size(const rbd_model *m)
 {
-    int n, mimic;
     if (!m) return 0;
-    n = m->nv + m->nmimic;
-    mimic = m->nmimic > 0;
-    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, n, mimic ? m->nq + m->nmimic : 0, m->nv,
-                           mimic ? m->nv * (m->nv + 1) / 2 : m->nh, mimic ? m->nh : 0);
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0, m->nv,
+                           m->nh + m->nhx);
 }
 
 /* Cuts count objects of size bytes off the front of the memory. */
@@ -3820,14 +3807,13 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     w->F = (rbd_real *)rbdi_take(&p, 6 * (n + RBDI_CHUNK), sizeof(rbd_real)) + RBDI_CHUNK;
-    w->H = (rbd_real *)rbdi_take(&p, m->nmimic ? m->nv * (m->nv + 1) / 2 : m->nh, sizeof(rbd_real));
-    w->qx = w->vx = w->ax = w->tx = w->Hx = NULL;
+    w->H = (rbd_real *)rbdi_take(&p, m->nh + m->nhx, sizeof(rbd_real));
+    w->qx = w->vx = w->ax = w->tx = NULL;
     if (m->nmimic) {
         w->qx = (rbd_real *)rbdi_take(&p, m->nq + m->nmimic, sizeof(rbd_real));
         w->vx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-        w->Hx = (rbd_real *)rbdi_take(&p, m->nh, sizeof(rbd_real));
     }
     RBDI_UNROLL for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
@@ -4096,13 +4082,13 @@ static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3])
 static rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
 static rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
-/* Scales (c, s) to the unit circle, and to its nearest quarter point if within RBDI_SNAP of one. */
-static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s)
+/* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
+static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close)
 {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
     *c /= n, *s /= n;
-    if (rbdi_w_abs(*s) <= RBDI_SNAP) *c = *c > 0 ? 1 : -1, *s = 0;
-    if (rbdi_w_abs(*c) <= RBDI_SNAP) *s = *s > 0 ? 1 : -1, *c = 0;
+    if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
+    if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
 /* Angle in (-pi, pi] of a point on the unit circle; as rbdi_signed_angle, in the build's arithmetic. */
@@ -4568,12 +4554,12 @@ static void rbdi_draft_angles(rbdi_draft *l)
         l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
         l->ca = E[8], l->sa = sigma;
         if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
-        rbdi_w_snap(&l->ca, &l->sa);
-        rbdi_w_snap(&l->cb, &l->sb);
+        rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
+        rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
-    rbdi_w_snap(&l->cg, &l->sg);
+    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
     rbdi_w_turn_z(l->cg, l->sg, E);
     rbdi_w_turn_x(l->ca, l->sa, Z);
     rbdi_w_product(E, Z, E);
@@ -4581,10 +4567,41 @@ static void rbdi_draft_angles(rbdi_draft *l)
     rbdi_w_product(E, Z, E);
 }
 
-/* Step 5, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
+/* Second moment of mass, sum of m |x|^2, that the subtree of f can have about a point at this distance from f's
+   origin, its links stretched out away from it: what numbers about that point are the size of. */
+static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance)
+{
+    return f->all * (f->radius + distance) * (f->radius + distance);
+}
+
+/* Step 5, leaves to root: mass and radius of gyration of the subtree, so stretched, about the link's own origin.
+   Where the root stands is no part of it. */
+static void rbdi_draft_measure(rbdi_draft *draft, int i)
+{
+    rbdi_draft *l = &draft[i];
+    const rbdi_wide own = l->S[0] + l->S[3] + l->S[5];
+    if (own > 0) l->radius += own; /* else no real body is like this */
+    l->all += l->m;
+    l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
+    if (l->parent < 0) return;
+    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r)); /* a sum, until its turn comes */
+    draft[l->parent].all += l->all;
+}
+
+/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this distance
+   from it. Numbers about a far point grow with the square of the distance and inertias are their differences, so
+   those of this subtree must stay of the size that they have about the origin that the user chose. Errors of M
+   grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ, Atlas) pass. */
+static int rbdi_draft_near(const rbdi_draft *l, const rbdi_draft *f, rbdi_wide t, rbdi_wide distance)
+{
+    const rbdi_wide before = rbdi_draft_spread(l, 0), rest = before - rbdi_draft_spread(f, rbdi_w_length(f->r));
+    return rest + (l->all - f->all) * t * t + rbdi_draft_spread(f, distance) < 4 * before;
+}
+
+/* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
-static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bound)
+static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i)
 {
     rbdi_draft *l = &draft[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
@@ -4605,11 +4622,12 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i, rbdi_wide bou
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (rbdi_w_abs(d) > bound || rbdi_w_abs(t) > bound) return;
+        if (!rbdi_draft_near(l, f, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
         t = f->r[2];
+        if (!rbdi_draft_near(l, f, t, a)) d = t * f->ca, t = 0;
         rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
     }
     f->dh = 1;
@@ -4623,7 +4641,7 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
-/* Step 6, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
+/* Step 7, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
    configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia
    only what is about the axis counts, and the rounding of its change of frame, for a thin rod may well
    turn about itself. */
@@ -4645,7 +4663,7 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i)
     up->mass += l->mass;
 }
 
-/* Step 7, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
+/* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
 static void rbdi_draft_regroup(rbdi_draft *draft, int i)
@@ -4687,7 +4705,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6])
 }
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
-/* Step 8: the solver's constants of the link at position p. */
+/* Step 9: the solver's constants of the link at position p. */
 static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p)
 {
     const rbdi_draft *l = &draft[draft[p].order];
@@ -4756,14 +4774,14 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
                                 : first + k < 3       ? l->scale
                                                       : l->mass;
         d->body = (int16_t)l->body;
-        d->lambda = -1;
+        d->before = -1;
         if (k > 0) {
-            d->lambda = (int16_t)(link->iv + k - 1);
+            d->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
             const rbdi_link *up = &m->link[link->parent];
-            d->lambda = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
+            d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
         }
-        d->depth = (int16_t)(d->lambda < 0 ? 0 : dof[d->lambda].depth + 1);
+        d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
         d->armature = RBD_C(b->armature[in_joint + k]);
         d->damping = RBD_C(b->damping[in_joint + k]);
         d->friction = RBD_C(b->friction[in_joint + k]);
@@ -4810,14 +4828,10 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
 /* The steps that turn drafts in the users' frames into drafts in the solver's. */
 static void rbdi_draft_solve(rbdi_draft *draft, int nl)
 {
-    rbdi_wide longest = 0;
     for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
     rbdi_draft_order(draft, nl);
-    for (int i = 0; i < nl; ++i) {
-        rbdi_wide r = rbdi_w_length(draft[i].r);
-        if (r > longest) longest = r;
-    }
-    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order, 10 * longest);
+    for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
+    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order);
     for (int i = 0; i < nl; ++i)
         if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
     for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
@@ -4856,14 +4870,55 @@ static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE])
 {
     shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
     shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
-    shape[2] = (uint64_t)m->nh;
+    shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
+}
+
+/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b. Eliminating a
+   row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become one from there on. */
+static void rbdi_couple(rbdi_dof *dof, int a, int b)
+{
+    while (a != b && b >= 0) {
+        const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
+        if (next < low) dof[high].lambda = (int16_t)low;
+        a = low, b = next;
+    }
+}
+
+/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what they
+   follow with all that lies before and behind them. */
+static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
+{
+    const int nv = m->nv, n = nv + m->nmimic;
+    for (int k = 0; k < n; ++k) {
+        int up = dof[k].before;
+        while (up >= nv) up = dof[up].before;
+        dof[k].lambda = (int16_t)(k < nv ? up : -1);
+    }
+    for (int k = 0; k < n; ++k)
+        for (int j = dof[k].before; j >= 0; j = dof[j].before)
+            if (k >= nv || j >= nv)
+                rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
+    m->nh = 0;
+    for (int k = 0; k < n; ++k) {
+        dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
+        dof[k].row = m->nh;
+        if (k < nv) m->nh += dof[k].depth + 1;
+    }
+}
+
+/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the mechanism. */
+static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k)
+{
+    for (; k >= 0; k = dof[k].before)
+        if (k >= m->nv || dof[k].lambda != dof[k].before) return 0;
+    return 1;
 }
 
 static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_place *place,
                       const rbdi_draft *draft, rbd_model *m, rbdi_link *link, rbdi_block *block,
                       rbdi_dof *dof, rbdi_mimic *mimic, rbdi_frame *frame)
 {
-    int next = 0, row = 0;
+    int next = 0;
     m->link = link, m->block = block, m->dof = dof, m->mimic = mimic, m->frame = frame;
     m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
     m->nb = (int16_t)nb, m->nq = (int16_t)n.nq, m->nv = (int16_t)n.nv;
@@ -4880,24 +4935,6 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
             link[link[p].parent].slot = m->nslot++;
         rbdi_emit_dofs(bodies, m, draft, p, dof);
     }
-    for (int k = 0; k < n.nv + n.nmimic; ++k) {
-        dof[k].row = row;
-        row += dof[k].depth + 1;
-    }
-    m->nh = row;
-    next = 0;
-    for (int p = 0; p < n.nl; ++p) {
-        const int dofs = link[p].block < 0 ? 1 : block[link[p].block].n;
-        link[p].first = (int16_t)next;
-        for (int k = 0; k < dofs; ++k, ++next) {
-            dof[next].here = (int16_t)(link[p].iv + k);
-            dof[next].row_here = dof[link[p].iv + k].row;
-        }
-    }
-    for (int p = 0; p < n.nl; ++p) {
-        const int behind = p + draft[draft[p].order].size;
-        link[p].end = behind < n.nl ? link[behind].first : (int16_t)next;
-    }
     next = 0;
     for (int i = 0; i < nb; ++i) {
         frame[i] = rbdi_emit_frame(&bodies[i], &place[i], draft);
@@ -4906,7 +4943,26 @@ static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_
             rbdi_mimic *k = &mimic[next++];
             k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
             k->ratio = RBD_C(bodies[i].mimic_ratio), k->offset = RBD_C(bodies[i].mimic_offset);
+            dof[k->source_v].scale += k->ratio * k->ratio * dof[place[i].iv].scale;
         }
+    }
+    rbdi_emit_tree(m, mimic, dof);
+    next = 0, m->nhx = 0;
+    for (int p = 0; p < n.nl; ++p) {
+        const int dofs = link[p].block < 0 ? 1 : block[link[p].block].n;
+        link[p].first = (int16_t)next;
+        for (int k = 0; k < dofs; ++k, ++next) {
+            const rbdi_dof *d = &dof[link[p].iv + k];
+            dof[next].here = (int16_t)(link[p].iv + k);
+            dof[next].row_here = d->row;
+            if (rbdi_own_row(m, dof, link[p].iv + k)) continue;
+            dof[next].row_here = m->nh + m->nhx;
+            m->nhx += d->level + 1;
+        }
+    }
+    for (int p = 0; p < n.nl; ++p) {
+        const int behind = p + draft[draft[p].order].size;
+        link[p].end = behind < n.nl ? link[behind].first : (int16_t)next;
     }
     rbdi_shape(m, m->shape);
 }

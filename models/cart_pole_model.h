@@ -29,7 +29,7 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 #endif
 
 /* Bytes for rbd_work_init, exactly. */
-#define CART_POLE_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3, 0)
+#define CART_POLE_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3)
 
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -46,10 +46,11 @@ static const rbdi_link cart_pole_links[2] = {
      {RBD_C(0.15), 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
+   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof cart_pole_dofs[2] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
+    {1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -69,10 +70,10 @@ static const rbdi_frame cart_pole_frames[2] = {
 
 static const rbd_model cart_pole_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
-    2, 0, 0, 0, 3, /* links, blocks, slots, mimics, packed entries */
+    2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     cart_pole_links, NULL, cart_pole_dofs, NULL, cart_pole_frames,
-    {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x3)}, /* lengths of a work's arrays */
+    {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 
 #endif

@@ -73,7 +73,7 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 #endif
 
 /* Bytes for rbd_work_init, exactly. */
-#define HYQ_WORK_SIZE RBDI_WORK_BYTES(13, 1, 1, 18, 0, 18, 117, 0)
+#define HYQ_WORK_SIZE RBDI_WORK_BYTES(13, 1, 1, 18, 0, 18, 117)
 
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -150,26 +150,27 @@ static const rbdi_block hyq_blocks[1] = {
     {15, 0, 6, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
 };
 
-/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
+   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof hyq_dofs[18] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(22.48808184890754)},
-    {0, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(22.48808184890754)},
-    {0, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(22.48808184890754)},
-    {0, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(86.774)},
-    {0, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(86.774)},
-    {0, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(86.774)},
-    {1, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.46819098646524343)},
-    {2, 5, 28, 6, 10, 49, 0, 0, 0, RBD_C(0.46819098646524343)},
-    {3, 5, 35, 6, 14, 81, 0, 0, 0, RBD_C(0.46819098646524343)},
-    {4, 5, 42, 6, 7, 28, 0, 0, 0, RBD_C(0.46819098646524343)},
-    {5, 6, 49, 7, 11, 57, 0, 0, 0, RBD_C(0.30166041538884425)},
-    {6, 7, 57, 7, 15, 90, 0, 0, 0, RBD_C(0.30166041538884425)},
-    {7, 8, 65, 7, 8, 35, 0, 0, 0, RBD_C(0.30166041538884425)},
-    {8, 9, 73, 7, 12, 65, 0, 0, 0, RBD_C(0.30166041538884425)},
-    {9, 10, 81, 8, 16, 99, 0, 0, 0, RBD_C(0.02618386831227265)},
-    {10, 11, 90, 8, 9, 42, 0, 0, 0, RBD_C(0.02618386831227265)},
-    {11, 12, 99, 8, 13, 73, 0, 0, 0, RBD_C(0.02618386831227265)},
-    {12, 13, 108, 8, 17, 108, 0, 0, 0, RBD_C(0.02618386831227265)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(22.48808184890754)},
+    {0, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(22.48808184890754)},
+    {0, 1, 3, 2, 1, 2, 2, 3, 0, 0, 0, RBD_C(22.48808184890754)},
+    {0, 2, 6, 3, 2, 3, 3, 6, 0, 0, 0, RBD_C(86.774)},
+    {0, 3, 10, 4, 3, 4, 4, 10, 0, 0, 0, RBD_C(86.774)},
+    {0, 4, 15, 5, 4, 5, 5, 15, 0, 0, 0, RBD_C(86.774)},
+    {1, 5, 21, 6, 5, 6, 6, 21, 0, 0, 0, RBD_C(0.46819098646524343)},
+    {2, 5, 28, 6, 5, 6, 10, 49, 0, 0, 0, RBD_C(0.46819098646524343)},
+    {3, 5, 35, 6, 5, 6, 14, 81, 0, 0, 0, RBD_C(0.46819098646524343)},
+    {4, 5, 42, 6, 5, 6, 7, 28, 0, 0, 0, RBD_C(0.46819098646524343)},
+    {5, 6, 49, 7, 6, 7, 11, 57, 0, 0, 0, RBD_C(0.30166041538884425)},
+    {6, 7, 57, 7, 7, 7, 15, 90, 0, 0, 0, RBD_C(0.30166041538884425)},
+    {7, 8, 65, 7, 8, 7, 8, 35, 0, 0, 0, RBD_C(0.30166041538884425)},
+    {8, 9, 73, 7, 9, 7, 12, 65, 0, 0, 0, RBD_C(0.30166041538884425)},
+    {9, 10, 81, 8, 10, 8, 16, 99, 0, 0, 0, RBD_C(0.02618386831227265)},
+    {10, 11, 90, 8, 11, 8, 9, 42, 0, 0, 0, RBD_C(0.02618386831227265)},
+    {11, 12, 99, 8, 12, 8, 13, 73, 0, 0, 0, RBD_C(0.02618386831227265)},
+    {12, 13, 108, 8, 13, 8, 17, 108, 0, 0, 0, RBD_C(0.02618386831227265)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -244,10 +245,10 @@ static const rbdi_frame hyq_frames[13] = {
 
 static const rbd_model hyq_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 13, 19, 18, /* nb, nq, nv */
-    13, 1, 1, 0, 117, /* links, blocks, slots, mimics, packed entries */
+    13, 1, 1, 0, 117, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     hyq_links, hyq_blocks, hyq_dofs, NULL, hyq_frames,
-    {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x75)}, /* lengths of a work's arrays */
+    {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x7500000000)}, /* lengths of a work's arrays */
 };
 
 #endif

@@ -44,7 +44,7 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 #endif
 
 /* Bytes for rbd_work_init, exactly. */
-#define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28, 0)
+#define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28)
 
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -86,15 +86,16 @@ static const rbdi_link iiwa_links[7] = {
      {0, 0, 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
+   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof iiwa_dofs[7] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(4.948702856047041)},
-    {1, 0, 1, 1, 1, 1, 0, 0, 0, RBD_C(4.906046848129121)},
-    {2, 1, 3, 2, 2, 3, 0, 0, 0, RBD_C(1.035037693444532)},
-    {3, 2, 6, 3, 3, 6, 0, 0, 0, RBD_C(1.013716486455989)},
-    {4, 3, 10, 4, 4, 10, 0, 0, 0, RBD_C(0.018929257770604068)},
-    {5, 4, 15, 5, 5, 15, 0, 0, 0, RBD_C(0.011229248236288712)},
-    {6, 5, 21, 6, 6, 21, 0, 0, 0, RBD_C(0.0010000002319424653)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(4.948702856047041)},
+    {1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(4.906046848129121)},
+    {2, 1, 3, 2, 1, 2, 2, 3, 0, 0, 0, RBD_C(1.035037693444532)},
+    {3, 2, 6, 3, 2, 3, 3, 6, 0, 0, 0, RBD_C(1.013716486455989)},
+    {4, 3, 10, 4, 3, 4, 4, 10, 0, 0, 0, RBD_C(0.018929257770604068)},
+    {5, 4, 15, 5, 4, 5, 5, 15, 0, 0, 0, RBD_C(0.011229248236288712)},
+    {6, 5, 21, 6, 5, 6, 6, 21, 0, 0, 0, RBD_C(0.0010000002319424653)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -139,10 +140,10 @@ static const rbdi_frame iiwa_frames[7] = {
 
 static const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
-    7, 0, 0, 0, 28, /* links, blocks, slots, mimics, packed entries */
+    7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     iiwa_links, NULL, iiwa_dofs, NULL, iiwa_frames,
-    {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c)}, /* lengths of a work's arrays */
+    {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c00000000)}, /* lengths of a work's arrays */
 };
 
 #endif

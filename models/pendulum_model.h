@@ -26,7 +26,7 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 #endif
 
 /* Bytes for rbd_work_init, exactly. */
-#define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1, 0)
+#define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1)
 
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -38,9 +38,10 @@ static const rbdi_link pendulum_links[1] = {
      {0, RBD_C(0.6), 0}, 0, 0},
 };
 
-/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
+   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
 static const rbdi_dof pendulum_dofs[1] = {
-    {0, -1, 0, 0, 0, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -55,10 +56,10 @@ static const rbdi_frame pendulum_frames[1] = {
 
 static const rbd_model pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
-    1, 0, 0, 0, 1, /* links, blocks, slots, mimics, packed entries */
+    1, 0, 0, 0, 1, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     pendulum_links, NULL, pendulum_dofs, NULL, pendulum_frames,
-    {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x1)}, /* lengths of a work's arrays */
+    {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x100000000)}, /* lengths of a work's arrays */
 };
 
 #endif

@@ -95,13 +95,15 @@ static void write_blocks(const char *name, const rbd_model *m) {
 }
 
 static void write_dofs(const char *name, const rbd_model *m) {
-    printf("/* body, dof before it, row, depth | dof at this solver position, its row | armature, damping, "
+    printf("/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |\n"
+           "   dof at this solver position, its row | armature, damping, "
            "friction | inertia of what it moves */\n");
     printf("static const rbdi_dof %s_dofs[%d] = {\n", name, m->nv + m->nmimic);
     for (int i = 0; i < m->nv + m->nmimic; ++i) {
         const rbdi_dof *d = &m->dof[i];
         const double passive[] = {d->armature, d->damping, d->friction};
-        printf("    {%d, %d, %d, %d, %d, %d, ", d->body, d->lambda, d->row, d->depth, d->here, d->row_here);
+        printf("    {%d, %d, %d, %d, %d, %d, %d, %d, ", d->body, d->lambda, (int)d->row, d->depth, d->before,
+               d->level, d->here, (int)d->row_here);
         list(passive, 3);
         putchar(' ');
         number(d->scale);
@@ -157,12 +159,10 @@ static void write_frames(const char *name, const rbd_model *m) {
 }
 
 static void write_work_size(const char *name, const rbd_model *m) {
-    const int mimic = m->nmimic > 0, dense = m->nv * (m->nv + 1) / 2;
     printf("/* Bytes for rbd_work_init, exactly. */\n#define ");
     print_upper(name);
-    printf("_WORK_SIZE RBDI_WORK_BYTES(%d, %d, %d, %d, %d, %d, %d, %d)\n\n", m->nl, m->nblock, m->nslot,
-           m->nv + m->nmimic, mimic ? m->nq + m->nmimic : 0, m->nv, mimic ? dense : (int)m->nh,
-           mimic ? (int)m->nh : 0);
+    printf("_WORK_SIZE RBDI_WORK_BYTES(%d, %d, %d, %d, %d, %d, %d)\n\n", m->nl, m->nblock, m->nslot,
+           m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0, m->nv, (int)(m->nh + m->nhx));
 }
 
 static void write_head(const robot *r, const char *name) {
@@ -196,8 +196,9 @@ void print_c_model(const robot *r, const char *name) {
     write_frames(name, m);
     printf("static const rbd_model %s_model = {\n"
            "    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), %d, %d, %d, /* nb, nq, nv */\n"
-           "    %d, %d, %d, %d, %d, /* links, blocks, slots, mimics, packed entries */\n    ",
-           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh);
+           "    %d, %d, %d, %d, %d, %d, /* links, blocks, slots, mimics, packed entries, those behind */\n    ",
+           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh,
+           (int)m->nhx);
     vector(m->gravity);
     printf(",\n    %s_links, ", name);
     if (m->nblock)
