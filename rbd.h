@@ -2675,8 +2675,8 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
    (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE e. For M = L'DL likewise e = sum w_j^2 K_jj with w the
    row of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
 
-   Of 120,000 exactly singular random systems none passes, in double and float, by either way; of as many regular ones
-   none is refused by aba: tests/fuzz/pivots.c. */
+   Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many regular ones
+   aba refuses none in double and 5 in float: tests/fuzz/pivots.c. */
 
 /* Replaces a pivot by 1 if it is sound, by 0 if it is below its noise, by -1 if it is not a number. */
 RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e)
