@@ -276,7 +276,8 @@ static int read_numbers(const csv *row, const columns *names, const int *where, 
 }
 
 static int report_failure(const csv *row, const state *s, const columns *outputs, rbd_status status) {
-    const int dof = status == RBD_ERR_SINGULAR ? rbd_singular_dof(s->w) : -1;
+    const int dof =
+        status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN ? rbd_singular_dof(s->w) : -1;
     if (dof >= 0 && dof < outputs->n)
         return csv_error(row, "%s, at %s", rbd_status_string(status),
                          outputs->name[dof] + 2); /* without "a." */
