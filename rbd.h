@@ -2846,7 +2846,7 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
 typedef struct rbdi_gross {
     rbdi_v3 I;      /* diagonal of the own inertia about the origin */
     rbd_real m;     /* own mass */
-    rbd_real IA, M; /* sums of the diagonals of the articulated inertia that the parent feels, absolute */
+    rbd_real IA, M; /* absolute sums of the diagonals of the articulated inertia before and after the joint gives way */
 } rbdi_gross;
 
 RBDI_INLINE void rbdi_gross_set(rbdi_scratch *to, rbdi_gross g)
@@ -2931,23 +2931,32 @@ static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, r
     return rbdi_abi_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), A);
 }
 
-/* The same for the bound K, with what the way adds: a turn mixes moments and rounds by the larger, about the axis only
-   where the twist is not a right angle; a shift by r rounds by r^2 M; and constants and angles hold to a rounding,
-   which tells where all else vanishes: as its square. */
+/* The same for the bound K, with what release and way add: all but the row of a revolute axis, which is put to zero,
+   rounds by what it is the difference of; about that axis a twist does that is no right angle. A shift by r rounds by
+   r^2 M. Constants and angles hold to a rounding, which tells where all else vanishes: as its square. */
 static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K)
 {
     const rbdi_link *l = &m->link[i];
     const int block = l->kind == RBDI_BLOCK;
     const rbdi_gross g = rbdi_gross_of(&w->link[i]);
     const rbd_const build = RBDI_BUILD, square = build > 1 ? RBDI_NOISE : RBDI_NOISE * build * build;
-    const rbd_const turn = l->flags & RBDI_QUARTER ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
+    const rbd_const twist = l->flags & RBDI_QUARTER ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
+    const rbd_const z = block || (l->flags & RBDI_SCREWS) ? RBD_C(1) : twist;
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
     const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
     const rbd_real moved = rr * M + (g.IA + (rr + dd) * g.M) * square;
-    const rbd_const z = block ? RBD_C(1) : turn;
     K = rbdi_abi_up_link(m, w, i, rbdi_abi_plus(K, rbdi_vec(I, I, I * z), rbdi_vec(M, M, M * z)));
     return rbdi_abi_plus(K, rbdi_vec(moved, moved, moved), rbdi_vec0());
+}
+
+/* Adds the sums of the diagonals of IA to those of a link. */
+static void rbdi_gross_note(rbdi_scratch *to, rbdi_abi IA)
+{
+    rbdi_gross g = rbdi_gross_of(to);
+    g.IA = g.IA + rbdi_abs(IA.I.xx) + rbdi_abs(IA.I.yy) + rbdi_abs(IA.I.zz);
+    g.M = g.M + rbdi_abs(IA.M.xx) + rbdi_abs(IA.M.yy) + rbdi_abs(IA.M.zz);
+    rbdi_gross_set(to, g);
 }
 
 /* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of the bound,
@@ -2958,10 +2967,11 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
     for (int i = 0; i < m->nslot; ++i) w->slot[i].I = X;
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_gross g = rbdi_gross_of(&w->link[i]);
+        const rbdi_gross g = rbdi_gross_of(&w->link[i]);
         rbd_real A[6][6];
         if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
         X = bound ? rbdi_abi_plus(X, g.I, rbdi_vec(g.m, g.m, g.m)) : rbdi_abi_add_link(l, RBDI_FULL, X);
+        if (!bound) rbdi_gross_note(&w->link[i], X);
         rbdi_abi_to_array(X, A);
         for (int k = (l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1) - 1; k >= 0; --k) {
             rbd_real S[6], V[6], e;
@@ -2970,11 +2980,7 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
             if (bound) rbdi_judge(m, w, l->iv + k, e);
         }
         X = rbdi_abi_from_array(A);
-        if (!bound) {
-            g.IA = rbdi_abs(X.I.xx) + rbdi_abs(X.I.yy) + rbdi_abs(X.I.zz);
-            g.M = rbdi_abs(X.M.xx) + rbdi_abs(X.M.yy) + rbdi_abs(X.M.zz);
-            rbdi_gross_set(&w->link[i], g);
-        }
+        if (!bound) rbdi_gross_note(&w->link[i], X);
         if (l->parent >= 0) X = bound ? rbdi_bound_up(m, w, i, X) : rbdi_abi_up_link(m, w, i, X);
         if (l->parent >= 0 && l->parent == i - 1) continue;
         if (l->parent >= 0) {
@@ -3041,20 +3047,20 @@ RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real
 }
 #endif
 
-/* What a call with pivots returns; doubt: any of them; x: its n results. */
-RBDI_PART rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, const rbd_real *L, rbd_real *x,
-                                    int n)
+/* What a call with pivots returns; doubt: any of them; L: the factor, if it is not aba; x: the n results. */
+RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, int aba, const rbd_real *L,
+                                      rbd_real *x, int n)
 {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
 #ifdef RBD_SPECIALISE /* no room in straight-line code for the second step: e = dof.scale */
-    (void)L;
+    (void)aba, (void)L;
     RBDI_UNROLL for (int k = 0; k < m->nv; ++k) rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
 #else
 #ifndef RBD_NO_ABA
-    if (!L) rbdi_aba_judge(m, w);
+    if (aba) rbdi_aba_judge(m, w);
 #endif
-    if (L) rbdi_factor_judge(m, w, L);
+    if (!aba) rbdi_factor_judge(m, w, L);
 #endif
     return rbdi_verdict(m, w, x, n);
 }
@@ -3149,7 +3155,7 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
-    return rbdi_status_of(m, w, doubt, NULL, a, m->nv);
+    return rbdi_status_of(m, w, doubt, 1, NULL, a, m->nv);
 }
 #endif
 
@@ -3167,7 +3173,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_reduce_tau(m, w->tx, w->bias);
     RBDI_UNROLL for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w->H, a);
-    return rbdi_status_of(m, w, doubt, w->H, a, m->nv);
+    return rbdi_status_of(m, w, doubt, 0, w->H, a, m->nv);
 }
 #endif
 
@@ -3176,7 +3182,7 @@ RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, r
 {
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
-    return rbdi_status_of(m, w, rbdi_factor(m, w, H), H, H, rbd_packed_size(m));
+    return rbdi_status_of(m, w, rbdi_factor(m, w, H), 0, H, H, rbd_packed_size(m));
 }
 
 RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L)
