@@ -1,10 +1,10 @@
 /* library.c - the library's fuzzer: random robots against Kane's equations in quad precision (world.c). It prints
    the worst error of each algorithm in each class of robots, relative to what the algorithm has to add up; see
    docs/accuracy.md for what is measured.
-       library [--seconds N | --robots N]   as long, or as many robots of each class; 200 by default
+       library [--seconds N | --robots N]   for so long, or so many robots of each class; 200 by default
                [--publish]                  prints the rows of docs/accuracy.md
                [--hold FILE]                fails if an error exceeds that of the document's table
-               [--one CLASS NUMBER]         shows one robot and its errors
+       library --one CLASS NUMBER           shows one robot and its errors
    Compiled with -DRBD_REAL=double or float. */
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
@@ -252,10 +252,6 @@ static void check_forwards(void) {
     static quad copy[WORLD_DOFS * WORLD_DOFS];
     memcpy(copy, M, sizeof copy);
     const quad distance = world_distance(copy, M_size, robot.nv);
-    int mimic = 0;
-    for (int i = 0; i < robot.nb; i++)
-        mimic |= robot.bodies[i].mimic != NULL;
-    (void)mimic;
     check_forward(ABA, rbd_aba, distance);
     check_forward(FD_CHOLESKY, rbd_fd_cholesky, distance);
 }
@@ -405,7 +401,7 @@ static void run_robot(int class_of, int number) {
     robots_done++;
 }
 
-/* ---- the table ---- */
+/* ---- tables ---- */
 
 static void print_worst(void) {
     printf("%-16s", TEXT(RBD_REAL));
@@ -416,18 +412,18 @@ static void print_worst(void) {
         for (int c = 0; c < CLASSES; c++)
             printf(" %7.1e %7d", worst_of[c][k].error, worst_of[c][k].number);
     }
-    printf("\n%ld robots; refused %ld states; accepted though singular %ld; other bits at another place %ld; "
-           "failures %d\n",
+    printf("\n%ld robots; %ld states refused as singular, %ld accepted though singular; "
+           "%ld with other bits at another place; %d failures\n",
            robots_done, refused, accepted_singular, moved, failures);
 }
 
-/* What is published: twice the worst, one digit, rounded up. */
+/* What is published: twice the worst, to one digit, rounded up; at least the rounding unit. */
 static double bound_of(double error) {
     char text[32];
-    double bound = 2 * error;
+    const double bound = fmax(2 * error, epsilon);
     snprintf(text, sizeof text, "%.0e", bound);
     if (strtod(text, NULL) < bound)
-        snprintf(text, sizeof text, "%.0e", bound + 0.5 * pow(10, floor(log10(bound))));
+        snprintf(text, sizeof text, "%.0e", bound + pow(10, floor(log10(bound))) / 2);
     return strtod(text, NULL);
 }
 
@@ -440,30 +436,93 @@ static void print_rows(void) {
     }
 }
 
+static int quantity_of(const char *row) {
+    for (int k = 0; k < QUANTITIES; k++) {
+        const size_t n = strlen(quantity_names[k]);
+        if (strncmp(row, "| ", 2) == 0 && strncmp(row + 2, quantity_names[k], n) == 0 &&
+            strncmp(row + 2 + n, " |", 2) == 0)
+            return k;
+    }
+    return -1;
+}
+
+static void hold_row(int quantity, const char *row) {
+    const char *at = strchr(row + 2, '|');
+    for (int c = 0; c < CLASSES; c++) {
+        char *end = NULL;
+        const double bound = at ? strtod(at + 1, &end) : -1;
+        const worst *w = &worst_of[c][quantity];
+        at = end ? strchr(end, '|') : NULL;
+        if (!(w->error <= bound)) {
+            printf("FAIL %s: %s: %.2e exceeds %.0e: %s %d\n", TEXT(RBD_REAL), quantity_names[quantity], w->error,
+                   bound, class_names[c], w->number);
+            failures++;
+        }
+    }
+}
+
+/* Compares with the rows under the heading that names the scalar. */
+static void hold(const char *path) {
+    char line[400];
+    int here = 0, rows = 0;
+    FILE *file = fopen(path, "r");
+    while (file && fgets(line, sizeof line, file)) {
+        const int quantity = quantity_of(line);
+        if (strncmp(line, "## ", 3) == 0)
+            here = strcmp(line, "## " TEXT(RBD_REAL) "\n") == 0;
+        if (here && quantity >= 0) {
+            hold_row(quantity, line);
+            rows++;
+        }
+    }
+    if (file)
+        fclose(file);
+    if (rows != QUANTITIES) {
+        printf("FAIL %s: %d rows for " TEXT(RBD_REAL) " instead of %d\n", path, rows, (int)QUANTITIES);
+        failures++;
+    }
+}
+
+static int class_of(const char *name) {
+    for (int c = 0; c < CLASSES; c++)
+        if (strcmp(class_names[c], name) == 0)
+            return c;
+    printf("no such class: %s\n", name);
+    exit(2);
+}
+
+static void show_one(int class_of_robot, int number) {
+    run_robot(class_of_robot, number);
+    draw_robot(&robot, class_of_robot, number);
+    print_robot(&robot);
+    for (int k = 0; k < 2; k++) {
+        draw_state(&robot, &state);
+        print_state(&robot, &state);
+    }
+    for (int k = 0; k < QUANTITIES; k++)
+        printf("%-16s %.2e\n", quantity_names[k], current[k].error);
+}
+
 int main(int argc, char **argv) {
     int robots = 200, publish = 0;
     double seconds = 0;
+    const char *document = NULL;
     for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--seconds") == 0 && i + 1 < argc)
-            seconds = atof(argv[++i]);
-        else if (strcmp(argv[i], "--robots") == 0 && i + 1 < argc)
-            robots = atoi(argv[++i]);
-        else if (strcmp(argv[i], "--publish") == 0)
+        const int more = argc - 1 - i;
+        if (strcmp(argv[i], "--publish") == 0)
             publish = 1;
-        else if (strcmp(argv[i], "--one") == 0 && i + 2 < argc) {
-            int c = 0;
-            while (c < CLASSES - 1 && strcmp(class_names[c], argv[i + 1]) != 0)
-                c++;
-            run_robot(c, atoi(argv[i + 2]));
-            draw_robot(&robot, c, atoi(argv[i + 2]));
-            print_robot(&robot);
-            for (int k = 0; k < 2; k++) {
-                draw_state(&robot, &state);
-                print_state(&robot, &state);
-            }
-            for (int k = 0; k < QUANTITIES; k++)
-                printf("%-16s %.2e\n", quantity_names[k], current[k].error);
-            return 0;
+        else if (more > 0 && strcmp(argv[i], "--seconds") == 0)
+            seconds = atof(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--robots") == 0)
+            robots = atoi(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--hold") == 0)
+            document = argv[++i];
+        else if (more > 1 && strcmp(argv[i], "--one") == 0) {
+            show_one(class_of(argv[i + 1]), atoi(argv[i + 2]));
+            return failures > 0;
+        } else {
+            printf("usage: see the head of library.c\n");
+            return 2;
         }
     }
     const time_t start = time(NULL);
@@ -474,5 +533,7 @@ int main(int argc, char **argv) {
         print_rows();
     else
         print_worst();
+    if (document)
+        hold(document);
     return failures > 0;
 }

@@ -242,6 +242,8 @@ void draw_robot(sample *s, int class_number, int number) {
     s->seed = (uint64_t)number * CLASSES + (uint64_t)class_number;
     s->seed = next(&s->seed);
     s->traits = class_number == ALL ? (unsigned)below(&s->seed, 1 << ALL) : 1U << class_number;
+    if (class_number == FAR && below(&s->seed, 2)) /* a common normal far away must not follow the base */
+        s->traits |= 1U << NEARLY;
     s->nb = 1 + below(&s->seed, below(&s->seed, 4) ? 8 : WORLD_BODIES);
     s->nq = s->nv = 0;
     const double mass = has(s, SCALED) ? magnitude(&s->seed, -20, 20) : 1;
