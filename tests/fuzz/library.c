@@ -1,7 +1,7 @@
-/* library.c - the library's fuzzer: random robots against Kane's equations in quad precision (world.c). It prints
-   the worst error of each algorithm in each class of robots, relative to what the algorithm has to add up; see
-   docs/accuracy.md for what is measured.
-       library [--seconds N | --robots N]   for so long, or so many robots of each class; 200 by default
+/* library.c - the library's fuzzer: random robots against Kane's equations in quad precision (world.c). It
+   prints the worst error of each algorithm in each class of robots, relative to what the algorithm has to add
+   up; see docs/accuracy.md for what is measured. library [--seconds N | --robots N]   for so long, or so many
+   robots of each class; 200 by default
                [--publish]                  prints the rows of docs/accuracy.md
                [--hold FILE]                fails if an error exceeds that of the document's table
        library --one CLASS NUMBER           shows one robot and its errors
@@ -48,9 +48,9 @@ enum {
     QUANTITIES
 };
 static const char *const quantity_names[QUANTITIES] = {
-    "rnea",        "bias",     "gravity",  "crba",         "crba_packed", "crba / diagonal", "cholesky",  "aba",
-    "fd_cholesky", "rotation", "position", "velocity",     "acceleration", "com",            "energy",    "integrate",
-    "difference",  "refused"};
+    "rnea",         "bias", "gravity",     "crba",      "crba_packed", "crba / diagonal",
+    "cholesky",     "aba",  "fd_cholesky", "rotation",  "position",    "velocity",
+    "acceleration", "com",  "energy",      "integrate", "difference",  "refused"};
 
 typedef struct worst {
     double error;
@@ -454,8 +454,8 @@ static void hold_row(int quantity, const char *row) {
         const worst *w = &worst_of[c][quantity];
         at = end ? strchr(end, '|') : NULL;
         if (!(w->error <= bound)) {
-            printf("FAIL %s: %s: %.2e exceeds %.0e: %s %d\n", TEXT(RBD_REAL), quantity_names[quantity], w->error,
-                   bound, class_names[c], w->number);
+            printf("FAIL %s: %s: %.2e exceeds %.0e: %s %d\n", TEXT(RBD_REAL), quantity_names[quantity],
+                   w->error, bound, class_names[c], w->number);
             failures++;
         }
     }

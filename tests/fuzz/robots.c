@@ -123,7 +123,8 @@ static void draw_second_axis(sample *s, rbd_body *b) {
     } while (!(fabs(cosine) < 0.8));
 }
 
-/* Where the joint frame stands: degenerate axes may have it at the origin, on the parent's axis or on its own. */
+/* Where the joint frame stands: degenerate axes may have it at the origin, on the parent's axis or on its
+ * own. */
 static void draw_place(sample *s, int i) {
     rbd_body *b = &s->bodies[i];
     const int degenerate = has(s, AXES) || has(s, NEARLY), kind = degenerate ? below(&s->seed, 5) : 4;
@@ -201,7 +202,8 @@ static void maybe_follow(sample *s, int i) {
         return;
     b->mimic = joint_name(leader);
     b->mimic_ratio = sign(&s->seed) * magnitude(&s->seed, -3, 2);
-    b->mimic_offset = b->type == RBD_PRISMATIC ? s->length[i] * uniform(&s->seed, -1, 1) : uniform(&s->seed, -3, 3);
+    b->mimic_offset =
+        b->type == RBD_PRISMATIC ? s->length[i] * uniform(&s->seed, -1, 1) : uniform(&s->seed, -3, 3);
 }
 
 static void draw_joint(sample *s, int i, int one_dof) {
@@ -371,8 +373,9 @@ static void print_row(const char *name, const double *x, int n) {
 
 void print_robot(const sample *s) {
     static const char *const types[RBD_JOINT_TYPES] = {
-        "FIXED",       "REVOLUTE",  "CONTINUOUS", "CONTINUOUS_CS", "PRISMATIC", "HELICAL",   "CYLINDRICAL", "UNIVERSAL",
-        "SPHERICAL",   "EULER_ZYX", "EULER_XYZ",  "EULER_YXZ",     "EULER_ZXY", "PLANAR",    "TRANSLATION", "FLOATING"};
+        "FIXED",       "REVOLUTE",  "CONTINUOUS",  "CONTINUOUS_CS", "PRISMATIC", "HELICAL",
+        "CYLINDRICAL", "UNIVERSAL", "SPHERICAL",   "EULER_ZYX",     "EULER_XYZ", "EULER_YXZ",
+        "EULER_ZXY",   "PLANAR",    "TRANSLATION", "FLOATING"};
     printf("static const rbd_body bodies[%d] = {\n", s->nb);
     for (int i = 0; i < s->nb; i++) {
         const rbd_body *b = &s->bodies[i];

@@ -1,5 +1,5 @@
-/* robots.h - the robots and states of the library's fuzzer. A robot is told by its class and its number: the same
-   on every machine. */
+/* robots.h - the robots and states of the library's fuzzer. A robot is told by its class and its number: the
+   same on every machine. */
 #ifndef ROBOTS_H
 #define ROBOTS_H
 

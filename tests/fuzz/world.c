@@ -62,7 +62,8 @@ static void rotation_about(const quad axis[3], quad sine, quad cosine, quad R[9]
         quad c[3];
         cross(axis, unit[column], c);
         for (int row = 0; row < 3; row++)
-            R[3 * row + column] = cosine * unit[column][row] + sine * c[row] + (1 - cosine) * axis[row] * axis[column];
+            R[3 * row + column] =
+                cosine * unit[column][row] + sine * c[row] + (1 - cosine) * axis[row] * axis[column];
     }
 }
 
@@ -101,8 +102,8 @@ static const world_element *before(const world *s, const world_element *e) {
     return e->before < 0 ? &ground : &s->element[e->before];
 }
 
-/* How a joint, or part of it, moves its frame: pose relative to the frame before, and for each rate the angular
-   velocity and the velocity of the origin in axes of the moved frame. */
+/* How a joint, or part of it, moves its frame: pose relative to the frame before, and for each rate the
+   angular velocity and the velocity of the origin in axes of the moved frame. */
 typedef struct part {
     quad R[9], p[3];
     int dofs;
@@ -133,8 +134,8 @@ static void relative_motion(const world_element *e, const quad *v, quad omega[3]
     }
 }
 
-/* The kinematics of a moving frame B whose origin lies at d from that of A, with omega and u the velocities and
-   beta and b the accelerations of B relative to A. */
+/* The kinematics of a moving frame B whose origin lies at d from that of A, with omega and u the velocities
+   and beta and b the accelerations of B relative to A. */
 static void move_element(const world *s, world_element *e, const quad d[3], const quad *rates,
                          const quad *accelerations) {
     const world_element *up = before(s, e);
@@ -219,7 +220,8 @@ static void append_body_axes(world *s, const drive *d, part *p, const char *turn
 }
 
 static void append_joint(world *s, const rbd_body *b, const drive *d) {
-    const quad axis[3] = {b->axis[0], b->axis[1], b->axis[2]}, axis2[3] = {b->axis2[0], b->axis2[1], b->axis2[2]};
+    const quad axis[3] = {b->axis[0], b->axis[1], b->axis[2]},
+               axis2[3] = {b->axis2[0], b->axis2[1], b->axis2[2]};
     part p = {.dofs = 0};
     memcpy(p.R, identity, sizeof identity);
     switch (b->type) {
@@ -322,8 +324,9 @@ void world_move(world *s, const rbd_body *bodies, int nb, const quad *q, const q
     for (int i = 0; i < nb; i++) {
         const rbd_body *b = &bodies[i];
         const int leader = leader_of(bodies, nb, i);
-        const drive d = {q + iq[leader], v, a, iv[leader], b->mimic ? b->mimic_ratio : 1,
-                         b->mimic ? b->mimic_offset : 0, b->armature};
+        const drive d = {
+            q + iq[leader], v, a, iv[leader], b->mimic ? b->mimic_ratio : 1, b->mimic ? b->mimic_offset : 0,
+            b->armature};
         part placement = {.p = {b->position[0], b->position[1], b->position[2]}};
         rotation_of_body(b, placement.R);
         append(s, b->parent < 0 ? -1 : s->last[b->parent], &placement, NULL, 0);
@@ -346,7 +349,8 @@ static void mass_of(const world *s, int body, mass *k) {
     const rbd_body *b = &s->bodies[body];
     const world_element *e = &s->element[s->last[body]];
     const double *i = b->inertia;
-    const quad central[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]}, com[3] = {b->com[0], b->com[1], b->com[2]};
+    const quad central[9] = {i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5]},
+               com[3] = {b->com[0], b->com[1], b->com[2]};
     quad transposed[9], RI[9], r[3], wr[3];
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
@@ -382,9 +386,10 @@ static void partial_velocity(const world_element *e, int k, const quad point[3],
 
 /* ---- inverse dynamics ---- */
 
-/* tau_k = sum over bodies of (partial angular velocity) . N + (partial velocity of a point) . F at that point */
-static void add_wrench(const world *s, int body, const quad point[3], quad arm, const quad N[3], const quad F[3],
-                       quad N_size, quad F_size, quad *tau, quad *size) {
+/* tau_k = sum over bodies of (partial angular velocity) . N + (partial velocity of a point) . F at that point
+ */
+static void add_wrench(const world *s, int body, const quad point[3], quad arm, const quad N[3],
+                       const quad F[3], quad N_size, quad F_size, quad *tau, quad *size) {
     const quad reach = s->element[s->last[body]].path + arm;
     for (int i = s->last[body]; i >= 0; i = s->element[i].before) {
         const world_element *e = &s->element[i];
@@ -398,7 +403,8 @@ static void add_wrench(const world *s, int body, const quad point[3], quad arm, 
     }
 }
 
-void world_torques(const world *s, const quad gravity[3], const quad *a, const quad *f_ext, quad *tau, quad *size) {
+void world_torques(const world *s, const quad gravity[3], const quad *a, const quad *f_ext, quad *tau,
+                   quad *size) {
     for (int k = 0; k < s->nv; k++)
         tau[k] = size[k] = 0;
     for (int i = 0; i < s->nb; i++) {
@@ -465,7 +471,8 @@ static int partials_of(const world *s, int body, partial *out) {
 
 void world_mass_matrix(const world *s, quad *M, quad *size) {
     static partial p[6 * WORLD_BODIES];
-    quad root[WORLD_DOFS]; /* what two joints of one body add to the same degree of freedom goes as a sum squared */
+    quad root[WORLD_DOFS]; /* what two joints of one body add to the same degree of freedom goes as a sum
+                              squared */
     const int nv = s->nv;
     memset(M, 0, (size_t)(nv * nv) * sizeof *M);
     memset(size, 0, (size_t)nv * sizeof *size);

@@ -1,7 +1,7 @@
-/* world.h - the arbiter of the library's fuzzer: rigid-body dynamics by Kane's equations, in world axes and in
-   quad precision. It reads rbd_body rows and shares nothing else with rbd.h: no spatial vectors, no link frames,
-   no recursion of forces. Beside every result it keeps the sum of the magnitudes of what was added up for it: the
-   size that a rounding error is to be measured against. */
+/* world.h - the arbiter of the library's fuzzer: rigid-body dynamics by Kane's equations, in world axes and
+   in quad precision. It reads rbd_body rows and shares nothing else with rbd.h: no spatial vectors, no link
+   frames, no recursion of forces. Beside every result it keeps the sum of the magnitudes of what was added up
+   for it: the size that a rounding error is to be measured against. */
 #ifndef WORLD_H
 #define WORLD_H
 
@@ -18,10 +18,10 @@ typedef struct world_element {
     int dofs, iv;
     quad ratio; /* of a mimic joint */
     quad armature[6];
-    quad turn[6][3], shift[6][3];     /* omega, and velocity of the origin, per unit of each rate */
-    quad R[9], p[3];                  /* pose */
-    quad w[3], v[3], alpha[3], a[3];  /* velocities and (classical) accelerations; no gravity */
-    quad path;                        /* from the world origin along the tree: sum of lengths */
+    quad turn[6][3], shift[6][3];            /* omega, and velocity of the origin, per unit of each rate */
+    quad R[9], p[3];                         /* pose */
+    quad w[3], v[3], alpha[3], a[3];         /* velocities and (classical) accelerations; no gravity */
+    quad path;                               /* from the world origin along the tree: sum of lengths */
     quad w_size, v_size, alpha_size, a_size; /* sums of magnitudes */
 } world_element;
 
@@ -29,10 +29,11 @@ typedef struct world {
     const rbd_body *bodies;
     int nb, nv, elements;
     world_element element[WORLD_ELEMENTS];
-    int last[WORLD_BODIES];  /* the element that is the link frame of the body */
-    int moved[WORLD_BODIES]; /* some joint moves it */
-    quad reach[WORLD_BODIES]; /* length of the longest link that moves on the body, or on what is fixed to it */
-    quad largest_angle;      /* of the joints, offsets of mimic joints included */
+    int last[WORLD_BODIES];   /* the element that is the link frame of the body */
+    int moved[WORLD_BODIES];  /* some joint moves it */
+    quad reach[WORLD_BODIES]; /* length of the longest link that moves on the body, or on what is fixed to it
+                               */
+    quad largest_angle;       /* of the joints, offsets of mimic joints included */
 } world;
 
 /* How many coordinates and degrees of freedom the joint of a body has; a mimic joint has none. */
@@ -43,9 +44,11 @@ int world_nv(const rbd_body *body);
 void world_move(world *s, const rbd_body *bodies, int nb, const quad *q, const quad *v, const quad *a);
 
 /* tau of the state that world_move has set; size: of the terms of each. f_ext: nb x 6 or NULL. */
-void world_torques(const world *s, const quad gravity[3], const quad *a, const quad *f_ext, quad *tau, quad *size);
+void world_torques(const world *s, const quad gravity[3], const quad *a, const quad *f_ext, quad *tau,
+                   quad *size);
 
-/* Mass matrix, nv x nv, and for each degree of freedom the sum of the magnitudes that make its diagonal entry. */
+/* Mass matrix, nv x nv, and for each degree of freedom the sum of the magnitudes that make its diagonal
+ * entry. */
 void world_mass_matrix(const world *s, quad *M, quad *size);
 
 /* What rbd_com and rbd_energy give, with sizes: position, velocity and acceleration of the centre of mass,
@@ -59,8 +62,8 @@ void world_total(const world *s, const quad gravity[3], const quad *v, world_tot
 /* The coordinates of one joint after the tangent step d, and the size of each. */
 void world_step(const rbd_body *body, const quad *q, const quad *d, quad *next, quad *size);
 
-/* How far a symmetric matrix scaled by 1 / sqrt(size_i size_j) is from a singular one: 1 over the 1-norm of the
-   inverse; 0 if it is not positive definite. Destroys M. */
+/* How far a symmetric matrix scaled by 1 / sqrt(size_i size_j) is from a singular one: 1 over the 1-norm of
+   the inverse; 0 if it is not positive definite. Destroys M. */
 quad world_distance(quad *M, const quad *size, int n);
 
 quad world_sqrt(quad x);
