@@ -1,8 +1,10 @@
 /* world.c - see world.h */
 #include "world.h"
 
-#include <quadmath.h>
 #include <string.h>
+
+/* libquadmath's; clang has the type but not the header. */
+extern quad sinq(quad x), cosq(quad x), sqrtq(quad x);
 
 /* ---- small algebra ---- */
 
@@ -11,6 +13,14 @@ static const quad unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 quad world_sqrt(quad x) {
     return sqrtq(x);
+}
+
+static quad magnitude(quad x) {
+    return x < 0 ? -x : x;
+}
+
+static quad larger(quad x, quad y) {
+    return x > y ? x : y;
 }
 
 static quad dot(const quad a[3], const quad b[3]) {
@@ -129,8 +139,8 @@ static void relative_motion(const world_element *e, const quad *v, quad omega[3]
         const quad rate = e->ratio * v[k];
         add(e->turn[k], rate, omega);
         add(e->shift[k], rate, u);
-        *omega_size += fabsq(rate) * length(e->turn[k]);
-        *u_size += fabsq(rate) * length(e->shift[k]);
+        *omega_size += magnitude(rate) * length(e->turn[k]);
+        *u_size += magnitude(rate) * length(e->shift[k]);
     }
 }
 
@@ -197,7 +207,7 @@ static void append_screw(world *s, const drive *d, int k, const quad axis[3], in
     memcpy(p.R, identity, sizeof identity);
     if (turning) {
         rotation_about(n, sinq(x), cosq(x), p.R);
-        s->largest_angle = fmaxq(s->largest_angle, fabsq(d->ratio * d->q[k]) + fabsq(d->offset));
+        s->largest_angle = larger(s->largest_angle, magnitude(d->ratio * d->q[k]) + magnitude(d->offset));
     }
     add(n, pitch * x, p.p);
     add(n, turning, p.turn[0]);
@@ -258,7 +268,7 @@ static void append_joint(world *s, const rbd_body *b, const drive *d) {
     case RBD_PLANAR:
         p.p[0] = d->q[0], p.p[1] = d->q[1];
         rotation_about(unit[2], sinq(d->q[2]), cosq(d->q[2]), p.R);
-        s->largest_angle = fmaxq(s->largest_angle, fabsq(d->q[2]));
+        s->largest_angle = larger(s->largest_angle, magnitude(d->q[2]));
         append_body_axes(s, d, &p, "z", "xy");
         break;
     case RBD_TRANSLATION:
@@ -280,7 +290,7 @@ int world_nv(const rbd_body *body) {
 }
 
 int world_nq(const rbd_body *body) {
-    const int type = body->type;
+    const int type = (int)body->type;
     return world_nv(body) +
            (!body->mimic && (type == RBD_CONTINUOUS_CS || type == RBD_SPHERICAL || type == RBD_FLOATING));
 }
@@ -292,23 +302,42 @@ static int leader_of(const rbd_body *bodies, int nb, int i) {
     return i;
 }
 
-/* A moving body counts for all that its joint stands on: up the fixed joints, and down again. */
-static void measure_reach(world *s) {
-    const rbd_body *b = s->bodies;
-    memset(s->reach, 0, sizeof s->reach);
-    for (int i = 0; i < s->nb; i++) {
+/* The longest link that begins or ends at each body, or at what is fixed to it; that of a root does not
+ * count. */
+static void measure_reach(const rbd_body *b, int nb, quad *reach) {
+    memset(reach, 0, (size_t)nb * sizeof *reach);
+    for (int i = 0; i < nb; i++) {
         quad sum = 0;
-        for (int k = i; b[i].type != RBD_FIXED && b[k].parent >= 0; k = b[k].parent) {
+        int k = i;
+        while (b[i].type != RBD_FIXED && b[k].parent >= 0 && (k == i || b[k].type == RBD_FIXED)) {
             const quad position[3] = {b[k].position[0], b[k].position[1], b[k].position[2]};
-            if (k != i && b[k].type != RBD_FIXED)
-                break;
             sum += length(position);
-            s->reach[b[k].parent] = fmaxq(s->reach[b[k].parent], sum);
+            k = b[k].parent;
+            reach[k] = larger(reach[k], sum);
         }
+        reach[i] = larger(reach[i], sum);
     }
-    for (int i = 0; i < s->nb; i++)
+    for (int i = 0; i < nb; i++)
         if (b[i].type == RBD_FIXED && b[i].parent >= 0)
-            s->reach[i] = fmaxq(s->reach[i], s->reach[b[i].parent]);
+            reach[i] = larger(reach[i], reach[b[i].parent]);
+}
+
+/* What the motion of a body is measured by: its own, and that of the far ends of the links on the way to it.
+   The library chooses the points that it computes with, as engineers do, on the axes: as far from the body as
+   that. */
+static void measure_bodies(world *s) {
+    quad reach[WORLD_BODIES], p[WORLD_BODIES], v[WORLD_BODIES], a[WORLD_BODIES];
+    measure_reach(s->bodies, s->nb, reach);
+    for (int i = 0; i < s->nb; i++) {
+        const world_element *e = &s->element[s->last[i]];
+        const int up = s->bodies[i].parent;
+        p[i] = larger(reach[i], up < 0 ? 0 : p[up]);
+        v[i] = larger(e->w_size * reach[i], up < 0 ? 0 : v[up]);
+        a[i] = larger((e->alpha_size + e->w_size * e->w_size) * reach[i], up < 0 ? 0 : a[up]);
+        s->p_size[i] = e->path + p[i];
+        s->v_size[i] = e->v_size + v[i];
+        s->a_size[i] = e->a_size + a[i];
+    }
 }
 
 void world_move(world *s, const rbd_body *bodies, int nb, const quad *q, const quad *v, const quad *a) {
@@ -334,7 +363,7 @@ void world_move(world *s, const rbd_body *bodies, int nb, const quad *q, const q
         s->last[i] = s->elements - 1;
         s->moved[i] = b->type != RBD_FIXED || (b->parent >= 0 && s->moved[b->parent]);
     }
-    measure_reach(s);
+    measure_bodies(s);
 }
 
 /* ---- a body's centre of mass and inertia, in world axes ---- */
@@ -397,8 +426,9 @@ static void add_wrench(const world *s, int body, const quad point[3], quad arm, 
             quad u[3];
             partial_velocity(e, k, point, u);
             tau[e->iv + k] += e->ratio * (dot(e->turn[k], N) + dot(u, F));
-            size[e->iv + k] += fabsq(e->ratio) * (length(e->turn[k]) * (N_size + (reach - e->path) * F_size) +
-                                                  length(e->shift[k]) * F_size);
+            size[e->iv + k] +=
+                magnitude(e->ratio) *
+                (length(e->turn[k]) * (N_size + (reach - e->path) * F_size) + length(e->shift[k]) * F_size);
         }
     }
 }
@@ -432,7 +462,7 @@ void world_torques(const world *s, const quad gravity[3], const quad *a, const q
         for (int k = 0; a && k < e->dofs; k++) {
             const quad rotor = e->ratio * e->armature[k] * e->ratio * a[e->iv + k];
             tau[e->iv + k] += rotor;
-            size[e->iv + k] += fabsq(rotor);
+            size[e->iv + k] += magnitude(rotor);
         }
     }
 }
@@ -462,7 +492,8 @@ static int partials_of(const world *s, int body, partial *out) {
                 x->v[c] *= e->ratio;
             }
             turn(k.I, x->w, x->Iw);
-            const quad w = length(x->w), v = fabsq(e->ratio) * length(e->shift[j]) + w * (reach - e->path);
+            const quad w = length(x->w),
+                       v = magnitude(e->ratio) * length(e->shift[j]) + w * (reach - e->path);
             x->size = sqrtq(k.I_size * w * w + k.m * v * v);
         }
     }
@@ -523,9 +554,9 @@ quad world_distance(quad *M, const quad *size, int n) {
             for (int k = i + 1; k < n; k++)
                 x[i] -= M[k * n + i] * x[k];
             x[i] /= M[i * n + i];
-            sum += fabsq(x[i]);
+            sum += magnitude(x[i]);
         }
-        norm = fmaxq(norm, sum);
+        norm = larger(norm, sum);
     }
     return norm > 0 ? 1 / norm : 1;
 }
@@ -623,7 +654,7 @@ static void step_position(const quad R[9], const quad w[3], const quad u[3], int
     turn(R, shift, moved);
     for (int k = 0; k < n; k++) {
         next[k] = q[k] + moved[k];
-        size[k] = fabsq(q[k]) + length(u) * (1 + length(w));
+        size[k] = magnitude(q[k]) + length(u) * (1 + length(w));
     }
 }
 
@@ -635,7 +666,7 @@ void world_step(const rbd_body *body, const quad *q, const quad *d, quad *next, 
         normalise(cs, 2);
         next[0] = cs[0] * cosq(d[0]) - cs[1] * sinq(d[0]);
         next[1] = cs[1] * cosq(d[0]) + cs[0] * sinq(d[0]);
-        size[0] = size[1] = 1 + fabsq(d[0]);
+        size[0] = size[1] = 1 + magnitude(d[0]);
         break;
     }
     case RBD_SPHERICAL: step_quaternion(q, d, next, size); break;
@@ -644,7 +675,7 @@ void world_step(const rbd_body *body, const quad *q, const quad *d, quad *next, 
         rotation_about(unit[2], sinq(q[2]), cosq(q[2]), R);
         step_position(R, w, u, 2, q, next, size);
         next[2] = q[2] + d[0];
-        size[2] = fabsq(q[2]) + fabsq(d[0]);
+        size[2] = magnitude(q[2]) + magnitude(d[0]);
         break;
     }
     case RBD_FLOATING:
@@ -655,7 +686,7 @@ void world_step(const rbd_body *body, const quad *q, const quad *d, quad *next, 
     default:
         for (int k = 0; k < world_nv(body); k++) {
             next[k] = q[k] + d[k];
-            size[k] = fabsq(q[k]) + fabsq(d[k]);
+            size[k] = magnitude(q[k]) + magnitude(d[k]);
         }
     }
 }
