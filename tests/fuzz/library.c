@@ -234,7 +234,7 @@ static void check_forward(int quantity, forward *call, quad distance) {
     }
     if (!ok(quantity_names[quantity], status))
         return;
-    accepted_singular += distance < (quad)(epsilon / 16);
+    accepted_singular += distance < (quad)(epsilon / 16) && angle_unit < 2; /* else the angles decide */
     for (int k = 0; k < robot.nv; k++) {
         wide_a[k] = out[k];
         given[k] = tau[k];
