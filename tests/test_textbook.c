@@ -1,4 +1,6 @@
 /* test_textbook.c - the arbiter itself against the reference: two independent sources agree. */
+#include <math.h>
+
 #include "suites.h"
 #include "support.h"
 
@@ -60,12 +62,59 @@ START_TEST(textbook_motion_matches_the_reference) {
 }
 END_TEST
 
+/* Two ways from one book; and rbd's, whose passes are the table's. */
+static int articulated_trees;
+
+static void check_articulated(const robot *r, const state *s, int number) {
+    tb_real expected[TB_MAX_DOFS], found[TB_MAX_DOFS];
+    double rounded[MAX_V], a[MAX_V];
+    const tb_real condition =
+        tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
+    for (int i = 0; i < r->nb; i++)
+        if (r->bodies[i].mimic)
+            return;
+    if (!(condition > 0 && condition < 1e12L)) /* long double keeps seven digits of the inverse */
+        return;
+    articulated_trees++;
+    ck_assert(tb_aba(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, found));
+    for (int i = 0; i < r->nv; i++)
+        rounded[i] = (double)found[i];
+    expect_close_tb("textbook aba", r, number, rounded, expected, r->nv,
+                    fmax(1e-15, 1e-18 * (double)condition));
+    RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, a));
+    expect_close_tb("aba, textbook aba", r, number, a, found, r->nv, inverse_bound((double)condition));
+}
+
+START_TEST(articulated_bodies_of_the_textbook_agree) {
+    articulated_trees = 0;
+    for_random_trees(300, check_articulated);
+    for_random_states(5, check_articulated);
+    ck_assert_int_gt(articulated_trees, 300);
+}
+END_TEST
+
+static void check_articulated_reference(const robot *r, const ref_model *model, const ref_state *s,
+                                        int number) {
+    tb_real a[TB_MAX_DOFS];
+    ck_assert(tb_aba(model->bodies, model->nb, s->gravity, s->q, s->v, s->tau, NULL, a));
+    textbook("textbook aba", r, number, a, s->qdd, model->nv, 2e-14);
+    ck_assert(tb_aba(model->bodies, model->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, a));
+    textbook("textbook aba, wrenches", r, number, a, s->qdd_ext, model->nv, 2e-14);
+}
+
+START_TEST(articulated_bodies_of_the_textbook_match_the_reference) {
+    for_reference_states(check_articulated_reference);
+}
+END_TEST
+
 Suite *textbook_suite(void) {
     Suite *suite = suite_create("textbook");
     TCase *c = tcase_create("reference");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, textbook_dynamics_match_the_reference);
     tcase_add_test(c, textbook_motion_matches_the_reference);
+    tcase_add_test(c, articulated_bodies_of_the_textbook_agree);
+    tcase_add_test(c, articulated_bodies_of_the_textbook_match_the_reference);
     suite_add_tcase(suite, c);
     return suite;
 }

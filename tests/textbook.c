@@ -573,3 +573,125 @@ tb_real tb_forward(const rbd_body *bodies, int nb, const double gravity[3], cons
     }
     return norm1(M, nv) * norm1(inverse, nv);
 }
+
+/* ---- articulated bodies, RBDA table 7.1, in its letters ----
+   lambda is the parent of link i, X takes motion vectors from lambda to i, S are the columns of the subspace.
+   The rotors' inertia (armature) adds to the diagonal of D. S is constant in the link's axes, so that c has
+   no term of its derivative. */
+
+typedef struct articulated {
+    matrix6 X, IA;
+    tb_real v[6], c[6], a[6], pA[6];
+    tb_real U[6][6]; /* row k: column k of U */
+    tb_real Dinv[36], u[6];
+} articulated;
+
+/* Pass 1, root to leaves: v_i = X v_lambda + S qd and c_i = v_i x S qd. */
+static void aba_velocity(const link *l, const articulated *lambda, const double *qd, articulated *x) {
+    tb_real vJ[6] = {0};
+    x->X = motion_transform(l->R, l->p);
+    apply6(&x->X, lambda->v, x->v);
+    for (int k = 0; k < l->dofs; k++)
+        for (int i = 0; i < 6; i++)
+            vJ[i] += l->subspace[k][i] * qd[l->iv + k];
+    for (int i = 0; i < 6; i++)
+        x->v[i] += vJ[i];
+    const matrix6 vx = motion_cross(x->v);
+    apply6(&vx, vJ, x->c);
+}
+
+/* Pass 1: IA_i = I_i and pA_i = v_i x* I_i v_i - f_ext, with v x* = -(v x)'. Links that carry no body keep 0.
+ */
+static void aba_body(const rbd_body *body, const double *f_ext, articulated *x) {
+    const matrix6 vx = motion_cross(x->v);
+    tb_real Iv[6], minus[6];
+    x->IA = spatial_inertia(body);
+    apply6(&x->IA, x->v, Iv);
+    apply6_transposed(&vx, Iv, minus);
+    for (int i = 0; i < 6; i++)
+        x->pA[i] = -minus[i] - (f_ext ? f_ext[i] : 0);
+}
+
+/* Pass 2, leaves to root: U = IA S, D = S' U, u = tau - S' pA. Returns 0 if D is not positive definite. */
+static int aba_joint(const link *l, const double *tau, articulated *x) {
+    tb_real D[36];
+    for (int k = 0; k < l->dofs; k++) {
+        apply6(&x->IA, l->subspace[k], x->U[k]);
+        x->u[k] = tau[l->iv + k] - dot6(l->subspace[k], x->pA);
+    }
+    for (int j = 0; j < l->dofs; j++)
+        for (int k = 0; k < l->dofs; k++)
+            D[j * l->dofs + k] = dot6(l->subspace[j], x->U[k]) + (j == k ? l->armature[k] : 0);
+    return tb_invert(D, l->dofs, x->Dinv);
+}
+
+/* Pass 2: Ia = IA - U D^-1 U' and pa = pA + Ia c + U D^-1 u, what the parent feels of the link;
+   IA_lambda += X' Ia X and pA_lambda += X' pa. */
+static void aba_to_parent(const link *l, const articulated *x, articulated *lambda) {
+    matrix6 Ia = x->IA, IaX;
+    tb_real pa[6], up[6];
+    for (int i = 0; i < 6; i++) {
+        pa[i] = x->pA[i];
+        for (int j = 0; j < l->dofs; j++)
+            for (int k = 0; k < l->dofs; k++) {
+                const tb_real U_Dinv = x->U[j][i] * x->Dinv[j * l->dofs + k];
+                pa[i] += U_Dinv * x->u[k];
+                for (int column = 0; column < 6; column++)
+                    Ia.e[i][column] -= U_Dinv * x->U[k][column];
+            }
+    }
+    for (int i = 0; i < 6; i++)
+        pa[i] += dot6(Ia.e[i], x->c);
+    for (int i = 0; i < 6; i++)
+        apply6_transposed(&x->X, Ia.e[i], IaX.e[i]); /* row i of Ia X */
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++)
+            for (int k = 0; k < 6; k++)
+                lambda->IA.e[i][j] += x->X.e[k][i] * IaX.e[k][j];
+    apply6_transposed(&x->X, pa, up);
+    for (int i = 0; i < 6; i++)
+        lambda->pA[i] += up[i];
+}
+
+/* Pass 3, root to leaves: a' = X a_lambda + c, qdd = D^-1 (u - U' a'), a_i = a' + S qdd. */
+static void aba_acceleration(const link *l, const articulated *lambda, articulated *x, tb_real *qdd) {
+    apply6(&x->X, lambda->a, x->a);
+    for (int i = 0; i < 6; i++)
+        x->a[i] += x->c[i];
+    tb_real rest[6];
+    for (int k = 0; k < l->dofs; k++)
+        rest[k] = x->u[k] - dot6(x->U[k], x->a);
+    for (int j = 0; j < l->dofs; j++) {
+        tb_real *found = &qdd[l->iv + j];
+        *found = 0;
+        for (int k = 0; k < l->dofs; k++)
+            *found += x->Dinv[j * l->dofs + k] * rest[k];
+        for (int i = 0; i < 6; i++)
+            x->a[i] += l->subspace[j][i] * *found;
+    }
+}
+
+int tb_aba(const rbd_body *bodies, int nb, const double gravity[3], const double *q, const double *v,
+           const double *tau, const double *f_ext, tb_real *a) {
+    static tree t;
+    static articulated links[MAX_LINKS + 1]; /* the first is the world */
+    memset(links, 0, sizeof links);
+    expand(bodies, nb, q, &t);
+    for (int i = 0; i < 3; i++)
+        links[0].a[3 + i] = -(tb_real)gravity[i]; /* a_0 = -a_g */
+    for (int i = 0; i < t.links; i++)
+        aba_velocity(&t.link[i], &links[t.link[i].parent + 1], v, &links[i + 1]);
+    for (int i = 0; i < nb; i++) {
+        if (bodies[i].mimic)
+            return 0;
+        aba_body(&bodies[i], f_ext ? f_ext + 6 * i : NULL, &links[t.link_of_body[i] + 1]);
+    }
+    for (int i = t.links - 1; i >= 0; i--) {
+        if (!aba_joint(&t.link[i], tau, &links[i + 1]))
+            return 0;
+        aba_to_parent(&t.link[i], &links[i + 1], &links[t.link[i].parent + 1]);
+    }
+    for (int i = 0; i < t.links; i++)
+        aba_acceleration(&t.link[i], &links[t.link[i].parent + 1], &links[i + 1], a);
+    return 1;
+}

@@ -38,6 +38,11 @@ void tb_mass_matrix(const rbd_body *bodies, int nb, const double *q, tb_real *M)
 tb_real tb_forward(const rbd_body *bodies, int nb, const double gravity[3], const double *q, const double *v,
                    const double *tau, const double *f_ext, tb_real *a);
 
+/* The same by articulated bodies, RBDA table 7.1: the plain twin of rbd.h's [aba]. Returns 0 if a pivot is
+   not positive definite, or if the robot has mimic joints, which the table does not know. */
+int tb_aba(const rbd_body *bodies, int nb, const double gravity[3], const double *q, const double *v,
+           const double *tau, const double *f_ext, tb_real *a);
+
 /* Inverse of a symmetric positive definite matrix by Cholesky; 0 if it is not positive definite. */
 int tb_invert(const tb_real *M, int n, tb_real *inverse);
 
