@@ -4600,8 +4600,15 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i)
    from it. Numbers about a far point grow with the square of the distance and inertias are their differences, so
    those of this subtree must stay of the size that they have about the origin that the user chose. Errors of M
    grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ, Atlas) pass. */
-static int rbdi_draft_near(const rbdi_draft *l, const rbdi_draft *f, rbdi_wide t, rbdi_wide distance)
+static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance)
 {
+    const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
+    for (int j = i + 1; j < nl; ++j) {
+        const rbdi_draft *c = &draft[j];
+        rbdi_wide from[3] = {c->r[0], c->r[1], c->r[2] - t};
+        if (c->parent == i && c != f && c->all > 0 &&
+            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r))) return 0;
+    }
     const rbdi_wide before = rbdi_draft_spread(l, 0), rest = before - rbdi_draft_spread(f, rbdi_w_length(f->r));
     return rest + (l->all - f->all) * t * t + rbdi_draft_spread(f, distance) < 4 * before;
 }
@@ -4630,12 +4637,12 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i)
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (!rbdi_draft_near(l, f, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
         t = f->r[2];
-        if (!rbdi_draft_near(l, f, t, a)) d = t * f->ca, t = 0;
+        if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
         rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
     }
     f->dh = 1;
