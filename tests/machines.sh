@@ -45,7 +45,8 @@ object() {
     source=$1
     shift
     # shellcheck disable=SC2086 # words wanted
-    $compiler $dialect -Wall -Wextra -Werror "$@" -I"$root/tests/firmware" -I"$root" -c "$root/tests/$source.c" -o "$scratch/$source.o"
+    $compiler $dialect -Wall -Wextra -Werror "$@" -I"$root/tests/firmware" -I"$root" \
+        -c "$root/tests/$source.c" -o "$scratch/$source.o"
 }
 
 # run_linked SOURCE...: links what object has made of them, and runs it
