@@ -141,12 +141,14 @@ static void describe(int i, int type, int parent, int follows, int skew) {
     b->type = (rbd_joint_type)type;
     b->mimic = follows < 0 ? NULL : names[follows];
     b->mimic_ratio = 0.5;
-    b->axis[2] = b->axis2[1] = 1;
     b->mass = 1;
     b->com[2] = 0.1;
+    if (type != RBD_FIXED) /* which must not have an axis */
+        b->axis[2] = b->axis2[1] = 1;
     if (!skew)
         return;
-    b->axis[0] = 0.2 + 0.1 * i, b->axis[1] = -0.3;
+    if (type != RBD_FIXED)
+        b->axis[0] = 0.2 + 0.1 * i, b->axis[1] = -0.3;
     b->pitch = 0.1;
     b->position[0] = 0.3, b->position[1] = 0.1, b->position[2] = -0.2;
     b->com[0] = 0.05;

@@ -24,11 +24,12 @@ static const char *any_name(char letters[4]) {
 }
 
 static void texts(void) {
-    static char name[4], field[4];
+    static char name[4], field[4], cause[4];
     for (size_t size = 0; size <= LONGEST; size++) {
-        rbd_finding finding = {RBD_OK, 0, any_name(name), any_name(field)};
+        rbd_finding finding;
         char *text = own_array(size);
         finding.status = (rbd_status)Frama_C_interval(INT32_MIN, INT32_MAX);
+        finding.name = any_name(name), finding.field = any_name(field), finding.text = any_name(cause);
         finding.body = Frama_C_interval(INT32_MIN, INT32_MAX);
         claim(rbd_finding_text(&finding, text, size) == text);
         Frama_C_show_each_proved(size);
