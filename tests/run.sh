@@ -97,6 +97,7 @@ echo "\$*" >>"$scratch/meson"
 case "\$*" in
 *--list*--suite\ packages*) echo "rbd:packages / package cmake" ;;
 *--list*--suite\ firmware*) echo "rbd:firmware / firmware cortex-m3" ;;
+*--list*--suite\ machines*) echo "rbd:machines / machine s390x" ;;
 test*) mkdir -p "$scratch/tree/build/meson-logs"
        printf 'Ok:                 3\nFail:               0\n' >"$scratch/tree/build/meson-logs/testlog.txt" ;;
 esac
@@ -106,12 +107,13 @@ run 0 test --light suites -v
 prints '^3 passed, 0 failed$'
 prints '^left out: package cmake$'
 prints '^left out: firmware cortex-m3$'
+prints '^left out: machine s390x$'
 prints '^not installed for --light: gcc-arm-none-eabi$'
 prints 'built 20 of 20$'
 [ "$(grep -c 'run: built' "$scratch/printed")" -eq 10 ] || fail "not a line for each tenth"
 asked_not 'arm-none-eabi'
 asked_not 'install.* cmake'
-grep -q -e 'test .*--no-suite firmware --no-suite packages suites -v$' "$scratch/meson" || fail "wrong meson arguments"
+grep -q -e 'test .*--no-suite machines --no-suite firmware --no-suite packages suites -v$' "$scratch/meson" || fail "wrong meson arguments"
 
 run 0 test
 asked 'install -y .* cmake$'

@@ -1,0 +1,105 @@
+#!/bin/sh
+# Runs the reference tests (scalars.c) and the suites of machines.c on another machine, emulated by qemu-user, or
+# with a compiler that is neither GCC nor clang. tests/firmware/check.h stands in for Check. Exits with 77 where
+# compiler or emulator is missing.
+# usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | tcc
+set -eu
+
+usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | tcc'
+root=${1:?$usage}
+target=${2:?$usage}
+dialect=-std=c99
+optimised=-O1
+link='-static -lm' # no library of the machine's is looked for
+emulator=qemu-$target
+case $target in
+aarch64 | riscv64) compiler=$target-linux-gnu-gcc ;;
+s390x) compiler=s390x-linux-gnu-gcc dialect=-std=gnu99 ;; # in c99 it computes floats as doubles: by libm's sine
+armhf) compiler=arm-linux-gnueabihf-gcc emulator=qemu-arm ;;
+i386) compiler=i686-linux-gnu-gcc ;;
+tcc) compiler=tcc emulator='' link=-lm ;;
+*) echo "$usage" >&2; exit 2 ;;
+esac
+for program in $compiler $emulator; do
+    command -v "$program" >/dev/null 2>&1 || { echo "left out: no $program"; exit 77; }
+done
+[ "$target" != tcc ] || [ "$(uname -m)" = x86_64 ] || { echo "left out: tcc elsewhere than on x86-64"; exit 77; }
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+# The fast paths of rbd.h that this machine must take, and those that it must not.
+# expect_path PRESENT|ABSENT MACRO OPTION...
+expect_path() {
+    present=$1 macro=$2
+    shift 2
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n#ifdef %s\nint PRESENT;\n#else\nint ABSENT;\n#endif\n' \
+        "$macro" >"$scratch/path.c"
+    # shellcheck disable=SC2086 # words wanted
+    $compiler $dialect -E "$@" -I"$root" "$scratch/path.c" 2>/dev/null | grep -q "^int $present;" ||
+        { echo "FAILED: $macro should be $present with $*"; exit 1; }
+}
+
+# object SOURCE OPTION...: compiles tests/SOURCE.c
+object() {
+    source=$1
+    shift
+    # shellcheck disable=SC2086 # words wanted
+    $compiler $dialect -Wall -Wextra -Werror "$@" -I"$root/tests/firmware" -I"$root" \
+        -c "$root/tests/$source.c" -o "$scratch/$source.o"
+}
+
+# run_linked SOURCE...: links what object has made of them, and runs it
+run_linked() {
+    objects=
+    for source; do objects="$objects $scratch/$source.o"; done
+    # shellcheck disable=SC2086 # words wanted
+    $compiler $objects $link -o "$scratch/program" && $emulator "$scratch/program"
+}
+
+# scalar NAME OPTION...: the reference tests with one scalar
+scalar() {
+    echo "$target, scalar $1"
+    shift
+    object scalars "$@"
+    run_linked scalars reference
+}
+
+# The suites with double.
+suites() {
+    echo "$target, suites"
+    object rbd $optimised
+    set -- support textbook machines
+    for suite in $(sed -n 's/^#define SUITES(x)//p' "$root/tests/machines.c" | sed 's/x(\([a-z]*\))/test_\1/g'); do
+        set -- "$@" "$suite"
+    done
+    for source; do object "$source" -O0; done
+    run_linked rbd reference "$@"
+}
+
+object reference -O0
+scalar double $optimised
+scalar float $optimised -DSCALAR_FLOAT
+case $target in
+aarch64)
+    expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
+    expect_path ABSENT RBDI_BATCH_SCALAR
+    scalar '4 lanes' $optimised -DRBD_LANES=4
+    ;;
+armhf | riscv64) expect_path PRESENT RBDI_POLYNOMIAL_SINCOS ;;
+i386) # the x87 computes with 80 bits: the sine's argument reduction would not be what it is made for
+    expect_path ABSENT RBDI_POLYNOMIAL_SINCOS
+    expect_path PRESENT RBDI_POLYNOMIAL_SINCOS -msse2 -mfpmath=sse
+    scalar 'double, SSE2' $optimised -msse2 -mfpmath=sse
+    suites
+    ;;
+s390x) # big-endian
+    expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
+    scalar '4 lanes' -O0 -DRBD_LANES=4
+    suites
+    ;;
+tcc)
+    expect_path ABSENT RBDI_POLYNOMIAL_SINCOS
+    suites
+    ;;
+esac
