@@ -22,8 +22,11 @@
      [conventions] [configuration] [guarantees] [limits]
      [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup] [batch]
      --- stop here if you only use it ---
-     [scalar] [spatial algebra] [joints] [state] [rnea] [crba] [aba] [cholesky]
-     [kinematics code] [manifold code] [model build] [batch code] [licence]
+     [layout]
+     [design] [compiler] [tolerances] [scalar] [spatial algebra] [joints] [state]
+     [rnea] [crba] [aba] [cholesky] [pivots] [forward dynamics code]
+     [kinematics code] [manifold code] [work code] [lookup code] [text code] [model build] [batch code]
+     [licence]
 
    [conventions]
      units             SI: m, kg, s, rad, N, N m
@@ -718,7 +721,12 @@ RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b,
 RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 RBDI_EXTERN_C_CLOSE
 
-/* ---- the built model and the work, laid open for compile-time sizes and generated tables only ---- */
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* ---- layout [layout] ----
+   The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
 /* Arithmetic of the build: double at least, whatever the model's scalar. */
 #if RBDI_KIND(RBD_CONST) == 3
@@ -730,12 +738,12 @@ typedef double rbdi_wide;
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
     rbdi_wide E[9], r[3];         /* from the parent's frame at q = 0 */
-    rbdi_wide S[6], h[3], m;      /* second, first and zeroth moment of mass */
+    rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
     rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
     rbdi_wide all, radius; /* of the subtree: mass, radius of gyration about the origin */
-    rbdi_wide trace, moment, mass, mc; /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide trace, moment, all_mass, subtree_mass; /* of the subtree: bounds of its mass moments; regrouped mass */
     rbdi_wide scale;                   /* of the pivot */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
@@ -754,15 +762,15 @@ enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 /* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
    can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BETA = 1,      /* the frame is turned about the parent's z before the twist */
-    RBDI_GENERAL = 2,   /* so, or the parent-side shift has y and z components */
-    RBDI_OFFSET = 4,    /* the shift along the link's z is not zero throughout */
-    RBDI_FULL = 8,      /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_BRANCH_TURN = 1,      /* the frame is turned about the parent's z before the twist */
+    RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_Z = 4,    /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,      /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16, /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,     /* the parent is the world */
-    RBDI_SCREWS = 64,   /* kind is RBDI_SCREW */
-    RBDI_QUARTER = 128, /* alpha = 90 or -90 degrees */
-    RBDI_STRAIGHT = 256 /* alpha = 0 */
+    RBDI_SLIDES = 64,   /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128, /* alpha = 90 or -90 degrees */
+    RBDI_TWIST_0 = 256 /* alpha = 0 */
 };
 
 typedef struct rbdi_c3 {
@@ -784,13 +792,13 @@ typedef struct rbdi_link {
     int16_t kind, flags;
     rbd_const gamma, cg, sg;   /* joint angle at q = 0, its cosine and sine */
     rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
-    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_GENERAL */
+    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
     rbd_const d;               /* along the link's z */
     rbd_const rho, kappa;      /* turn and slide per unit of q */
-    rbdi_csym S;               /* regrouped second moment of mass about the origin, link axes */
+    rbdi_csym Sigma;           /* regrouped second moment of mass about the origin, link axes */
     rbdi_c3 h;                 /* regrouped first moment */
-    rbd_const m;               /* regrouped mass */
-    rbd_const mc;              /* its sum over the subtree */
+    rbd_const mass;            /* regrouped mass */
+    rbd_const subtree_mass;    /* its sum over the subtree */
 } rbdi_link;
 
 /* A joint whose motion axes are unit spatial axes first .. first + n - 1 of the link frame. */
@@ -808,11 +816,16 @@ typedef struct rbdi_dof {
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
     int16_t depth;  /* number of dofs before it towards the root; of mimic dofs these three mean nothing */
     int16_t before, level; /* lambda and depth in the mechanism, of mimic dofs too */
-    int16_t here;     /* the dof that stands at this index in the solver's order, depth first */
-    int32_t row_here; /* and the row that crba writes for it, of level + 1 entries: its own, or one behind them all */
     rbd_const armature, damping, friction;
     rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
 } rbdi_dof;
+
+/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for it, of
+   level + 1 entries: the dof's own, or one behind them all. */
+typedef struct rbdi_order {
+    int16_t dof;
+    int32_t row;
+} rbdi_order;
 
 /* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
 typedef struct rbdi_mimic {
@@ -846,6 +859,7 @@ struct rbd_model {
     const rbdi_link *link;   /* nl, depth first */
     const rbdi_block *block; /* nblock */
     const rbdi_dof *dof;     /* nv + nmimic */
+    const rbdi_order *order; /* nv + nmimic */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
     uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
@@ -864,7 +878,7 @@ typedef struct rbdi_mat { /* 3 x 3 */
 } rbdi_mat;
 
 typedef struct rbdi_motion { /* angular, linear */
-    rbdi_v3 w, v;
+    rbdi_v3 omega, v;
 } rbdi_motion;
 
 typedef struct rbdi_force { /* moment, force */
@@ -873,11 +887,11 @@ typedef struct rbdi_force { /* moment, force */
 
 /* Velocity and classical acceleration of a link, in its own axes at its origin. */
 typedef struct rbdi_state {
-    rbdi_v3 w, wd, acc;
+    rbdi_v3 omega, omega_dot, acc;
 } rbdi_state;
 
-typedef struct rbdi_rbi { /* composite rigid body; its mass is the constant mc */
-    rbdi_sym S;
+typedef struct rbdi_rbi { /* composite rigid body; its mass is the constant subtree_mass */
+    rbdi_sym Sigma;
     rbdi_v3 h;
 } rbdi_rbi;
 
@@ -899,8 +913,8 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;  /* wrench (rnea), bias wrench (aba) */
     rbdi_motion c; /* aba: velocity-product acceleration */
-    rbdi_force U;  /* aba: U / D */
-    rbd_real u;    /* aba: u / D */
+    rbdi_force U_D; /* aba: U / D */
+    rbd_real u_D;   /* aba: u / D */
 } rbdi_scratch;
 
 typedef struct rbdi_slot { /* per link with a child that is not the next link */
@@ -912,7 +926,7 @@ typedef struct rbdi_slot { /* per link with a child that is not the next link */
 
 typedef struct rbdi_block_work { /* per block */
     rbdi_pose X;
-    rbd_real U[6][6], u[6]; /* aba: U / D and u / D of each of its dofs */
+    rbd_real U_D[6][6], u_D[6]; /* aba: U / D and u / D of each of its dofs */
 } rbdi_block_work;
 
 typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
@@ -930,7 +944,7 @@ struct rbd_work {
     rbd_real *rotors;    /* 1: kinetic energy of the armatures */
     rbd_real *angle, *c, *s; /* nl, padded to RBDI_ALIGN: joint angles, their cosines and sines */
     rbd_real *d;         /* nl: slides of screw links */
-    rbdi_scratch *link;  /* nl */
+    rbdi_scratch *scratch; /* nl */
     rbdi_kin *kin;       /* nl */
     rbdi_slot *slot;     /* nslot */
     rbdi_block_work *block; /* nblock */
@@ -973,6 +987,7 @@ struct rbd_work {
 #define RBDI_MODEL_BYTES(nb, nl, k, n, mimics)                                                           \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) +         \
      RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) +         \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) +                                                       \
      RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
      RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
@@ -980,17 +995,194 @@ RBDI_EXTERN_C_END
 
 #endif /* RBD_H */
 
-/* ====================================================================================================
-   Implementation
-   ================================================================================================= */
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_IMPLEMENTED
 #define RBDI_IMPLEMENTED
+
+/* ---- design [design] ----
+   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables 5.1, 6.2, 6.3
+   and 7.1; what differs is the form of the constants that they run on. The build works it out once:
+
+   Frames. Every link of a one-axis joint has its axis on z. Its frame may still be turned about z and
+   shifted along z without any result knowing; that freedom brings the way from the parent to the form of
+   Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
+   by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
+   four multiplications, a twist of 90 degrees none. Children that cannot have it (all but one of a link with
+   several; those under a block) keep a general shift r and a turn by beta about the parent's z before the
+   twist. A body of the description, the user's frame, is a constant pose on its link (rbdi_frame): poses,
+   wrenches and results are converted there and nowhere else.
+
+   Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
+   m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
+   Sigma than in I.
+
+   Regrouping (Khalil and Gautier 1990; Gautier 1990). What does not depend on a joint's motion is moved to
+   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m), of a sliding one all of Sigma. M, c
+   and tau stay, exactly; seven constants of ten remain. After it a link's numbers are no body's any more: m
+   and Sigma may be zero or below.
+
+   Classical accelerations. A link's state is omega, its rate, and the acceleration of the frame's origin as
+   a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
+   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is F = Omega h + m acc, N = axial part
+   of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
+   that is in Omega. Results that speak of spatial accelerations (v: floating joints, rbd_body_acceleration)
+   subtract omega x v at the end; so do the free base's dofs by the c of their joint.
+
+   Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
+   the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
+
+   Order. Links stand depth first, the child with the largest subtree right behind its parent, so that on
+   most steps the parent is link i - 1, and what goes between the two stays in registers: `carried` upward,
+   the state s or y downward. What a later child needs of its parent, or gives it, is kept in the parent's
+   slot:
+
+             0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
+             |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
+             '--- 4 -- 5          downward 2 and 5 take s; upward 5 -> 4, 2 -> 1, 1 -> 0 are carried, 3 and 4 by slots
+
+   The dofs of a subtree are thus contiguous in solver's order: rbdi_link.first .. end, rbdi_dof.order.
+
+   Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
+   has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
+   and Euler joints are chains of one-axis links without mass between. "down" takes a vector from the
+   parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
+   (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
+
+     the book                  here                         the book           here
+     i, lambda(i)              i, link[i].parent            S_i                z; rho, kappa of a screw; axes of a block
+     iX_lambda(i)              rbdi_down.., rbdi_pose        I_i, I^c_i         Sigma, h, mass; rbdi_rbi, subtree_mass
+     iX*_lambda(i), transposed rbdi_.._up                    I^A_i, p^A_i       IA, pA
+     v_i, a_i                  state.omega, .omega_dot, .acc U_i, D_i, u_i      U, D; kept as U_D = U/D, u_D = u/D
+     c_i (7.1)                 scratch.c                     H, L, D (ch. 6)    H, packed by paths to the root
+     f_i, tau_i                scratch.f, tau                lambda(k), ch. 6   dof[k].lambda
+   */
+
+/* ---- compiler [compiler] ----
+   All that depends on the compiler and its target; no other place asks for them, but that [configuration] asks for
+   vector types and C99. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
+
+#ifdef __GNUC__ /* GCC's extensions, which clang has too: attributes, vectors, assembly */
+#define RBDI_GNU 1
+#else
+#define RBDI_GNU 0
+#endif
+#ifdef __clang__
+#define RBDI_CLANG 1
+#else
+#define RBDI_CLANG 0
+#endif
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+
+#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RBDI_FOR_SPEED 1
+#else
+#define RBDI_FOR_SPEED 0
+#endif
+#ifdef __SOFTFP__ /* arithmetic is a call */
+#define RBDI_HARD_FLOAT 0
+#else
+#define RBDI_HARD_FLOAT 1
+#endif
+
+/* Doubles that one SIMD instruction takes, 0 without. */
+#ifdef __AVX512F__
+#define RBDI_SIMD 8
+#elif defined __AVX__
+#define RBDI_SIMD 4
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
+#define RBDI_SIMD 2
+#else
+#define RBDI_SIMD 0
+#endif
+#ifdef __has_builtin
+#if __has_builtin(__builtin_shufflevector)
+#define RBDI_HAS_SHUFFLE 1
+#endif
+#endif
+#ifndef RBDI_HAS_SHUFFLE
+#define RBDI_HAS_SHUFFLE 0
+#endif
+
+/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values, as 16 of
+   GCC's default dialects where there is a half precision unit, are of types that are not used here. */
+#if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+#define RBDI_ROUNDS 1
+#else
+#define RBDI_ROUNDS 0
+#endif
+
+/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
+   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this. */
+#if RBDI_GCC
+#pragma GCC push_options
+#ifdef __OPTIMIZE__
+#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
+#endif
+#endif
+
+/* The small functions are inlined always: vectors passed in memory would cost ten times as much at -Os,
+   to save a fifth of the code. */
+#if RBDI_GNU
+#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* what is hardly ever called */
+#else
+#define RBDI_INLINE static inline RBDI_UNUSED
+#define RBDI_COLD static RBDI_UNUSED
+#endif
+#ifdef RBD_SPECIALISE
+#define RBDI_PART RBDI_INLINE
+#if RBDI_CLANG
+#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define RBDI_UNROLL _Pragma("GCC unroll 64")
+#endif
+#else
+#define RBDI_PART static RBDI_UNUSED
+#define RBDI_UNROLL
+#endif
+/* The short loops, over six components, in any case; clang does so by itself. */
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
+#else
+#define RBDI_UNROLL_SIX RBDI_UNROLL
+#endif
+
+/* ---- tolerances [tolerances] ----
+   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite. For the pivots' see
+   [pivots]. */
+
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_EPS 2.220446049250313e-16
+#define RBDI_DOUBT 1e-7
+#define RBDI_TINY 2.2250738585072014e-308
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_EPS 1.1920929e-7f
+#define RBDI_DOUBT 1e-3f
+#define RBDI_TINY 1.17549435e-38f
+#else
+#define RBDI_EPS RBD_C(1.925929944387236e-34)
+#define RBDI_DOUBT RBD_C(1.4e-17)
+#define RBDI_TINY RBD_C(2.2250738585072014e-308)
+#endif
+#ifndef RBDI_NOISE /* tests/fuzz/pivots.c sets it to 0 */
+#define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
+#endif
+#define RBDI_TURN RBD_C(0.0625)    /* two roundings */
+#define RBDI_BUILD RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
+
+#define RBDI_SHORT RBD_C(1e-30)        /* square of the shortest quaternion or (cos, sin) that has a direction */
+#define RBDI_NO_ANGLE RBD_C(1e-30)     /* added to squares of angles: quotients stay finite, no digit changes */
+#define RBDI_TAIL_TERMS 15             /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
+#define RBDI_ANGLE_START 0.43          /* t (2 - 0.43 t^2) for 2 atan(t), |t| < 1: within 0.02, cubed four times */
+#define RBDI_SNAP ((rbdi_wide)1e-12)   /* rad: angles this close to a multiple of 90 degrees are taken as that */
+#define RBDI_PARALLEL ((rbdi_wide)1e-6) /* sine of the angle below which axes of a universal joint are parallel */
+#define RBDI_ORTHONORMAL 4e-6          /* of products of the rows of a rotation: six decimals in a file will do */
+#define RBDI_SEMIDEFINITE 1e-9         /* share of an inertia by which a principal moment may seem negative */
 
 /* ---- scalar [scalar] ---- */
 
@@ -1024,65 +1216,9 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
 #endif
 
-/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
-   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this. */
-#if defined __GNUC__ && !defined __clang__
-#pragma GCC push_options
-#ifdef __OPTIMIZE__
-#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
-#endif
-#endif
-
-/* The small functions are inlined always: vectors passed in memory would cost ten times as much at -Os,
-   to save a fifth of the code. */
-#if defined __GNUC__
-#define RBDI_INLINE static inline __attribute__((always_inline, unused))
-#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* what is hardly ever called */
-#else
-#define RBDI_INLINE static inline RBDI_UNUSED
-#define RBDI_COLD static RBDI_UNUSED
-#endif
-#ifdef RBD_SPECIALISE
-#define RBDI_PART RBDI_INLINE
-#ifdef __clang__
-#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define RBDI_UNROLL _Pragma("GCC unroll 64")
-#endif
-#else
-#define RBDI_PART static RBDI_UNUSED
-#define RBDI_UNROLL
-#endif
-/* The short loops, over six components, in any case; clang does so by itself. */
-#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
-#define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
-#else
-#define RBDI_UNROLL_SIX RBDI_UNROLL
-#endif
-
 /* pi to quad precision, from doubles: a long literal would be cut to double. */
 #define RBDI_PI(type) \
     ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type)-2.9947698097183397e-33)
-
-/* RBDI_EPS: one rounding. RBDI_TINY: the least pivot whose inverse is finite. The others: see [pivots]. */
-#if RBDI_KIND(RBD_CONST) == 1
-#define RBDI_EPS 2.220446049250313e-16
-#define RBDI_DOUBT 1e-7
-#define RBDI_TINY 2.2250738585072014e-308
-#elif RBDI_KIND(RBD_CONST) == 2
-#define RBDI_EPS 1.1920929e-7f
-#define RBDI_DOUBT 1e-3f
-#define RBDI_TINY 1.17549435e-38f
-#else
-#define RBDI_EPS RBD_C(1.925929944387236e-34)
-#define RBDI_DOUBT RBD_C(1.4e-17)
-#define RBDI_TINY RBD_C(2.2250738585072014e-308)
-#endif
-#ifndef RBDI_NOISE /* tests/fuzz/pivots.c sets it to 0 */
-#define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
-#endif
-#define RBDI_TURN RBD_C(0.0625)    /* two roundings */
-#define RBDI_BUILD RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 
 #ifdef RBD_LANES
 #if RBDI_REAL_KIND == 2
@@ -1146,30 +1282,25 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c)
 
 /* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
    vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
-#if defined RBD_LANES || !defined __GNUC__ || (RBDI_REAL_KIND != 1 && RBDI_REAL_KIND != 2)
+#if defined RBD_LANES || !RBDI_GNU || RBDI_REAL_KIND % 3 == 0
 #define RBDI_BATCH 1
-#elif defined __AVX512F__
-#define RBDI_BATCH (8 * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
-#elif defined __AVX__
-#define RBDI_BATCH (4 * RBDI_REAL_KIND)
-#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
-#define RBDI_BATCH (2 * RBDI_REAL_KIND)
+#elif RBDI_SIMD > 0
+#define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
 #else
 #define RBDI_BATCH 1
 #define RBDI_BATCH_SCALAR
 #endif
-#if defined RBD_LANES || RBDI_REAL_KIND == 0 || RBDI_REAL_KIND == 3 || !defined __GNUC__ || \
-    defined RBDI_BATCH_SCALAR
+#if RBDI_BATCH > RBDI_CHUNK
+#error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
+#endif
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || !RBDI_GNU || defined RBDI_BATCH_SCALAR
 typedef rbd_real rbdi_batch;
 #else
 typedef rbd_real rbdi_batch
     __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
-/* Needs products and sums rounded to the scalar: not -1, 1 and 2, which keep more of them. Other values, as 16
-   of GCC's default dialects where there is a half precision unit, are of types that are not used here. */
-#if (RBDI_REAL_KIND == 1 || RBDI_REAL_KIND == 2) && defined __GNUC__ && !defined RBDI_OWN_SINCOS && \
-    (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+#if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 typedef uint64_t rbdi_bit;
@@ -1209,7 +1340,7 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi
    r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
 RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 {
-#ifdef __clang__ /* which does not tell by a macro that it may reassociate */
+#if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
 #endif
 #if RBDI_REAL_KIND == 1
@@ -1363,18 +1494,18 @@ RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v)
 }
 RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c)
 {
-    rbdi_sym S;
-    S.xx = rbdi_set(c.xx), S.xy = rbdi_set(c.xy), S.xz = rbdi_set(c.xz);
-    S.yy = rbdi_set(c.yy), S.yz = rbdi_set(c.yz), S.zz = rbdi_set(c.zz);
-    return S;
+    rbdi_sym A;
+    A.xx = rbdi_set(c.xx), A.xy = rbdi_set(c.xy), A.xz = rbdi_set(c.xz);
+    A.yy = rbdi_set(c.yy), A.yz = rbdi_set(c.yz), A.zz = rbdi_set(c.zz);
+    return A;
 }
 
 /* Turns. Down: components in a frame turned by the angle (c, s) about z; up: with -s. The form says what
-   is known of the angle: RBDI_STRAIGHT (1, 0), RBDI_QUARTER (0, +-1), or nothing. */
+   is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, +-1), or nothing. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v)
 {
-    if (form & RBDI_STRAIGHT) return v;
-    if (form & RBDI_QUARTER) return rbdi_vec(s * v.y, -(s * v.x), v.z);
+    if (form & RBDI_TWIST_0) return v;
+    if (form & RBDI_TWIST_90) return rbdi_vec(s * v.y, -(s * v.x), v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
 }
 
@@ -1384,9 +1515,9 @@ RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A)
 {
     rbd_real t;
     rbdi_sym B;
-    if (form & RBDI_STRAIGHT) return A;
+    if (form & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_QUARTER) {
+    if (form & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
         B.xz = -(s * A.yz), B.yz = s * A.xz;
         return B;
@@ -1411,9 +1542,9 @@ RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
 {
     rbd_real t;
     rbdi_mat B;
-    if (form & RBDI_STRAIGHT) return A;
+    if (form & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_QUARTER) {
+    if (form & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
         B.xz = -(s * A.yz), B.yz = s * A.xz;
         B.zx = -(s * A.zy), B.zy = s * A.zx;
@@ -1460,12 +1591,12 @@ RBDI_INLINE rbdi_force rbdi_force0(void)
 RBDI_INLINE rbdi_motion rbdi_motion0(void)
 {
     rbdi_motion V;
-    V.w = V.v = rbdi_vec0();
+    V.omega = V.v = rbdi_vec0();
     return V;
 }
 RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B)
 {
-    A.w = rbdi_add(A.w, B.w);
+    A.omega = rbdi_add(A.omega, B.omega);
     A.v = rbdi_add(A.v, B.v);
     return A;
 }
@@ -1474,21 +1605,21 @@ RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B)
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C)
 {
     rbd_real k = C.h.z + d * m;
-    C.S.xz = C.S.xz + d * C.h.x;
-    C.S.yz = C.S.yz + d * C.h.y;
-    C.S.zz = C.S.zz + d * (C.h.z + k);
+    C.Sigma.xz = C.Sigma.xz + d * C.h.x;
+    C.Sigma.yz = C.Sigma.yz + d * C.h.y;
+    C.Sigma.zz = C.Sigma.zz + d * (C.h.z + k);
     C.h.z = k;
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C)
 {
-    C.S = rbdi_sym_up_z(form, c, s, C.S);
+    C.Sigma = rbdi_sym_up_z(form, c, s, C.Sigma);
     C.h = rbdi_turn_z(form, c, -s, C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C)
 {
-    C.S = rbdi_sym_cycle(C.S);
+    C.Sigma = rbdi_sym_cycle(C.Sigma);
     C.h = rbdi_cycle(C.h);
     return C;
 }
@@ -1501,46 +1632,46 @@ RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B)
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B)
 {
-    A.S = rbdi_sym_add(A.S, B.S);
+    A.Sigma = rbdi_sym_add(A.Sigma, B.Sigma);
     A.h = rbdi_add(A.h, B.h);
     return A;
 }
 
 /* Articulated-body inertia [I H; H' M]: H' = H + [r]x M, I' = I - H [r]x + [r]x H'^T for r = d z.
    full = 0: row z of I and H is zero and stays so. */
-RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA)
 {
-    rbdi_abi Y = X;
-    Y.H.xx = X.H.xx - d * X.M.xy;
-    Y.H.xy = X.H.xy - d * X.M.yy;
-    Y.H.xz = X.H.xz - d * X.M.yz;
-    Y.H.yx = X.H.yx + d * X.M.xx;
-    Y.H.yy = X.H.yy + d * X.M.xy;
-    Y.H.yz = X.H.yz + d * X.M.xz;
-    Y.I.xx = X.I.xx - d * (X.H.xy + Y.H.xy);
-    Y.I.xy = X.I.xy + d * (X.H.xx - Y.H.yy);
-    Y.I.yy = X.I.yy + d * (X.H.yx + Y.H.yx);
+    rbdi_abi Y = IA;
+    Y.H.xx = IA.H.xx - d * IA.M.xy;
+    Y.H.xy = IA.H.xy - d * IA.M.yy;
+    Y.H.xz = IA.H.xz - d * IA.M.yz;
+    Y.H.yx = IA.H.yx + d * IA.M.xx;
+    Y.H.yy = IA.H.yy + d * IA.M.xy;
+    Y.H.yz = IA.H.yz + d * IA.M.xz;
+    Y.I.xx = IA.I.xx - d * (IA.H.xy + Y.H.xy);
+    Y.I.xy = IA.I.xy + d * (IA.H.xx - Y.H.yy);
+    Y.I.yy = IA.I.yy + d * (IA.H.yx + Y.H.yx);
     if (full) {
-        Y.I.xz = X.I.xz - d * X.H.zy;
-        Y.I.yz = X.I.yz + d * X.H.zx;
+        Y.I.xz = IA.I.xz - d * IA.H.zy;
+        Y.I.yz = IA.I.yz + d * IA.H.zx;
     }
     return Y;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi IA)
 {
-    X.I = rbdi_sym_up_z(form, c, s, X.I);
-    X.H = rbdi_mat_up_z(form, c, s, X.H);
-    X.M = rbdi_sym_up_z(form, c, s, X.M);
-    return X;
+    IA.I = rbdi_sym_up_z(form, c, s, IA.I);
+    IA.H = rbdi_mat_up_z(form, c, s, IA.H);
+    IA.M = rbdi_sym_up_z(form, c, s, IA.M);
+    return IA;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA)
 {
-    X.I = rbdi_sym_cycle(X.I);
-    X.H = rbdi_mat_cycle(X.H);
-    X.M = rbdi_sym_cycle(X.M);
-    return X;
+    IA.I = rbdi_sym_cycle(IA.I);
+    IA.H = rbdi_mat_cycle(IA.H);
+    IA.M = rbdi_sym_cycle(IA.M);
+    return IA;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi X) { return rbdi_abi_cycle(rbdi_abi_cycle(X)); }
+RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi IA) { return rbdi_abi_cycle(rbdi_abi_cycle(IA)); }
 RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
 {
     A.I = rbdi_sym_add(A.I, B.I);
@@ -1552,23 +1683,23 @@ RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
 }
 
 /* [w]x [w]x. */
-RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 w)
+RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega)
 {
-    rbd_real xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+    rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
     rbdi_mat O;
     O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
-    O.xy = O.yx = w.x * w.y;
-    O.xz = O.zx = w.x * w.z;
-    O.yz = O.zy = w.y * w.z;
+    O.xy = O.yx = omega.x * omega.y;
+    O.xz = O.zx = omega.x * omega.z;
+    O.yz = O.zy = omega.y * omega.z;
     return O;
 }
 /* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
-RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 w, rbdi_v3 wd)
+RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot)
 {
-    rbdi_mat O = rbdi_omega_steady(w);
-    O.xy = O.xy - wd.z, O.yx = O.yx + wd.z;
-    O.xz = O.xz + wd.y, O.zx = O.zx - wd.y;
-    O.yz = O.yz - wd.x, O.zy = O.zy + wd.x;
+    rbdi_mat O = rbdi_omega_steady(omega);
+    O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
+    O.xz = O.xz + omega_dot.y, O.zx = O.zx - omega_dot.y;
+    O.yz = O.yz - omega_dot.x, O.zy = O.zy + omega_dot.x;
     return O;
 }
 
@@ -1595,7 +1726,7 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
 #endif
 
 /* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0, with
-   *bad set, where that is below 1e-30. */
+   *bad set, where that is below RBDI_SHORT. */
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad)
 {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
@@ -1606,7 +1737,7 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     sum = u[0] * u[0];
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + u[i] * u[i];
     *bad = rbdi_less(sum, sum);
-    return rbdi_reciprocal(sum, RBD_C(1e-30), bad);
+    return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
 /* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
@@ -1707,59 +1838,59 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
     }
 }
 
-RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int f)
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form)
 {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
-    t.d = f & RBDI_SCREWS ? w->d[i] : rbdi_set(m->link[i].d);
+    t.d = form & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
 
-/* Runs the statement with f = the link's flags: for the common forms, a revolute link without armature in
-   Denavit-Hartenberg form at a right angle or parallel to its parent, f is known to the compiler but for
-   RBDI_OFFSET. The empty assembly keeps clang from concluding that f is flags_, and forgetting the rest.
+/* Makes the call with form = the link's flags: for the common forms, a revolute link without armature in
+   Denavit-Hartenberg form at a right angle or parallel to its parent, they are known to the compiler but for
+   RBDI_SHIFT_Z. The empty assembly keeps clang from concluding that form is flags_, and forgetting the rest.
    Not where arithmetic is a call: there it saves two per cent, for a sixth of the code. */
-#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__ && !defined RBD_SPECIALISE && !defined __SOFTFP__
-#define RBDI_BY_FORM(link, statement) \
+#if RBDI_FOR_SPEED && RBDI_HARD_FLOAT && !defined RBD_SPECIALISE
+#define RBDI_BY_FORM(form, link, call) \
     do { \
         const int flags_ = (link)->flags; \
-        int offset_ = flags_; \
-        __asm__("" : "+r"(offset_)); \
-        if ((flags_ & ~RBDI_OFFSET) == RBDI_QUARTER) { \
-            const int f = RBDI_QUARTER | (offset_ & RBDI_OFFSET); \
-            statement; \
-        } else if ((flags_ & ~RBDI_OFFSET) == RBDI_STRAIGHT) { \
-            const int f = RBDI_STRAIGHT | (offset_ & RBDI_OFFSET); \
-            statement; \
+        int shift_ = flags_; \
+        __asm__("" : "+r"(shift_)); \
+        if ((flags_ & ~RBDI_SHIFT_Z) == RBDI_TWIST_90) { \
+            const int form = RBDI_TWIST_90 | (shift_ & RBDI_SHIFT_Z); \
+            call; \
+        } else if ((flags_ & ~RBDI_SHIFT_Z) == RBDI_TWIST_0) { \
+            const int form = RBDI_TWIST_0 | (shift_ & RBDI_SHIFT_Z); \
+            call; \
         } else { \
-            const int f = flags_; \
-            statement; \
+            const int form = flags_; \
+            call; \
         } \
     } while (0)
 #else
-#define RBDI_BY_FORM(link, statement) \
+#define RBDI_BY_FORM(form, link, call) \
     do { \
-        const int f = (link)->flags; \
-        statement; \
+        const int form = (link)->flags; \
+        call; \
     } while (0)
 #endif
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int f, rbdi_trig t, rbdi_v3 v)
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v)
 {
-    if (f & RBDI_BETA) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
-    v = rbdi_uncycle(rbdi_turn_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
+    if (form & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
+    v = rbdi_uncycle(rbdi_turn_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
     return rbdi_turn_z(0, t.c, t.s, v);
 }
 
 /* w x r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int f, rbdi_v3 w)
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega)
 {
-    rbdi_v3 y = rbdi_vec(rbdi_zero(), w.z * l->r.x, -(w.y * l->r.x));
-    if (f & RBDI_GENERAL) {
-        y.x = w.y * l->r.z - w.z * l->r.y;
-        y.y = y.y - w.x * l->r.z;
-        y.z = y.z + w.x * l->r.y;
+    rbdi_v3 y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
+    if (form & RBDI_SHIFT_XYZ) {
+        y.x = omega.y * l->r.z - omega.z * l->r.y;
+        y.y = y.y - omega.x * l->r.z;
+        y.z = y.z + omega.x * l->r.y;
     }
     return y;
 }
@@ -1786,24 +1917,24 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride)
     RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) \
     { \
         const T x0 = *x, y0 = *y; \
-        if (form & RBDI_STRAIGHT) return; \
-        *x = form & RBDI_QUARTER ? -(y0 * s) : x0 * c - y0 * s; \
-        *y = form & RBDI_QUARTER ? x0 * s : x0 * s + y0 * c; \
+        if (form & RBDI_TWIST_0) return; \
+        *x = form & RBDI_TWIST_90 ? -(y0 * s) : x0 * c - y0 * s; \
+        *y = form & RBDI_TWIST_90 ? x0 * s : x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const rbdi_link *l, int f, rbdi_trig t, T *x) \
+    RBDI_INLINE void name(const rbdi_link *l, int form, rbdi_trig t, T *x) \
     { \
-        if (f & RBDI_OFFSET) { \
+        if (form & RBDI_SHIFT_Z) { \
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(f, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
-            if (f & RBDI_BETA) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
+            name##_turn(form, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
+            if (form & RBDI_BRANCH_TURN) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
         } \
         x[1] = x[1] - x[5] * l->r.x; \
         x[2] = x[2] + x[4] * l->r.x; \
-        if (f & RBDI_GENERAL) { \
+        if (form & RBDI_SHIFT_XYZ) { \
             x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
             x[1] = x[1] + x[3] * l->r.z; \
             x[2] = x[2] - x[3] * l->r.y; \
@@ -1814,11 +1945,11 @@ RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
 RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 #endif
 
-RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_force F)
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F)
 {
     rbd_real x[6];
     rbdi_store_force(x, 1, F);
-    rbdi_array_up(l, f, t, x);
+    rbdi_array_up(l, form, t, x);
     return rbdi_load_force(x, 1);
 }
 
@@ -1831,21 +1962,21 @@ RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F)
 }
 
 /* S' F of a one-axis joint. */
-RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int f, rbdi_force F)
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F)
 {
-    return f & RBDI_SCREWS ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+    return form & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
 RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a)
 {
-    a[0] = V.w.x, a[1] = V.w.y, a[2] = V.w.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
+    a[0] = V.omega.x, a[1] = V.omega.y, a[2] = V.omega.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
 }
 RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a)
 {
     rbdi_motion V;
-    V.w = rbdi_vec(a[0], a[1], a[2]);
+    V.omega = rbdi_vec(a[0], a[1], a[2]);
     V.v = rbdi_vec(a[3], a[4], a[5]);
     return V;
 }
@@ -1858,56 +1989,64 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
     return rbdi_motion_from_array(a);
 }
 
-/* ---- state [state] ---- */
+/* ---- state [state] ----
+   Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E = down,
+   z the joint's axis, Omega as in [design]:
+
+       omega     = E omega_p + z turn                         turn, slide = rho, kappa times qd
+       omega_dot = E omega_dot_p + (E omega_p) x z turn + z turn_dot
+       acc       = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot
+
+   The book (5.7) has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega here. */
 
 /* Velocity-product terms that a joint with velocity J adds to (wd, acc): w is the parent's angular
    velocity in link axes. */
-RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 w, rbdi_motion J)
+RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J)
 {
     rbdi_motion c;
-    c.w = rbdi_cross(w, J.w);
-    c.v = rbdi_cross(rbdi_add(rbdi_add(w, w), J.w), J.v);
+    c.omega = rbdi_cross(omega, J.omega);
+    c.v = rbdi_cross(rbdi_add(rbdi_add(omega, omega), J.omega), J.v);
     return c;
 }
 
 /* Acceleration, relative to the parent's origin, of the point r where the joint sits: Omega r. */
-RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int f, rbdi_state p)
+RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_state p)
 {
-    const rbdi_mat O = rbdi_omega(p.w, p.wd);
-    if (f & RBDI_GENERAL) return rbdi_mul(O, rbdi_vec_c(l->r));
+    const rbdi_mat O = rbdi_omega(p.omega, p.omega_dot);
+    if (form & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
 }
 
 /* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
    never appears. */
-RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int f, rbdi_trig t, rbdi_state p, rbd_real qd,
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_state p, rbd_real qd,
                                          rbd_real qdd)
 {
-    const int screw = f & RBDI_SCREWS;
+    const int screw = form & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
-    rbdi_v3 w = rbdi_vec0();
+    rbdi_v3 omega = rbdi_vec0();
     rbdi_state s;
-    if (f & RBDI_ROOT) {
-        s.w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
-        s.wd = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
+    if (form & RBDI_ROOT) {
+        s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+        s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        w = rbdi_down(l, f, t, p.w);
-        s.wd = rbdi_down(l, f, t, p.wd);
-        s.wd = rbdi_vec(s.wd.x + turn * w.y, s.wd.y - turn * w.x, s.wd.z + turn_rate);
-        s.w = rbdi_vec(w.x, w.y, w.z + turn);
-        p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, f, p));
+        omega = rbdi_down(l, form, t, p.omega);
+        s.omega_dot = rbdi_down(l, form, t, p.omega_dot);
+        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x, s.omega_dot.z + turn_rate);
+        s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
+        p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
     }
-    s.acc = rbdi_down(l, f, t, p.acc);
-    if (f & RBDI_OFFSET) { /* points of the axis belong to both bodies */
-        const rbdi_mat O = rbdi_omega(s.w, s.wd);
+    s.acc = rbdi_down(l, form, t, p.acc);
+    if (form & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
+        const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
         s.acc.x = s.acc.x + t.d * O.xz;
         s.acc.y = s.acc.y + t.d * O.yz;
         s.acc.z = s.acc.z + t.d * O.zz;
     }
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
-        s.acc.x = s.acc.x + k * w.y;
-        s.acc.y = s.acc.y - k * w.x;
+        s.acc.x = s.acc.x + k * omega.y;
+        s.acc.y = s.acc.y - k * omega.x;
         s.acc.z = s.acc.z + qdd * l->kappa;
     }
     return s;
@@ -1917,17 +2056,17 @@ RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *
                                           rbdi_state p, const rbd_real *v, const rbd_real *a)
 {
     rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
-    rbdi_v3 w = rbdi_vec0(), acc = p.acc;
+    rbdi_v3 omega = rbdi_vec0(), acc = p.acc;
     rbdi_state s;
-    s.wd = rbdi_vec0();
+    s.omega_dot = rbdi_vec0();
     if (l->parent >= 0) {
-        w = rbdi_mul(X->E, p.w);
-        s.wd = rbdi_mul(X->E, p.wd);
-        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(p.w, p.wd), X->r));
+        omega = rbdi_mul(X->E, p.omega);
+        s.omega_dot = rbdi_mul(X->E, p.omega_dot);
+        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(p.omega, p.omega_dot), X->r));
     }
-    c = rbdi_joint_product(w, J);
-    s.w = rbdi_add(w, J.w);
-    s.wd = rbdi_add(s.wd, rbdi_add(c.w, Jd.w));
+    c = rbdi_joint_product(omega, J);
+    s.omega = rbdi_add(omega, J.omega);
+    s.omega_dot = rbdi_add(s.omega_dot, rbdi_add(c.omega, Jd.omega));
     s.acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
     return s;
 }
@@ -1936,44 +2075,54 @@ RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *
 RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
 {
     rbdi_state s;
-    s.w = s.wd = rbdi_vec0();
+    s.omega = s.omega_dot = rbdi_vec0();
     s.acc = rbdi_sub(rbdi_vec0(), rbdi_vec_c(gravity));
     return s;
 }
 
 /* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int f, rbdi_mat O, const rbdi_v3 *acc)
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc)
 {
-    const rbdi_csym S = l->S;
+    const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
     F.f.x = O.xx * h.x + O.xy * h.y;
     F.f.y = O.yx * h.x + O.yy * h.y;
     F.f.z = O.zx * h.x + O.zy * h.y;
-    F.n.x = O.zx * S.xy + O.zy * S.yy + (O.zz - O.yy) * S.yz - O.yx * S.xz;
-    F.n.y = O.xy * S.yz + (O.xx - O.zz) * S.xz - O.zx * S.xx - O.zy * S.xy;
-    F.n.z = O.yx * S.xx + (O.yy - O.xx) * S.xy + O.yz * S.xz - O.xy * S.yy - O.xz * S.yz;
+    F.n.x = O.zx * Sigma.xy + O.zy * Sigma.yy + (O.zz - O.yy) * Sigma.yz - O.yx * Sigma.xz;
+    F.n.y = O.xy * Sigma.yz + (O.xx - O.zz) * Sigma.xz - O.zx * Sigma.xx - O.zy * Sigma.xy;
+    F.n.z = O.yx * Sigma.xx + (O.yy - O.xx) * Sigma.xy + O.yz * Sigma.xz - O.xy * Sigma.yy - O.xz * Sigma.yz;
     if (acc) {
         F.n.x = F.n.x + acc->z * h.y;
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
-    if (f & RBDI_FULL) {
+    if (form & RBDI_MASS_KEPT) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
-        F.n.x = F.n.x - O.yz * S.zz;
-        F.n.y = F.n.y + O.xz * S.zz;
+        F.n.x = F.n.x - O.yz * Sigma.zz;
+        F.n.y = F.n.y + O.xz * Sigma.zz;
         if (acc) {
-            F.f.x = F.f.x + acc->x * l->m;
-            F.f.y = F.f.y + acc->y * l->m;
-            F.f.z = F.f.z + acc->z * l->m;
+            F.f.x = F.f.x + acc->x * l->mass;
+            F.f.y = F.f.y + acc->y * l->mass;
+            F.f.z = F.f.z + acc->z * l->mass;
             F.n.x = F.n.x - acc->y * h.z;
             F.n.y = F.n.y + acc->x * h.z;
         }
     }
     return F;
+}
+
+/* The same with the wrench that moves the link, if wanted. */
+RBDI_INLINE rbdi_state rbdi_forward_axis_link(const rbd_model *m, rbd_work *w, int i, int form, rbdi_state p,
+                                              rbd_real qd, rbd_real qdd, int wrench)
+{
+    const rbdi_link *l = &m->link[i];
+    const rbdi_state s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), p, qd, qdd);
+    if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
+    return s;
 }
 
 /* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
@@ -1982,14 +2131,13 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
                                          const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench)
 {
     const rbdi_link *l = &m->link[i];
-    rbdi_force *F = &w->link[i].f;
+    rbdi_force *F = &w->scratch[i].f;
     if (l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
     if (l->kind == RBDI_BLOCK) {
         s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
-        if (wrench) *F = rbdi_wrench(l, RBDI_FULL, rbdi_omega(s.w, s.wd), &s.acc);
+        if (wrench) *F = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(s.omega, s.omega_dot), &s.acc);
     } else {
-        RBDI_BY_FORM(l, s = rbdi_forward_axis(l, f, rbdi_trig_of(m, w, i, f), s, v[l->iv], a[l->iv]);
-                     if (wrench) *F = rbdi_wrench(l, f, rbdi_omega(s.w, s.wd), &s.acc));
+        RBDI_BY_FORM(form, l, s = rbdi_forward_axis_link(m, w, i, form, s, v[l->iv], a[l->iv], wrench));
     }
     if (l->slot >= 0) w->slot[l->slot].state = s;
     return s;
@@ -2034,7 +2182,10 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 
-/* ---- rnea [rnea] ---- */
+/* ---- rnea [rnea] ----
+   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here from Omega
+   (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several external wrenches a
+   link, in the users' frames, and gravity as an acceleration of the world. */
 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
@@ -2047,20 +2198,20 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
         if (u->link < 0) continue;
         X.E = rbdi_mat_c(u->E);
         X.r = rbdi_vec_c(u->r);
-        w->link[u->link].f = rbdi_force_sub(w->link[u->link].f,
+        w->scratch[u->link].f = rbdi_force_sub(w->scratch[u->link].f,
                                             rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
     }
 }
 
 /* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
-RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int f, rbdi_force F,
+RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
                                     const rbd_real *a, rbd_real *tau)
 {
     const rbdi_link *l = &m->link[i];
-    rbd_real t = rbdi_along_axis(l, f, F);
-    if (f & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
+    rbd_real t = rbdi_along_axis(l, form, F);
+    if (form & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
     tau[l->iv] = t;
-    return f & RBDI_ROOT ? F : rbdi_force_up(l, f, rbdi_trig_of(m, w, i, f), F);
+    return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
 }
 RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, rbdi_force F,
                                      const rbd_real *a, rbd_real *tau)
@@ -2089,21 +2240,73 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
     rbdi_external(m, w, f_ext);
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_force F = rbdi_force_add(w->link[i].f, carried);
+        rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
         if (l->kind == RBDI_BLOCK)
             F = rbdi_rnea_up_block(m, w, l, F, a, tau);
         else
-            RBDI_BY_FORM(l, F = rbdi_rnea_up(m, w, i, f, F, a, tau));
+            RBDI_BY_FORM(form, l, F = rbdi_rnea_up(m, w, i, form, F, a, tau));
         carried = rbdi_force0();
         if (l->parent < 0) continue;
         if (l->parent == i - 1)
             carried = F;
         else
-            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, F);
+            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
     }
 }
 
-/* ---- crba [crba] ---- */
+#ifndef RBD_NO_RNEA
+RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
+{
+    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
+              m->nmimic ? w->tx : tau);
+    rbdi_reduce_tau(m, w->tx, tau);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *f_ext, rbd_real *c)
+{
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
+}
+
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g)
+{
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
+}
+#endif
+
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau)
+{
+    const rbd_real *vx;
+    rbd_real *tx;
+    const rbd_status status = rbdi_check(m, w, v && tau);
+    if (status) return status;
+    vx = rbdi_expand_v(m, v, w->vx);
+    tx = m->nmimic ? w->tx : tau;
+    for (int k = 0; k < m->nv + m->nmimic; ++k) {
+        rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
+        rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
+        tx[k] = sign - x * m->dof[k].damping;
+    }
+    rbdi_reduce_tau(m, tx, tau);
+    return RBD_OK;
+}
+
+/* ---- crba [crba] ----
+   RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for every j on the
+   path to the root F = X' F, H_ij = F' S_j. Here the wrenches F of a subtree do not climb one by one: standing side by
+   side, by component, those of all dofs of link i's subtree take the step to its parent together, a batch at a time,
+   and the entries of link i's dof with all of them are then one component (the moment about z) of that row. Of I^c
+   only Sigma and h depend on q: the subtree's mass is a constant. */
+
+/* From one component of the wrenches in w->F to the next. */
+RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return m->nv + m->nmimic + RBDI_CHUNK; }
 
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n)
@@ -2131,7 +2334,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void)
 {
     const rbd_real o = rbdi_zero();
     rbdi_rbi C;
-    C.S.xx = C.S.xy = C.S.xz = C.S.yy = C.S.yz = C.S.zz = o;
+    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
     C.h = rbdi_vec0();
     return C;
 }
@@ -2154,18 +2357,18 @@ RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A)
 }
 
 /* Composite body of a link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_rbi C)
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C)
 {
-    if (f & RBDI_OFFSET) C = rbdi_rbi_shift_z(t.d, l->mc, C);
+    if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
     C = rbdi_rbi_up_z(0, t.c, t.s, C);
-    C = rbdi_rbi_up_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
-    if (!(f & RBDI_GENERAL)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->mc, C));
+    C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
     C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
-    return rbdi_rbi_shift(rbdi_vec_c(l->r), l->mc, C);
+    return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C)
 {
-    C.S = rbdi_sym_up(X->E, C.S);
+    C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
     return rbdi_rbi_shift(X->r, m, C);
 }
@@ -2178,13 +2381,13 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
     rbdi_force F;
     switch (k) {
     case 0:
-        F.n = rbdi_vec(C.S.yy + C.S.zz, -C.S.xy, -C.S.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
+        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
         break;
     case 1:
-        F.n = rbdi_vec(-C.S.xy, C.S.xx + C.S.zz, -C.S.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
+        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
         break;
     case 2:
-        F.n = rbdi_vec(-C.S.xz, -C.S.yz, C.S.xx + C.S.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
+        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
         break;
     case 3:
         F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o);
@@ -2207,11 +2410,11 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
    that a batch of them moves at once; batches count from the last dof down and may reach below the first:
    what lies there is not set yet. */
-RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int f)
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form)
 {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
-    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const ptrdiff_t stride = rbdi_stride(m);
     RBDI_UNROLL for (int k = l->end - RBDI_LOOP_BATCH; k > l->first - RBDI_LOOP_BATCH; k -= RBDI_LOOP_BATCH) {
 #if RBDI_LOOP_BATCH > 1
         rbdi_batch x[6];
@@ -2220,20 +2423,20 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
             x[j] = *(const rbdi_batch *)&n[j * stride];
             x[j + 3] = *(const rbdi_batch *)&p[j * stride];
         }
-        rbdi_batch_up(l, f, t, x);
+        rbdi_batch_up(l, form, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&n[j * stride] = x[j];
             *(rbdi_batch *)&p[j * stride] = x[j + 3];
         }
 #else
-        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, f, t, rbdi_load_force(&w->F[k], stride)));
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
 #endif
     }
 }
 RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
 {
     const rbdi_pose *X = &w->block[l->block].X;
-    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const ptrdiff_t stride = rbdi_stride(m);
     RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
 }
@@ -2243,7 +2446,7 @@ RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const r
 typedef struct rbdi_entries {
     int full, nv;
     rbd_real *H, *row, *column; /* packed: H, full: the others */
-    const rbdi_dof *dof;
+    const rbdi_order *order;
 } rbdi_entries;
 
 RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M)
@@ -2253,7 +2456,7 @@ RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, 
     e.H = M ? NULL : H + depth;
     e.row = M ? M + (ptrdiff_t)c * m->nv : NULL;
     e.column = M ? M + c : NULL;
-    e.dof = m->dof;
+    e.order = m->order;
     e.nv = m->nv;
     return e;
 }
@@ -2261,9 +2464,9 @@ RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, 
 RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x)
 {
     if (e.full)
-        e.row[e.dof[j].here] = e.column[(ptrdiff_t)e.dof[j].here * e.nv] = x;
+        e.row[e.order[j].dof] = e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
     else
-        e.H[e.dof[j].row_here] = x;
+        e.H[e.order[j].row] = x;
 }
 
 /* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
@@ -2271,11 +2474,11 @@ RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x)
 RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
                                          rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
-    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const ptrdiff_t stride = rbdi_stride(m);
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbd_real *F = &w->F[stride * first];
     RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
-        const rbdi_force own = rbdi_rbi_column(C, l->mc, first + k);
+        const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
         rbd_real all[6];
         rbdi_store_force(all, 1, own);
         if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
@@ -2290,13 +2493,13 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
 {
     const rbdi_link *l = &m->link[i];
-    const ptrdiff_t stride = m->nv + m->nmimic + RBDI_CHUNK;
+    const ptrdiff_t stride = rbdi_stride(m);
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbdi_entries e = rbdi_crba_column(m, iv, depth, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-    rbdi_force own = rbdi_rbi_column(C, l->mc, 2);
+    rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, 2);
     if (l->kind == RBDI_SCREW) {
-        rbdi_force slide = rbdi_rbi_column(C, l->mc, 5);
+        rbdi_force slide = rbdi_rbi_column(C, l->subtree_mass, 5);
         own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
         own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
     }
@@ -2309,6 +2512,14 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
     }
 }
 
+/* Composite body and wrenches of a one-axis link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_rbi rbdi_crba_axis_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi C)
+{
+    C = rbdi_rbi_up(&m->link[i], form, rbdi_trig_of(m, w, i, form), C);
+    rbdi_crba_up(m, w, i, form);
+    return C;
+}
+
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before. With mimic
    joints into H and the rows behind it; rbdi_reduce_H does the rest. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M)
@@ -2318,7 +2529,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         rbdi_rbi C = carried;
-        C.S = rbdi_sym_add(C.S, rbdi_sym_c(l->S));
+        C.Sigma = rbdi_sym_add(C.Sigma, rbdi_sym_c(l->Sigma));
         C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
         if (l->kind != RBDI_BLOCK)
@@ -2332,10 +2543,10 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
             continue;
         }
         if (l->kind == RBDI_BLOCK) {
-            C = rbdi_rbi_up_block(&w->block[l->block].X, l->mc, C);
+            C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
             rbdi_crba_up_block(m, w, l);
         } else {
-            RBDI_BY_FORM(l, C = rbdi_rbi_up(l, f, rbdi_trig_of(m, w, i, f), C); rbdi_crba_up(m, w, i, f));
+            RBDI_BY_FORM(form, l, C = rbdi_crba_axis_up(m, w, i, form, C));
         }
         carried = C;
         if (l->parent == i - 1) continue;
@@ -2356,9 +2567,9 @@ RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k)
 RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H)
 {
     for (int s = 0; s < m->nv + m->nmimic; ++s) {
-        const int i = m->dof[s].here, a = rbdi_source(m, i);
-        const rbd_real *h = &H[m->dof[s].row_here + m->dof[i].level], k = rbdi_ratio(m, i);
-        if (m->dof[s].row_here < m->nh) continue;
+        const int i = m->order[s].dof, a = rbdi_source(m, i);
+        const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
+        if (m->order[s].row < m->nh) continue;
         H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
         for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
             const int b = rbdi_source(m, j);
@@ -2369,31 +2580,88 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H)
     }
 }
 
-/* ---- aba [aba] ---- */
-
-RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi X)
+#ifndef RBD_NO_CRBA
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
 {
-    X = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(X));
-    X = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(X));
-    return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(X));
+    const rbd_status status = rbdi_check(m, w, q && H);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    if (m->nmimic) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
+    if (m->nmimic) rbdi_reduce_H(m, w->H);
+    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
+{
+    const rbd_status status = rbdi_check(m, w, q && M);
+    if (status) return status;
+    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
+    if (m->nmimic) {
+        rbd_crba_packed(m, w, q, w->H);
+        for (int i = 0; i < m->nv; ++i)
+            for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)
+                M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
+        return RBD_OK;
+    }
+    rbdi_joints(m, w, q);
+    rbdi_crba(m, w, NULL, M);
+    return RBD_OK;
+}
+#endif
+
+RBD_API int rbd_packed_size(const rbd_model *m)
+{
+    return m ? m->nh : 0;
+}
+
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
+{
+    int row = i > j ? i : j, column = i > j ? j : i, t;
+    if (!m || column < 0 || row >= m->nv) return -1;
+    t = m->dof[row].depth;
+    for (int k = row; k >= column; k = m->dof[k].lambda, --t)
+        if (k == column) return m->dof[row].row + t;
+    return -1;
+}
+
+/* ---- aba [aba] ----
+   RBDA table 7.1, its c and a classical ([design]):
+
+       pass 1   v_i, c_i;  pA_i = v_i x* I_i v_i - X* f_ext        rbdi_aba_velocity, rbdi_wrench with acc = 0
+       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_release
+                Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
+                IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
+       pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
+
+   IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is zero and
+   stays so through the turn about z, which rbdi_aba_release and rbdi_abi_shift_z make use of; and S' pa = S' pA +
+   S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent feels about the joint's axis is its torque. */
+
+RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA)
+{
+    IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
+    IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
+    return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(IA));
 }
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int f, rbdi_trig t, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA)
 {
-    if (f & RBDI_OFFSET) X = rbdi_abi_shift_z(t.d, f & (RBDI_SCREWS | RBDI_ARMATURE), X);
-    X = rbdi_abi_up_z(0, t.c, t.s, X);
-    X = rbdi_abi_up_z(f, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(X));
-    if (!(f & RBDI_GENERAL)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, X));
-    X = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(X));
-    return rbdi_abi_shift(rbdi_vec_c(l->r), X);
+    if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+    IA = rbdi_abi_up_z(0, t.c, t.s, IA);
+    IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
+    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
+    IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(IA));
+    return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA)
 {
-    X.I = rbdi_sym_up(P->E, X.I);
-    X.H = rbdi_mat_up(P->E, X.H);
-    X.M = rbdi_sym_up(P->E, X.M);
-    return rbdi_abi_shift(P->r, X);
+    IA.I = rbdi_sym_up(P->E, IA.I);
+    IA.H = rbdi_mat_up(P->E, IA.H);
+    IA.M = rbdi_sym_up(P->E, IA.M);
+    return rbdi_abi_shift(P->r, IA);
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
@@ -2407,62 +2675,70 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
 }
 
 /* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
-RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int f, rbdi_abi X)
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA)
 {
-    const rbdi_csym S = l->S;
-    X.I.xx = X.I.xx + (S.yy + S.zz), X.I.xy = X.I.xy - S.xy, X.I.xz = X.I.xz - S.xz;
-    X.I.yy = X.I.yy + (S.xx + S.zz), X.I.yz = X.I.yz - S.yz, X.I.zz = X.I.zz + (S.xx + S.yy);
-    X.H.xz = X.H.xz + l->h.y, X.H.zx = X.H.zx - l->h.y;
-    X.H.yz = X.H.yz - l->h.x, X.H.zy = X.H.zy + l->h.x;
-    if (f & RBDI_FULL) {
-        X.H.xy = X.H.xy - l->h.z, X.H.yx = X.H.yx + l->h.z;
-        X.M.xx = X.M.xx + l->m, X.M.yy = X.M.yy + l->m, X.M.zz = X.M.zz + l->m;
+    const rbdi_csym Sigma = l->Sigma;
+    IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
+    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz, IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
+    IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
+    IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
+    if (form & RBDI_MASS_KEPT) {
+        IA.H.xy = IA.H.xy - l->h.z, IA.H.yx = IA.H.yx + l->h.z;
+        IA.M.xx = IA.M.xx + l->mass, IA.M.yy = IA.M.yy + l->mass, IA.M.zz = IA.M.zz + l->mass;
     }
-    return X;
+    return IA;
 }
 
 /* Pass 1, one-axis link: velocity w (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int f, rbdi_trig t, rbd_real qd, rbdi_v3 *w)
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd, rbdi_v3 *omega)
 {
-    const int screw = f & RBDI_SCREWS;
+    const int screw = form & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
-    if (f & RBDI_ROOT) {
-        *w = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+    if (form & RBDI_ROOT) {
+        *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         return c;
     }
-    c.v = rbdi_down(l, f, t, rbdi_cross(*w, rbdi_cross_shift(l, f, *w)));
-    *w = rbdi_down(l, f, t, *w);
-    c.w.x = turn * w->y;
-    c.w.y = -(turn * w->x);
-    if (f & RBDI_OFFSET) {
-        c.v.x = c.v.x + t.d * (w->x * w->z);
-        c.v.y = c.v.y + t.d * (w->y * w->z);
-        c.v.z = c.v.z - t.d * (w->x * w->x + w->y * w->y);
+    c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
+    *omega = rbdi_down(l, form, t, *omega);
+    c.omega.x = turn * omega->y;
+    c.omega.y = -(turn * omega->x);
+    if (form & RBDI_SHIFT_Z) {
+        c.v.x = c.v.x + t.d * (omega->x * omega->z);
+        c.v.y = c.v.y + t.d * (omega->y * omega->z);
+        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
     }
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
-        c.v.x = c.v.x + k * w->y;
-        c.v.y = c.v.y - k * w->x;
+        c.v.x = c.v.x + k * omega->y;
+        c.v.y = c.v.y - k * omega->x;
     }
-    w->z = w->z + turn;
+    omega->z = omega->z + turn;
     return c;
 }
 RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                                const rbd_real *v, rbdi_v3 *w)
+                                                const rbd_real *v, rbdi_v3 *omega)
 {
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
     rbdi_v3 turned;
     if (l->parent < 0) { /* the world does not turn */
-        *w = J.w;
-        c.v = rbdi_cross(J.w, J.v);
+        *omega = J.omega;
+        c.v = rbdi_cross(J.omega, J.v);
         return c;
     }
-    turned = rbdi_mul(X->E, *w);
+    turned = rbdi_mul(X->E, *omega);
     c = rbdi_joint_product(turned, J);
-    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*w, rbdi_cross(*w, X->r))));
-    *w = rbdi_add(turned, J.w);
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
+    *omega = rbdi_add(turned, J.omega);
     return c;
+}
+
+/* Pass 1, one-axis link: with the wrench that the velocity takes. */
+RBDI_INLINE void rbdi_aba_pass1_axis(const rbd_model *m, rbd_work *w, int i, int form, rbd_real qd, rbdi_v3 *omega)
+{
+    const rbdi_link *l = &m->link[i];
+    w->scratch[i].c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), qd, omega);
+    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(*omega), NULL);
 }
 
 RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
@@ -2470,128 +2746,131 @@ RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v
     rbdi_v3 omega = rbdi_vec0();
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.w;
+        if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
         if (l->kind == RBDI_BLOCK) {
-            w->link[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
+            w->scratch[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
                                                    &omega);
-            w->link[i].f = rbdi_wrench(l, RBDI_FULL, rbdi_omega_steady(omega), NULL);
+            w->scratch[i].f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega_steady(omega), NULL);
         } else {
-            RBDI_BY_FORM(l, w->link[i].c = rbdi_aba_velocity(l, f, rbdi_trig_of(m, w, i, f), v[l->iv], &omega);
-                         w->link[i].f = rbdi_wrench(l, f, rbdi_omega_steady(omega), NULL));
+            RBDI_BY_FORM(form, l, rbdi_aba_pass1_axis(m, w, i, form, v[l->iv], &omega));
         }
         if (l->slot >= 0) {
-            w->slot[l->slot].state.w = omega;
+            w->slot[l->slot].state.omega = omega;
             w->slot[l->slot].I = rbdi_abi_zero();
         }
     }
 }
 
-/* Pass 2, one-axis link: the joint lets its own axis go. I becomes I - U U'/D, p becomes
-   p + I c + U u/D. Of a revolute joint without armature, row z of I and H vanishes. */
-RBDI_INLINE void rbdi_aba_release(const rbdi_link *l, int f, const rbdi_dof *dof, rbd_real tau, rbdi_abi *X,
-                                  rbdi_force *p, rbdi_scratch *own, rbd_real *pivot, rbdi_mask *doubt)
+/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c + U u/D.
+   Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is tau: above. */
+RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau, rbdi_abi *IA,
+                                  rbdi_force *pA, rbdi_mask *doubt)
 {
-    const int full = f & (RBDI_SCREWS | RBDI_ARMATURE);
+    const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
+    const rbdi_link *l = &m->link[i];
+    const rbdi_dof *dof = &m->dof[l->iv];
+    rbdi_scratch *own = &w->scratch[i];
     const rbdi_motion *c = &own->c;
     rbdi_force U, V;
     rbd_real D, inverse, u;
-    U.n = rbdi_vec(X->I.xz, X->I.yz, X->I.zz);
-    U.f = rbdi_vec(X->H.zx, X->H.zy, X->H.zz);
-    if (f & RBDI_SCREWS) {
+    U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
+    U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
+    if (form & RBDI_SLIDES) {
         U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
-                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->H.xz, X->H.yz, X->H.zz)));
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
         U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
-                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(X->M.xz, X->M.yz, X->M.zz)));
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->M.xz, IA->M.yz, IA->M.zz)));
     }
-    D = rbdi_along_axis(l, f, U);
+    D = rbdi_along_axis(l, form, U);
     if (full) D = D + dof->armature;
-    *pivot = D;
+    w->pivot[l->iv] = D;
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    u = (tau - rbdi_along_axis(l, f, *p)) * inverse;
+    u = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
     V.n.x = inverse * U.n.x;
     V.n.y = inverse * U.n.y;
     V.f = rbdi_scale(inverse, U.f);
-    own->U.n.x = V.n.x;
-    own->U.n.y = V.n.y;
-    own->U.f = V.f;
-    own->u = u;
+    own->U_D.n.x = V.n.x;
+    own->U_D.n.y = V.n.y;
+    own->U_D.f = V.f;
+    own->u_D = u;
 
-    X->I.xx = X->I.xx - U.n.x * V.n.x;
-    X->I.xy = X->I.xy - U.n.x * V.n.y;
-    X->I.yy = X->I.yy - U.n.y * V.n.y;
-    X->H.xx = X->H.xx - U.n.x * V.f.x, X->H.xy = X->H.xy - U.n.x * V.f.y, X->H.xz = X->H.xz - U.n.x * V.f.z;
-    X->H.yx = X->H.yx - U.n.y * V.f.x, X->H.yy = X->H.yy - U.n.y * V.f.y, X->H.yz = X->H.yz - U.n.y * V.f.z;
-    X->M.xx = X->M.xx - U.f.x * V.f.x, X->M.xy = X->M.xy - U.f.x * V.f.y, X->M.xz = X->M.xz - U.f.x * V.f.z;
-    X->M.yy = X->M.yy - U.f.y * V.f.y, X->M.yz = X->M.yz - U.f.y * V.f.z, X->M.zz = X->M.zz - U.f.z * V.f.z;
-    p->n.x = p->n.x + (X->I.xx * c->w.x + X->I.xy * c->w.y) + U.n.x * u;
-    p->n.y = p->n.y + (X->I.xy * c->w.x + X->I.yy * c->w.y) + U.n.y * u;
-    p->n.x = p->n.x + (X->H.xx * c->v.x + X->H.xy * c->v.y + X->H.xz * c->v.z);
-    p->n.y = p->n.y + (X->H.yx * c->v.x + X->H.yy * c->v.y + X->H.yz * c->v.z);
-    p->f.x = p->f.x + (X->H.xx * c->w.x + X->H.yx * c->w.y) + U.f.x * u;
-    p->f.y = p->f.y + (X->H.xy * c->w.x + X->H.yy * c->w.y) + U.f.y * u;
-    p->f.z = p->f.z + (X->H.xz * c->w.x + X->H.yz * c->w.y) + U.f.z * u;
-    p->f = rbdi_add(p->f, rbdi_mul_sym(X->M, c->v));
+    IA->I.xx = IA->I.xx - U.n.x * V.n.x;
+    IA->I.xy = IA->I.xy - U.n.x * V.n.y;
+    IA->I.yy = IA->I.yy - U.n.y * V.n.y;
+    IA->H.xx = IA->H.xx - U.n.x * V.f.x, IA->H.xy = IA->H.xy - U.n.x * V.f.y, IA->H.xz = IA->H.xz - U.n.x * V.f.z;
+    IA->H.yx = IA->H.yx - U.n.y * V.f.x, IA->H.yy = IA->H.yy - U.n.y * V.f.y, IA->H.yz = IA->H.yz - U.n.y * V.f.z;
+    IA->M.xx = IA->M.xx - U.f.x * V.f.x, IA->M.xy = IA->M.xy - U.f.x * V.f.y, IA->M.xz = IA->M.xz - U.f.x * V.f.z;
+    IA->M.yy = IA->M.yy - U.f.y * V.f.y, IA->M.yz = IA->M.yz - U.f.y * V.f.z, IA->M.zz = IA->M.zz - U.f.z * V.f.z;
+    pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u;
+    pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u;
+    pA->n.x = pA->n.x + (IA->H.xx * c->v.x + IA->H.xy * c->v.y + IA->H.xz * c->v.z);
+    pA->n.y = pA->n.y + (IA->H.yx * c->v.x + IA->H.yy * c->v.y + IA->H.yz * c->v.z);
+    pA->f.x = pA->f.x + (IA->H.xx * c->omega.x + IA->H.yx * c->omega.y) + U.f.x * u;
+    pA->f.y = pA->f.y + (IA->H.xy * c->omega.x + IA->H.yy * c->omega.y) + U.f.y * u;
+    pA->f.z = pA->f.z + (IA->H.xz * c->omega.x + IA->H.yz * c->omega.y) + U.f.z * u;
+    pA->f = rbdi_add(pA->f, rbdi_mul_sym(IA->M, c->v));
     if (full) {
-        own->U.n.z = V.n.z = inverse * U.n.z;
-        X->I.xz = X->I.xz - U.n.x * V.n.z;
-        X->I.yz = X->I.yz - U.n.y * V.n.z;
-        X->I.zz = X->I.zz - U.n.z * V.n.z;
-        X->H.zx = X->H.zx - U.n.z * V.f.x;
-        X->H.zy = X->H.zy - U.n.z * V.f.y;
-        X->H.zz = X->H.zz - U.n.z * V.f.z;
-        p->n.z = p->n.z + (X->I.xz * c->w.x + X->I.yz * c->w.y) + U.n.z * u;
-        p->n.z = p->n.z + (X->H.zx * c->v.x + X->H.zy * c->v.y + X->H.zz * c->v.z);
+        own->U_D.n.z = V.n.z = inverse * U.n.z;
+        IA->I.xz = IA->I.xz - U.n.x * V.n.z;
+        IA->I.yz = IA->I.yz - U.n.y * V.n.z;
+        IA->I.zz = IA->I.zz - U.n.z * V.n.z;
+        IA->H.zx = IA->H.zx - U.n.z * V.f.x;
+        IA->H.zy = IA->H.zy - U.n.z * V.f.y;
+        IA->H.zz = IA->H.zz - U.n.z * V.f.z;
+        pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u;
+        pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
     } else {
-        X->I.xz = X->I.yz = X->I.zz = X->H.zx = X->H.zy = X->H.zz = rbdi_zero();
-        p->n.z = tau;
+        IA->I.xz = IA->I.yz = IA->I.zz = IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
+        pA->n.z = tau;
     }
 }
 
 /* Row k of [I H; H' M]. */
-RBDI_INLINE void rbdi_abi_to_array(rbdi_abi X, rbd_real A[6][6])
+RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6])
 {
-    A[0][0] = X.I.xx, A[0][1] = X.I.xy, A[0][2] = X.I.xz, A[0][3] = X.H.xx, A[0][4] = X.H.xy, A[0][5] = X.H.xz;
-    A[1][1] = X.I.yy, A[1][2] = X.I.yz, A[1][3] = X.H.yx, A[1][4] = X.H.yy, A[1][5] = X.H.yz;
-    A[2][2] = X.I.zz, A[2][3] = X.H.zx, A[2][4] = X.H.zy, A[2][5] = X.H.zz;
-    A[3][3] = X.M.xx, A[3][4] = X.M.xy, A[3][5] = X.M.xz;
-    A[4][4] = X.M.yy, A[4][5] = X.M.yz;
-    A[5][5] = X.M.zz;
+    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy, A[0][5] = IA.H.xz;
+    A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
+    A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
+    A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
+    A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
+    A[5][5] = IA.M.zz;
     RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i)
         RBDI_UNROLL_SIX for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
 }
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
 {
-    rbdi_abi X;
-    X.I.xx = A[0][0], X.I.xy = A[0][1], X.I.xz = A[0][2], X.H.xx = A[0][3], X.H.xy = A[0][4], X.H.xz = A[0][5];
-    X.I.yy = A[1][1], X.I.yz = A[1][2], X.H.yx = A[1][3], X.H.yy = A[1][4], X.H.yz = A[1][5];
-    X.I.zz = A[2][2], X.H.zx = A[2][3], X.H.zy = A[2][4], X.H.zz = A[2][5];
-    X.M.xx = A[3][3], X.M.xy = A[3][4], X.M.xz = A[3][5];
-    X.M.yy = A[4][4], X.M.yz = A[4][5];
-    X.M.zz = A[5][5];
-    return X;
+    rbdi_abi IA;
+    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4], IA.H.xz = A[0][5];
+    IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
+    IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
+    IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
+    IA.M.yy = A[4][4], IA.M.yz = A[4][5];
+    IA.M.zz = A[5][5];
+    return IA;
 }
 
 /* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
    without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
    axes before it still need is kept up: the lower triangle. */
-RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, const rbdi_link *l, int first, int n, int keep,
-                                        const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
-                                        rbdi_block_work *bw, rbd_real *pivot, rbdi_mask *doubt)
+RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
+                                        int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
+                                        rbdi_mask *doubt)
 {
+    rbdi_block_work *bw = &w->block[l->block];
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
         const int s = first + k, end = keep ? 6 : s;
         rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-        pivot[l->iv + k] = D;
-        bw->u[k] = (tau[l->iv + k] - P[s]) * inverse;
+        w->pivot[l->iv + k] = D;
+        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
         RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
             U[i] = A[s][i];
-            bw->U[k][i] = U[i] * inverse;
+            bw->U_D[k][i] = U[i] * inverse;
         }
         RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
             const int columns = keep ? 6 : i + 1;
-            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U[k][j];
-            P[i] = P[i] + U[i] * bw->u[k];
+            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
+            P[i] = P[i] + U[i] * bw->u_D[k];
         }
     }
 }
@@ -2600,95 +2879,95 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b)
 {
     return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
 }
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *X,
-                              rbdi_force *p, rbdi_mask *doubt)
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *IA,
+                              rbdi_force *pA, rbdi_mask *doubt)
 {
     const rbdi_link *l = &m->link[i_link];
     const rbdi_block *b = rbdi_block_of(m, l);
-    rbdi_block_work *bw = &w->block[l->block];
+    const rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6], C[6];
-    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_FULL, *X), A);
-    rbdi_store_force(P, 1, *p);
+    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
+    rbdi_store_force(P, 1, *pA);
     if (rbdi_free_base(l, b)) {
-        rbdi_aba_release_block(m, l, 0, 6, 0, tau, A, P, bw, w->pivot, doubt);
+        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
         return;
     }
-    rbdi_aba_release_block(m, l, b->first, b->n, 1, tau, A, P, bw, w->pivot, doubt);
+    rbdi_aba_release_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
     if (l->parent < 0) return;
-    rbdi_motion_to_array(w->link[i_link].c, C);
+    rbdi_motion_to_array(w->scratch[i_link].c, C);
     RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i)
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
-    *X = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
-    *p = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
+    *IA = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
+    *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
 
-/* Pass 2, one-axis link: X and p, those of the children summed, become what the parent feels. */
-RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int f, const rbd_real *tau, rbdi_abi *X,
-                             rbdi_force *p, rbdi_mask *doubt)
+/* Pass 2, one-axis link: IA and pA, those of the children summed, become what the parent feels. */
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau, rbdi_abi *IA,
+                             rbdi_force *pA, rbdi_mask *doubt)
 {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
-    *X = rbdi_abi_add_link(l, f, *X);
-    rbdi_aba_release(l, f, &m->dof[l->iv], tau[l->iv], X, p, &w->link[i], &w->pivot[l->iv], doubt);
-    if (f & RBDI_ROOT) return;
-    *X = rbdi_abi_up(l, f, t, *X);
-    *p = rbdi_force_up(l, f, t, *p);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    *IA = rbdi_abi_add_link(l, form, *IA);
+    rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
+    if (form & RBDI_ROOT) return;
+    *IA = rbdi_abi_up(l, form, t, *IA);
+    *pA = rbdi_force_up(l, form, t, *pA);
 }
 
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
 {
-    rbdi_abi X = rbdi_abi_zero();
-    rbdi_force p = rbdi_force0();
+    rbdi_abi IA = rbdi_abi_zero();
+    rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
-        p = rbdi_force_add(p, w->link[i].f);
+        if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
+        pA = rbdi_force_add(pA, w->scratch[i].f);
         if (l->kind == RBDI_BLOCK)
-            rbdi_aba_up_block(m, w, i, tau, &X, &p, &doubt);
+            rbdi_aba_up_block(m, w, i, tau, &IA, &pA, &doubt);
         else
-            RBDI_BY_FORM(l, rbdi_aba_up(m, w, i, f, tau, &X, &p, &doubt));
+            RBDI_BY_FORM(form, l, rbdi_aba_up(m, w, i, form, tau, &IA, &pA, &doubt));
         if (l->parent >= 0 && l->parent == i - 1) continue;
         if (l->parent >= 0) {
             rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-            slot->I = rbdi_abi_add(slot->I, X);
-            w->link[l->parent].f = rbdi_force_add(w->link[l->parent].f, p);
+            slot->I = rbdi_abi_add(slot->I, IA);
+            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, pA);
         }
-        X = rbdi_abi_zero();
-        p = rbdi_force0();
+        IA = rbdi_abi_zero();
+        pA = rbdi_force0();
     }
     return doubt;
 }
 
-/* Pass 3: y = (wd, classical acceleration minus gravity) of the parent becomes the link's;
-   qdd = u/D - (U/D).y'. Where U_z / D = 1 this is the link's wd_z less what the parent gives. */
-RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int f, rbdi_motion y,
+/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's; qdd = u/D - (U/D)' y.
+   Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
                                       rbd_real *a)
 {
     const rbdi_link *l = &m->link[i];
-    const rbdi_scratch *own = &w->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, f);
+    const rbdi_scratch *own = &w->scratch[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     rbd_real x, qdd;
-    if (!(f & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, f, y.w));
-    y.w = rbdi_down(l, f, t, y.w);
-    y.v = rbdi_down(l, f, t, y.v);
-    if (f & RBDI_OFFSET) {
-        y.v.x = y.v.x + t.d * y.w.y;
-        y.v.y = y.v.y - t.d * y.w.x;
+    if (!(form & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
+    y.omega = rbdi_down(l, form, t, y.omega);
+    y.v = rbdi_down(l, form, t, y.v);
+    if (form & RBDI_SHIFT_Z) {
+        y.v.x = y.v.x + t.d * y.omega.y;
+        y.v.y = y.v.y - t.d * y.omega.x;
     }
     y = rbdi_motion_add(y, own->c);
-    x = own->u - (own->U.n.x * y.w.x + own->U.n.y * y.w.y) - rbdi_dot(own->U.f, y.v);
-    if (!(f & (RBDI_SCREWS | RBDI_ARMATURE))) {
-        a[l->iv] = x - y.w.z;
-        y.w.z = x;
+    x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
+    if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
+        a[l->iv] = x - y.omega.z;
+        y.omega.z = x;
         return y;
     }
-    qdd = x - own->U.n.z * y.w.z;
-    if (f & RBDI_SCREWS) {
-        y.w.z = y.w.z + qdd * l->rho;
+    qdd = x - own->U_D.n.z * y.omega.z;
+    if (form & RBDI_SLIDES) {
+        y.omega.z = y.omega.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
     } else {
-        y.w.z = y.w.z + qdd;
+        y.omega.z = y.omega.z + qdd;
     }
     a[l->iv] = qdd;
     return y;
@@ -2699,21 +2978,21 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.w, bw->X.r)));
-    y.w = rbdi_mul(bw->X.E, y.w);
-    rbdi_motion_to_array(rbdi_motion_add(y, w->link[i].c), all);
+    y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.omega, bw->X.r)));
+    y.omega = rbdi_mul(bw->X.E, y.omega);
+    rbdi_motion_to_array(rbdi_motion_add(y, w->scratch[i].c), all);
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
-            rbd_real x = bw->u[k];
-            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j) x = x - bw->U[k][j] * all[j];
+            rbd_real x = bw->u_D[k];
+            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j) x = x - bw->U_D[k][j] * all[j];
             a[l->iv + k] = x - all[k];
             all[k] = x;
         }
         return rbdi_motion_from_array(all);
     }
     RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
-        rbd_real qdd = bw->u[k];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U[k][j] * all[j];
+        rbd_real qdd = bw->u_D[k];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U_D[k][j] * all[j];
         all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
@@ -2734,12 +3013,15 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
         if (l->kind == RBDI_BLOCK)
             y = rbdi_aba_down_block(m, w, i, y, a);
         else
-            RBDI_BY_FORM(l, y = rbdi_aba_down(m, w, i, f, y, a));
+            RBDI_BY_FORM(form, l, y = rbdi_aba_down(m, w, i, form, y, a));
         if (l->slot >= 0) w->slot[l->slot].y = y;
     }
 }
 
-/* ---- cholesky [cholesky] ---- */
+/* ---- cholesky [cholesky] ----
+   M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k changes
+   only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that path, root first,
+   the diagonal last; after the factorisation L, and 1/D on the diagonal. */
 
 /* y -= k x, a batch at a time. */
 RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n)
@@ -2851,13 +3133,13 @@ typedef struct rbdi_gross {
 
 RBDI_INLINE void rbdi_gross_set(rbdi_scratch *to, rbdi_gross g)
 {
-    to->c.w = g.I;
+    to->c.omega = g.I;
     to->c.v = rbdi_vec(g.m, g.IA, g.M);
 }
 RBDI_INLINE rbdi_gross rbdi_gross_of(const rbdi_scratch *from)
 {
     rbdi_gross g;
-    g.I = from->c.w;
+    g.I = from->c.omega;
     g.m = from->c.v.x, g.IA = from->c.v.y, g.M = from->c.v.z;
     return g;
 }
@@ -2866,7 +3148,7 @@ RBDI_INLINE rbdi_gross rbdi_gross_of(const rbdi_scratch *from)
    a rod on an axis. */
 static void rbdi_gross_links(const rbd_model *m, rbd_work *w)
 {
-    for (int i = 0; i < m->nl; ++i) w->link[i].c = rbdi_motion0();
+    for (int i = 0; i < m->nl; ++i) w->scratch[i].c = rbdi_motion0();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         if (u->link < 0) continue;
@@ -2876,10 +3158,10 @@ static void rbdi_gross_links(const rbd_model *m, rbd_work *w)
         const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
         const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
         const rbd_real trace = I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c)), o = trace * RBDI_BUILD;
-        rbdi_gross g = rbdi_gross_of(&w->link[u->link]);
+        rbdi_gross g = rbdi_gross_of(&w->scratch[u->link]);
         g.I = rbdi_add(g.I, rbdi_vec(I.x + y + z + o, I.y + x + z + o, I.z + x + y + o));
         g.m = g.m + mass;
-        rbdi_gross_set(&w->link[u->link], g);
+        rbdi_gross_set(&w->scratch[u->link], g);
     }
 }
 
@@ -2908,13 +3190,13 @@ static void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, rb
         const rbdi_block *b = rbdi_block_of(m, l);
         const int s = b->first + k, stored = rbdi_free_base(l, b) ? s : 6;
         S[s] = rbdi_set(RBD_C(1));
-        for (int j = 0; j < 6; ++j) V[j] = j < stored ? w->block[l->block].U[k][j] : S[j];
+        for (int j = 0; j < 6; ++j) V[j] = j < stored ? w->block[l->block].U_D[k][j] : S[j];
         return;
     }
     S[2] = rbdi_set(l->rho);
     S[5] = rbdi_set(l->kappa);
-    rbdi_store_force(V, 1, w->link[i].U);
-    if (!(l->flags & (RBDI_SCREWS | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
+    rbdi_store_force(V, 1, w->scratch[i].U_D);
+    if (!(l->flags & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
 }
 
 static rbdi_abi rbdi_abi_plus(rbdi_abi A, rbdi_v3 I, rbdi_v3 M)
@@ -2938,10 +3220,10 @@ static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi
 {
     const rbdi_link *l = &m->link[i];
     const int block = l->kind == RBDI_BLOCK;
-    const rbdi_gross g = rbdi_gross_of(&w->link[i]);
+    const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
     const rbd_const build = RBDI_BUILD, square = build > 1 ? RBDI_NOISE : RBDI_NOISE * build * build;
-    const rbd_const twist = l->flags & RBDI_QUARTER ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
-    const rbd_const z = block || (l->flags & RBDI_SCREWS) ? RBD_C(1) : twist;
+    const rbd_const twist = l->flags & RBDI_TWIST_90 ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
+    const rbd_const z = block || (l->flags & RBDI_SLIDES) ? RBD_C(1) : twist;
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
     const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
@@ -2967,11 +3249,11 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
     for (int i = 0; i < m->nslot; ++i) w->slot[i].I = X;
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        const rbdi_gross g = rbdi_gross_of(&w->link[i]);
+        const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
         rbd_real A[6][6];
         if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
-        X = bound ? rbdi_abi_plus(X, g.I, rbdi_vec(g.m, g.m, g.m)) : rbdi_abi_add_link(l, RBDI_FULL, X);
-        if (!bound) rbdi_gross_note(&w->link[i], X);
+        X = bound ? rbdi_abi_plus(X, g.I, rbdi_vec(g.m, g.m, g.m)) : rbdi_abi_add_link(l, RBDI_MASS_KEPT, X);
+        if (!bound) rbdi_gross_note(&w->scratch[i], X);
         rbdi_abi_to_array(X, A);
         for (int k = (l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1) - 1; k >= 0; --k) {
             rbd_real S[6], V[6], e;
@@ -2980,7 +3262,7 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
             if (bound) rbdi_judge(m, w, l->iv + k, e);
         }
         X = rbdi_abi_from_array(A);
-        if (!bound) rbdi_gross_note(&w->link[i], X);
+        if (!bound) rbdi_gross_note(&w->scratch[i], X);
         if (l->parent >= 0) X = bound ? rbdi_bound_up(m, w, i, X) : rbdi_abi_up_link(m, w, i, X);
         if (l->parent >= 0 && l->parent == i - 1) continue;
         if (l->parent >= 0) {
@@ -3006,7 +3288,7 @@ static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M)
     rbdi_gross_links(m, w);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const rbdi_gross g = rbdi_gross_of(&w->link[i]);
+        const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
         const rbd_real moment[3] = {g.I.x, g.I.y, g.I.z};
         const int follows = l->iv >= m->nv, iv = follows ? m->mimic[l->iv - m->nv].source_v : l->iv;
         const rbd_const ratio = follows ? m->mimic[l->iv - m->nv].ratio : RBD_C(1);
@@ -3065,80 +3347,7 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
     return rbdi_verdict(m, w, x, n);
 }
 
-/* ---- dynamics: the public calls ---- */
-
-#ifndef RBD_NO_RNEA
-RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
-{
-    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
-    if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              m->nmimic ? w->tx : tau);
-    rbdi_reduce_tau(m, w->tx, tau);
-    return RBD_OK;
-}
-
-RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c)
-{
-    if (!w) return RBD_ERR_NULL;
-    return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
-}
-
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g)
-{
-    if (!w) return RBD_ERR_NULL;
-    return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
-}
-#endif
-
-#ifndef RBD_NO_CRBA
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
-{
-    const rbd_status status = rbdi_check(m, w, q && H);
-    if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    if (m->nmimic) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
-    if (m->nmimic) rbdi_reduce_H(m, w->H);
-    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
-    return RBD_OK;
-}
-
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
-{
-    const rbd_status status = rbdi_check(m, w, q && M);
-    if (status) return status;
-    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
-    if (m->nmimic) {
-        rbd_crba_packed(m, w, q, w->H);
-        for (int i = 0; i < m->nv; ++i)
-            for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)
-                M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
-        return RBD_OK;
-    }
-    rbdi_joints(m, w, q);
-    rbdi_crba(m, w, NULL, M);
-    return RBD_OK;
-}
-#endif
-
-RBD_API int rbd_packed_size(const rbd_model *m)
-{
-    return m ? m->nh : 0;
-}
-
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
-{
-    int row = i > j ? i : j, column = i > j ? j : i, t;
-    if (!m || column < 0 || row >= m->nv) return -1;
-    t = m->dof[row].depth;
-    for (int k = row; k >= column; k = m->dof[k].lambda, --t)
-        if (k == column) return m->dof[row].row + t;
-    return -1;
-}
+/* ---- forward dynamics [forward dynamics code] ---- */
 
 #ifndef RBD_NO_ABA
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -3211,23 +3420,6 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
 
 RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau)
-{
-    const rbd_real *vx;
-    rbd_real *tx;
-    const rbd_status status = rbdi_check(m, w, v && tau);
-    if (status) return status;
-    vx = rbdi_expand_v(m, v, w->vx);
-    tx = m->nmimic ? w->tx : tau;
-    for (int k = 0; k < m->nv + m->nmimic; ++k) {
-        rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
-        rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
-        tx[k] = sign - x * m->dof[k].damping;
-    }
-    rbdi_reduce_tau(m, tx, tau);
-    return RBD_OK;
-}
-
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
@@ -3238,12 +3430,12 @@ RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i,
     return rbdi_down(l, l->flags, rbdi_trig_of(m, w, i, l->flags), v);
 }
 
-/* World pose of link i and velocity of its origin; its angular velocity s.w is known already. */
+/* World pose of link i and velocity of its origin; its angular velocity s.omega is known already. */
 static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v)
 {
     const rbdi_link *l = &m->link[i];
     rbdi_kin *k = &w->kin[i];
-    const rbdi_v3 wi = k->state.w;
+    const rbdi_v3 wi = k->state.omega;
     rbdi_v3 r = l->kind == RBDI_BLOCK ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z;
     x = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
     y = rbdi_cycle(rbdi_cycle(x)), z = rbdi_cycle(x);
@@ -3254,7 +3446,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
         y = rbdi_vec(up->R.yx, up->R.yy, up->R.yz);
         z = rbdi_vec(up->R.zx, up->R.zy, up->R.zz);
         p = rbdi_add(up->p, rbdi_mul(up->R, r));
-        k->v = rbdi_down_link(m, w, i, rbdi_add(up->v, rbdi_cross(up->state.w, r)));
+        k->v = rbdi_down_link(m, w, i, rbdi_add(up->v, rbdi_cross(up->state.omega, r)));
     }
     x = rbdi_down_link(m, w, i, x); /* rows of R_parent E' */
     y = rbdi_down_link(m, w, i, y);
@@ -3307,17 +3499,17 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body)
     if (u->link < 0) {
         k.R = rbdi_transpose(E);
         k.p = r;
-        k.v = k.state.w = k.state.wd = k.state.acc = rbdi_vec0();
+        k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
         return k;
     }
     k = w->kin[u->link];
     k.p = rbdi_add(k.p, rbdi_mul(k.R, r));
     k.R = rbdi_mul_mat(k.R, rbdi_transpose(E));
-    k.v = rbdi_mul(E, rbdi_add(k.v, rbdi_cross(k.state.w, r)));
-    k.state.acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.w, k.state.wd), r));
+    k.v = rbdi_mul(E, rbdi_add(k.v, rbdi_cross(k.state.omega, r)));
+    k.state.acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.omega, k.state.omega_dot), r));
     k.state.acc = rbdi_mul(E, k.state.acc);
-    k.state.w = rbdi_mul(E, k.state.w);
-    k.state.wd = rbdi_mul(E, k.state.wd);
+    k.state.omega = rbdi_mul(E, k.state.omega);
+    k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
     return k;
 }
 
@@ -3352,7 +3544,7 @@ RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int 
     if (status) return status;
     if (!velocity) return RBD_ERR_NULL;
     k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.w, velocity);
+    rbdi_store(k.state.omega, velocity);
     rbdi_store(k.v, velocity + 3);
     return RBD_OK;
 }
@@ -3365,8 +3557,8 @@ RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, 
     if (status) return status;
     if (!acceleration) return RBD_ERR_NULL;
     k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.wd, acceleration);
-    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.w, k.v)), acceleration + 3);
+    rbdi_store(k.state.omega_dot, acceleration);
+    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.omega, k.v)), acceleration + 3);
     return RBD_OK;
 }
 
@@ -3378,7 +3570,7 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
     if (status) return status;
     if (!acceleration) return RBD_ERR_NULL;
     k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.wd, acceleration);
+    rbdi_store(k.state.omega_dot, acceleration);
     rbdi_store(k.state.acc, acceleration + 3);
     return RBD_OK;
 }
@@ -3409,8 +3601,8 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
         c = rbdi_vec_c(u->com);
         share = rbdi_set(u->mass);
         p = rbdi_add(p, rbdi_scale(share, rbdi_add(k.p, rbdi_mul(k.R, c))));
-        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_add(k.v, rbdi_cross(k.state.w, c)))));
-        c = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.w, k.state.wd), c));
+        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_add(k.v, rbdi_cross(k.state.omega, c)))));
+        c = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.omega, k.state.omega_dot), c));
         a = rbdi_add(a, rbdi_scale(share, rbdi_mul(k.R, c)));
     }
     if (position) rbdi_store(rbdi_scale(inverse, p), position);
@@ -3432,9 +3624,9 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
         if (u->link < 0) continue;
         k = rbdi_body_kin(m, w, b);
         c = rbdi_vec_c(u->com);
-        v = rbdi_add(k.v, rbdi_cross(k.state.w, c));
+        v = rbdi_add(k.v, rbdi_cross(k.state.omega, c));
         T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
-        T = T + rbdi_dot(k.state.w, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.w)) * RBD_C(0.5);
+        T = T + rbdi_dot(k.state.omega, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.omega)) * RBD_C(0.5);
         V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_add(k.p, rbdi_mul(k.R, c))) * u->mass;
     }
     if (kinetic) *kinetic = T;
@@ -3451,7 +3643,7 @@ static rbd_real rbdi_tail(rbd_real x, int n)
 {
     rbd_real s = rbdi_set(RBD_C(1));
     int factorial = 1;
-    for (int k = 15; k > 0; --k)
+    for (int k = RBDI_TAIL_TERMS; k > 0; --k)
         s = rbdi_set(RBD_C(1)) - x * s * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
     for (int k = 2; k <= n; ++k) factorial *= k;
     return s * (RBD_C(1) / (rbd_const)factorial);
@@ -3469,7 +3661,7 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
     rbdi_exp e;
     rbd_real theta, s, A;
     rbdi_mask near_zero;
-    e.x = rbdi_dot(turn, turn) + RBD_C(1e-30); /* keeps the quotients finite, alters no digit */
+    e.x = rbdi_dot(turn, turn) + RBDI_NO_ANGLE;
     theta = rbdi_sqrt(e.x);
     rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
     e.half_sine = s / theta;
@@ -3482,21 +3674,21 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
 }
 
 /* Shift of a screw motion with turn w and translation u: V u, V = 1 + B [w]x + C [w]x^2. */
-static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
+static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u)
 {
-    rbdi_v3 wu = rbdi_cross(w, u);
-    return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(w, wu))));
+    rbdi_v3 wu = rbdi_cross(omega, u);
+    return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(omega, wu))));
 }
 
 /* Its inverse: V^-1 u = u - w x u / 2 + k w x (w x u), k = (1 - A / (2 B)) / theta^2. */
-static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 w, rbdi_v3 u)
+static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u)
 {
-    rbdi_v3 wu = rbdi_cross(w, u);
+    rbdi_v3 wu = rbdi_cross(omega, u);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
     rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
     rbd_real k = rbdi_select(near_zero, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
-    u = rbdi_add(u, rbdi_scale(k, rbdi_cross(w, wu)));
+    u = rbdi_add(u, rbdi_scale(k, rbdi_cross(omega, wu)));
     return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
 }
 
@@ -3508,7 +3700,7 @@ static rbd_real rbdi_angle(rbd_real s, rbd_real c)
     rbdi_mask obtuse = rbdi_less(c, o);
     rbd_real positive = rbdi_select(obtuse, -c, c);
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
-    angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(0.43));
+    angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(RBDI_ANGLE_START));
     for (int k = 0; k < 4; ++k) {
         rbdi_sincos(angle, &sine, &cosine);
         angle = angle + (s * cosine - positive * sine);
@@ -3566,7 +3758,7 @@ static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1
     v = rbdi_vec(c[0], c[1], c[2]);
     back = rbdi_less(c[3], rbdi_zero());
     cosine = rbdi_select(back, -c[3], c[3]);
-    sine = rbdi_sqrt(rbdi_dot(v, v) + RBD_C(1e-30));
+    sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_NO_ANGLE);
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;
     return rbdi_scale(rbdi_select(back, -angle, angle), v);
@@ -3759,7 +3951,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
 }
 #endif
 
-/* ---- work ---- */
+/* ---- work [work code] ---- */
 
 RBD_API size_t rbd_work_size(const rbd_model *m)
 {
@@ -3808,7 +4000,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
     w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
     w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
-    w->link = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
+    w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
     w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
     w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
     w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
@@ -3837,7 +4029,7 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3])
     return RBD_OK;
 }
 
-/* ---- lookup ---- */
+/* ---- lookup [lookup code] ---- */
 
 RBDI_PART int rbdi_same(const char *a, const char *b)
 {
@@ -3895,6 +4087,8 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof)
     return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
 }
 #endif
+
+/* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT
 RBD_API const char *rbd_status_string(rbd_status status)
@@ -3982,11 +4176,20 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 }
 #endif
 
-#if defined __GNUC__ && !defined __clang__
+#if RBDI_GCC
 #pragma GCC pop_options
 #endif
 
-/* ---- model build [model build] ---- */
+/* ---- model build [model build] ----
+   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in steps:
+     checks      rbdi_check_body, rbdi_moves_something: the first finding ends the build
+     1 and 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint in the users' frames; mass moments onto them
+     3           rbdi_draft_axis: joint axis on z
+     4           rbdi_draft_order: depth first, favourite child next
+     5           rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
+     6           rbdi_draft_scale: bounds for the pivots
+     7           rbdi_draft_regroup: leaves to root, base parameters
+     8           rbdi_emit: constants in the model's scalar, dofs, rows of the packed matrix, users' frames */
 
 #ifndef RBD_NO_BUILD
 
@@ -3995,7 +4198,6 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 #else
 #define RBDI_WIDE_LIBM(name) name
 #endif
-#define RBDI_SNAP ((rbdi_wide)1e-12) /* rad: angles this close to a multiple of 90 degrees are taken as that */
 
 /* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
@@ -4103,7 +4305,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close)
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s)
 {
     rbdi_wide sine = rbdi_w_abs(s), cosine = rbdi_w_abs(c), t = sine / (1 + cosine);
-    rbdi_wide angle = t * (2 - (rbdi_wide)0.43 * t * t);
+    rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int k = 0; k < 4; ++k)
         angle += sine * RBDI_WIDE_LIBM(cos)(angle) - cosine * RBDI_WIDE_LIBM(sin)(angle);
     if (c < 0) angle = RBDI_PI(rbdi_wide) - angle;
@@ -4112,32 +4314,32 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s)
 
 /* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
    h' = A h + m t, S' = A S A' + t (A h)' + h' t'. */
-static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3], const rbdi_wide S[6],
+static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3], const rbdi_wide Sigma[6],
                              const rbdi_wide h[3], rbdi_wide m)
 {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
-    for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = S[k];
+    for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
     rbdi_w_product(A, full, turned);
     rbdi_w_transpose(A, T);
     rbdi_w_product(turned, T, full);
     rbdi_w_apply(A, h, Ah);
     for (int k = 0; k < 6; ++k) {
         int i = row[k], j = column[k];
-        to->S[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
+        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
     }
     for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + m * t[i];
-    to->m += m;
+    to->mass += m;
 }
 
 /* Sees the moments of a link in the frame x' = A x + t. */
 static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3])
 {
     rbdi_draft old = *l;
-    for (int k = 0; k < 6; ++k) l->S[k] = 0;
+    for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
-    l->m = 0;
-    rbdi_add_moments(l, A, t, old.S, old.h, old.m);
+    l->mass = 0;
+    rbdi_add_moments(l, A, t, old.Sigma, old.h, old.mass);
 }
 
 /* -- the checks -- */
@@ -4187,7 +4389,7 @@ static int rbdi_parallel(const double a[3], const double b[3])
     rbdi_unit(x, x);
     rbdi_unit(y, y);
     for (int k = 0; k < 3; ++k) cross[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
-    return !(rbdi_w_length(cross) > (rbdi_wide)1e-6);
+    return !(rbdi_w_length(cross) > RBDI_PARALLEL);
 }
 
 static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
@@ -4202,15 +4404,15 @@ static int rbdi_is_rotation(const double R[9])
         for (int j = 0; j < 3; ++j) {
             double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
             double off = dot - (i == j);
-            if (!(off < 4e-6 && off > -4e-6)) return 0; /* six decimals will do */
+            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
         }
     return det > 0;
 }
 
-/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -1e-9 of size: Cholesky pivots. */
+/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky pivots. */
 static int rbdi_semidefinite(const double A[6], double size)
 {
-    double e = 1e-9 * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1], yz, c;
+    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1], yz, c;
     if (!(a > 0) || !(b > 0)) return 0;
     yz = A[4] - l * A[2];
     c = A[5] + e - k * A[2] - yz * yz / b;
@@ -4347,6 +4549,22 @@ typedef struct rbdi_counts {
     int nl, nblock, ndof, nmimic, nq, nv;
 } rbdi_counts;
 
+/* What the steps work on: the description, the model's arrays, and scratch behind them. */
+typedef struct rbdi_build {
+    const rbd_body *bodies;
+    int nb;
+    rbdi_counts n;
+    rbd_model *m;
+    rbdi_link *link;
+    rbdi_block *block;
+    rbdi_dof *dof;
+    rbdi_order *order;
+    rbdi_mimic *mimic;
+    rbdi_frame *frame;
+    rbdi_draft *draft; /* n.nl */
+    rbdi_place *place; /* nb */
+} rbdi_build;
+
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb)
 {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
@@ -4445,16 +4663,16 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
 static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft)
 {
-    rbdi_wide S[6], A[9], t[3], none[3] = {0, 0, 0}, half;
+    rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
-    rbdi_widen(b->inertia, 6, S);
-    half = (S[0] + S[3] + S[5]) / 2;
-    for (int k = 0; k < 6; ++k) S[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - S[k];
+    rbdi_widen(b->inertia, 6, Sigma);
+    half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
+    for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
     rbdi_widen(b->com, 3, t);
     rbdi_w_transpose(place->E, A);
     rbdi_w_apply(A, t, t);
     for (int k = 0; k < 3; ++k) t[k] += place->r[k];
-    rbdi_add_moments(&draft[place->link], A, t, S, none, (rbdi_wide)b->mass);
+    rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
 }
 
 /* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
@@ -4587,9 +4805,9 @@ static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance)
 static void rbdi_draft_measure(rbdi_draft *draft, int i)
 {
     rbdi_draft *l = &draft[i];
-    const rbdi_wide own = l->S[0] + l->S[3] + l->S[5];
+    const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
     if (own > 0) l->radius += own; /* else no real body is like this */
-    l->all += l->m;
+    l->all += l->mass;
     l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
     if (l->parent < 0) return;
     draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r)); /* a sum, until its turn comes */
@@ -4664,18 +4882,18 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i)
 {
     const rbdi_wide rod = 16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT;
     rbdi_draft *l = &draft[i], *up;
-    rbdi_wide r[3], distance, trace = l->S[0] + l->S[3] + l->S[5] + l->m * rbdi_w_dot(l->b, l->b);
-    l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->S[0] + l->S[3] + rod * trace);
+    rbdi_wide r[3], distance, trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
+    l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3] + rod * trace);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
-    l->mass += l->m;
+    l->all_mass += l->mass;
     if (l->parent < 0) return;
     up = &draft[l->parent];
     rbdi_draft_origin(l, r);
     distance = rbdi_w_length(r);
-    up->trace += l->trace + 2 * l->moment * distance + l->mass * distance * distance;
-    up->moment += l->moment + l->mass * distance;
-    up->mass += l->mass;
+    up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
+    up->moment += l->moment + l->all_mass * distance;
+    up->all_mass += l->all_mass;
 }
 
 /* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
@@ -4684,25 +4902,25 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i)
 static void rbdi_draft_regroup(rbdi_draft *draft, int i)
 {
     rbdi_draft *l = &draft[i];
-    rbdi_wide S[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
+    rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
     if (l->type == RBD_SPHERICAL) {
-        m = l->m, l->m = 0;
+        m = l->mass, l->mass = 0;
     } else if (slides) {
-        for (int k = 0; k < 6; ++k) S[k] = l->S[k], l->S[k] = 0;
+        for (int k = 0; k < 6; ++k) Sigma[k] = l->Sigma[k], l->Sigma[k] = 0;
     } else {
-        S[5] = l->S[5], l->S[5] = 0;
+        Sigma[5] = l->Sigma[5], l->Sigma[5] = 0;
         if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
             h[2] = l->h[2], l->h[2] = 0;
-            m = l->m, l->m = 0;
+            m = l->mass, l->mass = 0;
         }
     }
     if (l->parent < 0) return;
     rbdi_draft_origin(l, r);
     if (m <= 0 && m >= 0 && h[2] <= 0 && h[2] >= 0) r[0] = r[1] = r[2] = 0;
     rbdi_w_transpose(l->E, T);
-    rbdi_add_moments(&draft[l->parent], T, r, S, h, m);
+    rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
 
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3])
@@ -4727,16 +4945,16 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     const rbd_body *b = &bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
-    if (!block && (rbdi_nonzero(l->sb) || l->cb < 1)) flags |= RBDI_BETA | RBDI_GENERAL;
-    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_GENERAL;
-    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_OFFSET;
-    if (block || l->kind == RBDI_SCREW || rbdi_nonzero(l->S[5]) || rbdi_nonzero(l->h[2]) || rbdi_nonzero(l->m))
-        flags |= RBDI_FULL;
+    if (!block && (rbdi_nonzero(l->sb) || l->cb < 1)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
+    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
+    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
+    if (block || l->kind == RBDI_SCREW || rbdi_nonzero(l->Sigma[5]) || rbdi_nonzero(l->h[2]) || rbdi_nonzero(l->mass))
+        flags |= RBDI_MASS_KEPT;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
     if (l->parent < 0) flags |= RBDI_ROOT;
-    if (l->kind == RBDI_SCREW) flags |= RBDI_SCREWS;
-    if (!block && !rbdi_nonzero(l->ca)) flags |= RBDI_QUARTER;
-    if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_STRAIGHT;
+    if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
+    if (!block && !rbdi_nonzero(l->ca)) flags |= RBDI_TWIST_90;
+    if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
     out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
     out.block = out.slot = -1;
@@ -4749,9 +4967,9 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     out.r = rbdi_round3(l->r);
     out.d = RBD_C(l->d);
     out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
-    out.S = rbdi_round6(l->S);
+    out.Sigma = rbdi_round6(l->Sigma);
     out.h = rbdi_round3(l->h);
-    out.m = RBD_C(l->m), out.mc = RBD_C(l->mc);
+    out.mass = RBD_C(l->mass), out.subtree_mass = RBD_C(l->subtree_mass);
     return out;
 }
 
@@ -4785,9 +5003,9 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
         ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->scale + l->kappa * l->kappa * l->mass
+        const rbdi_wide scale = l->kind != RBDI_BLOCK ? l->rho * l->scale + l->kappa * l->kappa * l->all_mass
                                 : first + k < 3       ? l->scale
-                                                      : l->mass;
+                                                      : l->all_mass;
         d->body = (int16_t)l->body;
         d->before = -1;
         if (k > 0) {
@@ -4853,8 +5071,8 @@ static void rbdi_draft_solve(rbdi_draft *draft, int nl)
     for (int p = nl - 1; p >= 0; --p) rbdi_draft_regroup(draft, draft[p].order);
     for (int p = nl - 1; p >= 0; --p) {
         rbdi_draft *l = &draft[draft[p].order];
-        l->mc += l->m;
-        if (l->parent >= 0) draft[l->parent].mc += l->mc;
+        l->subtree_mass += l->mass;
+        if (l->parent >= 0) draft[l->parent].subtree_mass += l->subtree_mass;
     }
 }
 
@@ -4929,57 +5147,94 @@ static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k)
     return 1;
 }
 
-static void rbdi_emit(const rbd_body *bodies, int nb, rbdi_counts n, const rbdi_place *place,
-                      const rbdi_draft *draft, rbd_model *m, rbdi_link *link, rbdi_block *block,
-                      rbdi_dof *dof, rbdi_mimic *mimic, rbdi_frame *frame)
+/* Links, blocks, slots and dofs, in the solver's order. */
+static void rbdi_emit_links(const rbdi_build *b)
+{
+    rbd_model *m = b->m;
+    int block = 0;
+    m->nslot = 0;
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        *l = rbdi_emit_link(b->bodies, b->draft, p);
+        if (l->kind == RBDI_BLOCK) {
+            l->block = (int16_t)block;
+            b->block[block++] = rbdi_emit_block(&b->draft[b->draft[p].order]);
+        }
+        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
+            b->link[l->parent].slot = m->nslot++;
+        rbdi_emit_dofs(b->bodies, m, b->draft, p, b->dof);
+    }
+}
+
+static void rbdi_emit_frames(const rbdi_build *b)
 {
     int next = 0;
-    m->link = link, m->block = block, m->dof = dof, m->mimic = mimic, m->frame = frame;
-    m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
-    m->nb = (int16_t)nb, m->nq = (int16_t)n.nq, m->nv = (int16_t)n.nv;
-    m->nl = (int16_t)n.nl, m->nblock = (int16_t)n.nblock, m->nmimic = (int16_t)n.nmimic;
-    m->nslot = 0;
-    m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
-    for (int p = 0; p < n.nl; ++p) {
-        link[p] = rbdi_emit_link(bodies, draft, p);
-        if (link[p].kind == RBDI_BLOCK) {
-            link[p].block = (int16_t)next;
-            block[next++] = rbdi_emit_block(&draft[draft[p].order]);
-        }
-        if (link[p].parent >= 0 && link[p].parent != p - 1 && link[link[p].parent].slot < 0)
-            link[link[p].parent].slot = m->nslot++;
-        rbdi_emit_dofs(bodies, m, draft, p, dof);
+    for (int i = 0; i < b->nb; ++i) {
+        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->draft);
+        if (!b->bodies[i].mimic) continue;
+        const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
+        rbdi_mimic *k = &b->mimic[next++];
+        k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
+        k->ratio = RBD_C(b->bodies[i].mimic_ratio), k->offset = RBD_C(b->bodies[i].mimic_offset);
+        b->dof[k->source_v].scale += k->ratio * k->ratio * b->dof[b->place[i].iv].scale;
     }
-    next = 0;
-    for (int i = 0; i < nb; ++i) {
-        frame[i] = rbdi_emit_frame(&bodies[i], &place[i], draft);
-        if (bodies[i].mimic) {
-            const rbdi_place *source = &place[rbdi_mimic_source(bodies, nb, i)];
-            rbdi_mimic *k = &mimic[next++];
-            k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-            k->ratio = RBD_C(bodies[i].mimic_ratio), k->offset = RBD_C(bodies[i].mimic_offset);
-            dof[k->source_v].scale += k->ratio * k->ratio * dof[place[i].iv].scale;
-        }
-    }
-    rbdi_emit_tree(m, mimic, dof);
-    next = 0, m->nhx = 0;
-    for (int p = 0; p < n.nl; ++p) {
-        const int dofs = link[p].block < 0 ? 1 : block[link[p].block].n;
-        link[p].first = (int16_t)next;
+}
+
+/* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
+static void rbdi_emit_order(const rbdi_build *b)
+{
+    rbd_model *m = b->m;
+    int next = 0;
+    m->nhx = 0;
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        const int dofs = l->block < 0 ? 1 : b->block[l->block].n;
+        l->first = (int16_t)next;
         for (int k = 0; k < dofs; ++k, ++next) {
-            const rbdi_dof *d = &dof[link[p].iv + k];
-            dof[next].here = (int16_t)(link[p].iv + k);
-            dof[next].row_here = d->row;
-            if (rbdi_own_row(m, dof, link[p].iv + k)) continue;
-            dof[next].row_here = m->nh + m->nhx;
+            const rbdi_dof *d = &b->dof[l->iv + k];
+            b->order[next].dof = (int16_t)(l->iv + k);
+            b->order[next].row = d->row;
+            if (rbdi_own_row(m, b->dof, l->iv + k)) continue;
+            b->order[next].row = m->nh + m->nhx;
             m->nhx += d->level + 1;
         }
     }
-    for (int p = 0; p < n.nl; ++p) {
-        const int behind = p + draft[draft[p].order].size;
-        link[p].end = behind < n.nl ? link[behind].first : (int16_t)next;
+    for (int p = 0; p < m->nl; ++p) {
+        const int behind = p + b->draft[b->draft[p].order].size;
+        b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
     }
+}
+
+static void rbdi_emit(const rbdi_build *b)
+{
+    rbd_model *m = b->m;
+    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
+    m->frame = b->frame;
+    m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
+    m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
+    m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
+    m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
+    rbdi_emit_links(b);
+    rbdi_emit_frames(b);
+    rbdi_emit_tree(m, b->mimic, b->dof);
+    rbdi_emit_order(b);
     rbdi_shape(m, m->shape);
+}
+
+/* Cuts the model and the build's own scratch off the memory. */
+static void rbdi_build_take(rbdi_build *b, void *memory)
+{
+    const rbdi_counts n = b->n;
+    unsigned char *p = rbdi_aligned(memory);
+    b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
+    b->link = (rbdi_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_link)));
+    b->block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
+    b->dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
+    b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
+    b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
+    b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
+    b->draft = (rbdi_draft *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_draft)));
+    b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
 RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb)
@@ -4992,17 +5247,6 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
                                    const rbd_model **model, rbd_report *report)
 {
     rbd_report own;
-    rbdi_counts n;
-    rbdi_place *place;
-    rbdi_draft *draft;
-    rbd_model *m;
-    rbdi_link *link;
-    rbdi_block *block;
-    rbdi_dof *dof;
-    rbdi_mimic *mimic;
-    rbdi_frame *frame;
-    unsigned char *p;
-    int nl = 0;
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
@@ -5010,31 +5254,24 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
     if (!bodies || !memory || !model) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
     for (int i = 0; i < nb; ++i) {
-        rbd_status status = rbdi_check_body(bodies, nb, i, report);
+        const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
-    n = rbdi_count(bodies, nb);
-    if (size < rbdi_model_bytes(n, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
-    p = rbdi_aligned(memory);
-    m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
-    link = (rbdi_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_link)));
-    block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
-    dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
-    mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
-    frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nb * sizeof(rbdi_frame)));
-    draft = (rbdi_draft *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_draft)));
-    place = (rbdi_place *)rbdi_take(&p, nb, sizeof(rbdi_place));
-    rbdi_place_coordinates(bodies, nb, n, place);
-    for (int i = 0; i < nb; ++i) {
-        rbdi_draft_joint(bodies, i, place, draft, &nl);
-        rbdi_draft_mass(&bodies[i], &place[i], draft);
+    rbdi_build b;
+    b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
+    if (size < rbdi_model_bytes(b.n, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    rbdi_build_take(&b, memory);
+    rbdi_place_coordinates(bodies, nb, b.n, b.place);
+    for (int i = 0, nl = 0; i < nb; ++i) {
+        rbdi_draft_joint(bodies, i, b.place, b.draft, &nl);
+        rbdi_draft_mass(&bodies[i], &b.place[i], b.draft);
     }
     for (int i = 0; i < nb; ++i)
-        if (bodies[i].type != RBD_FIXED && !rbdi_moves_something(bodies, nb, place, i))
+        if (bodies[i].type != RBD_FIXED && !rbdi_moves_something(bodies, nb, b.place, i))
             return rbdi_refuse(report, RBD_ERR_LEAF, i, bodies[i].name, "mass");
-    rbdi_draft_solve(draft, nl);
-    rbdi_emit(bodies, nb, n, place, draft, m, link, block, dof, mimic, frame);
-    *model = m;
+    rbdi_draft_solve(b.draft, b.n.nl);
+    rbdi_emit(&b);
+    *model = b.m;
     return RBD_OK;
 }
 
@@ -5059,8 +5296,7 @@ struct rbd_batch {
 static int rbdi_batch_output(const rbd_model *m) { return m->nv * m->nv > m->nv ? m->nv * m->nv : m->nv; }
 
 /* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
-#if defined __has_builtin
-#if __has_builtin(__builtin_shufflevector) && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
+#if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
 #define RBDI_EXCHANGE(x, step) \
     for (int i = 0; i < RBD_LANES; ++i) \
         if (!(i & (step))) { \
@@ -5083,7 +5319,6 @@ static int rbdi_batch_output(const rbd_model *m) { return m->nv * m->nv > m->nv 
 #define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
 #define RBDI_SHUFFLE_LOW_4(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
 #define RBDI_SHUFFLE_HIGH_4(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
-#endif
 #endif
 #endif
 #ifdef RBDI_SHUFFLE_LOW_1
@@ -5308,7 +5543,7 @@ RBDI_EXTERN_C_CLOSE
 #pragma pop_macro("Y")
 #pragma pop_macro("Z")
 
-/* ---- licence ----
+/* ---- licence [licence] ----
 
    MIT License
 

@@ -49,6 +49,26 @@ static const char *body_of_link(const rbd_model *m, int link) {
     return "part of a joint";
 }
 
+/* What the constants of a link spare, by name. */
+static void write_flags(int flags) {
+    static const struct {
+        int flag;
+        const char *name;
+    } names[] = {{RBDI_BRANCH_TURN, "RBDI_BRANCH_TURN"}, {RBDI_SHIFT_XYZ, "RBDI_SHIFT_XYZ"},
+                 {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},         {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
+                 {RBDI_ARMATURE, "RBDI_ARMATURE"},       {RBDI_ROOT, "RBDI_ROOT"},
+                 {RBDI_SLIDES, "RBDI_SLIDES"},           {RBDI_TWIST_90, "RBDI_TWIST_90"},
+                 {RBDI_TWIST_0, "RBDI_TWIST_0"}};
+    const char *between = "";
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (flags & names[i].flag) {
+            printf("%s%s", between, names[i].name);
+            between = " | ";
+        }
+    if (!*between)
+        putchar('0');
+}
+
 static void write_links(const char *name, const rbd_model *m) {
     printf(
         "/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |\n"
@@ -58,23 +78,25 @@ static void write_links(const char *name, const rbd_model *m) {
         const rbdi_link *l = &m->link[i];
         const double angles[] = {l->gamma, l->cg, l->sg, l->ca, l->sa, l->cb, l->sb};
         const double slide[] = {l->d, l->rho, l->kappa};
-        printf("    {%d, %d, %d, %d, %d, %d, %d, %s, %d, /* %d: ", l->parent, l->iq, l->iv, l->block, l->slot,
-               l->first, l->end, kind_name(l->kind), l->flags, i);
+        printf("    {%d, %d, %d, %d, %d, %d, %d, %s, /* %d: ", l->parent, l->iq, l->iv, l->block, l->slot,
+               l->first, l->end, kind_name(l->kind), i);
         print_in_comment(body_of_link(m, i));
         printf(" */\n     ");
+        write_flags(l->flags);
+        printf(",\n     ");
         list(angles, 7);
         printf("\n     ");
         vector(l->r);
         printf(", ");
         list(slide, 3);
         printf("\n     ");
-        symmetric(l->S);
+        symmetric(l->Sigma);
         printf(",\n     ");
         vector(l->h);
         printf(", ");
-        number(l->m);
+        number(l->mass);
         printf(", ");
-        number(l->mc);
+        number(l->subtree_mass);
         printf("},\n");
     }
     printf("};\n\n");
@@ -96,20 +118,26 @@ static void write_blocks(const char *name, const rbd_model *m) {
 
 static void write_dofs(const char *name, const rbd_model *m) {
     printf("/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |\n"
-           "   dof at this solver position, its row | armature, damping, "
-           "friction | inertia of what it moves */\n");
+           "   armature, damping, friction | inertia of what it moves */\n");
     printf("static const rbdi_dof %s_dofs[%d] = {\n", name, m->nv + m->nmimic);
     for (int i = 0; i < m->nv + m->nmimic; ++i) {
         const rbdi_dof *d = &m->dof[i];
         const double passive[] = {d->armature, d->damping, d->friction};
-        printf("    {%d, %d, %d, %d, %d, %d, %d, %d, ", d->body, d->lambda, (int)d->row, d->depth, d->before,
-               d->level, d->here, (int)d->row_here);
+        printf("    {%d, %d, %d, %d, %d, %d, ", d->body, d->lambda, (int)d->row, d->depth, d->before, d->level);
         list(passive, 3);
         putchar(' ');
         number(d->scale);
         printf("},\n");
     }
     printf("};\n\n");
+}
+
+static void write_order(const char *name, const rbd_model *m) {
+    printf("/* the dofs as the solver meets them: dof, its row */\n");
+    printf("static const rbdi_order %s_order[%d] = {\n   ", name, m->nv + m->nmimic);
+    for (int i = 0; i < m->nv + m->nmimic; ++i)
+        printf(" {%d, %d},%s", m->order[i].dof, (int)m->order[i].row, i % 8 == 7 ? "\n   " : "");
+    printf("\n};\n\n");
 }
 
 static void write_mimics(const char *name, const rbd_model *m) {
@@ -192,6 +220,7 @@ void print_c_model(const robot *r, const char *name) {
     write_links(name, m);
     write_blocks(name, m);
     write_dofs(name, m);
+    write_order(name, m);
     write_mimics(name, m);
     write_frames(name, m);
     printf("static const rbd_model %s_model = {\n"
@@ -205,7 +234,7 @@ void print_c_model(const robot *r, const char *name) {
         printf("%s_blocks, ", name);
     else
         printf("NULL, ");
-    printf("%s_dofs, ", name);
+    printf("%s_dofs, %s_order, ", name, name);
     if (m->nmimic)
         printf("%s_mimics, ", name);
     else
