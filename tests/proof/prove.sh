@@ -18,6 +18,10 @@ sed -e 's/^RBDI_PART void \*rbdi_take(/RBDI_PART void *rbdi_take_unused(/' -e 's
     "$here/../../rbd.h" >"$folder/rbd_arrays.h" || exit 1
 grep -q '^RBDI_PART void \*rbdi_take_unused(' "$folder/rbd_arrays.h" || { echo "FAILED: rbd.h has no rbdi_take"; exit 1; }
 
+# The build's symbol, which may carry the scalar.
+build=$(printf '#define RBD_STATIC\n#include "rbd_arrays.h"\nsymbol rbd_model_build\n' |
+    cc -E -P -U__GNUC__ -DRBD_SPECIALISE -I"$folder" - | sed -n 's/^symbol //p')
+
 # prove NAME HARNESS COUNT DEFINE...: COUNT is how many cases must come to the end of the harness
 prove() {
     name=$1 harness=$2 count=$3
@@ -28,8 +32,8 @@ prove() {
     frama-c -eva -machdep x86_64 -cpp-extra-args="-I$folder -U__GNUC__ -DRBD_SPECIALISE $*" \
         -warn-special-float none -warn-invalid-pointer -warn-signed-overflow -warn-signed-downcast \
         -eva-slevel 0 -eva-min-loop-unroll 160 -eva-auto-loop-unroll 3000 \
-        -eva-slevel-function rbd_model_build:200 -eva-slevel-function prove_one:200 -eva-slevel-function rbdi_append_number:50 \
-        -eva-split-return-function rbd_model_build:0 -eva-alloc-builtin fresh -eva-no-alloc-returns-null \
+        -eva-slevel-function "$build:200" -eva-slevel-function prove_one:200 -eva-slevel-function rbdi_append_number:50 \
+        -eva-split-return-function "$build:0" -eva-alloc-builtin fresh -eva-no-alloc-returns-null \
         -eva-no-show-progress -eva-msg-key=-initial-state,-final-states,-malloc "$here/$harness.c" 2>&1 |
         grep -v 'superposing\|allocating variable\|loop-unroll' >"$log"
     cases=$(grep -c 'Frama_C_show_each_proved' "$log")
