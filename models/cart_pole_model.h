@@ -34,12 +34,14 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link cart_pole_links[2] = {
-    {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, 239, /* 0: cart */
+    {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, /* 0: cart */
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90,
      RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, 1,
      {0, 0, 0}, 0, 0, 1,
      {0, 0, 0, 0, 0, 0},
      {0, 0, 0}, RBD_C(1.7), RBD_C(1.7)},
-    {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, 128, /* 1: pole */
+    {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, /* 1: pole */
+     RBDI_TWIST_90,
      0, 1, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0595), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
@@ -47,10 +49,15 @@ static const rbdi_link cart_pole_links[2] = {
 };
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
-   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+   armature, damping, friction | inertia of what it moves */
 static const rbdi_dof cart_pole_dofs[2] = {
-    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(1.7)},
-    {1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(1.7)},
+    {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
+};
+
+/* the dofs as the solver meets them: dof, its row */
+static const rbdi_order cart_pole_order[2] = {
+    {0, 0}, {1, 1},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -72,7 +79,7 @@ static const rbd_model cart_pole_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
     2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    cart_pole_links, NULL, cart_pole_dofs, NULL, cart_pole_frames,
+    cart_pole_links, NULL, cart_pole_dofs, cart_pole_order, NULL, cart_pole_frames,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 

@@ -49,37 +49,44 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link iiwa_links[7] = {
-    {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, 290, /* 0: lbr_iiwa_link_1 */
+    {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, /* 0: lbr_iiwa_link_1 */
+     RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0,
      0, 1, 0, 1, 0, 1, 0,
      {0, 0, RBD_C(0.36)}, 0, 1, 0,
      {RBD_C(0.0049999999999999906), 0, 0, RBD_C(0.037656), RBD_C(0.009900000000000003), 0},
      {0, RBD_C(0.048000000000000015), 0}, 0, 0},
-    {0, 1, 1, -1, -1, 1, 7, RBDI_REVOLUTE, 128, /* 1: lbr_iiwa_link_2 */
+    {0, 1, 1, -1, -1, 1, 7, RBDI_REVOLUTE, /* 1: lbr_iiwa_link_2 */
+     RBDI_TWIST_90,
      0, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.006000359999999998), RBD_C(7.079999999999999e-05), RBD_C(-5.04e-05), RBD_C(1.60669475), RBD_C(-0.009912), 0},
      {RBD_C(-0.0012), RBD_C(-3.9695), 0}, 0, 0},
-    {1, 2, 2, -1, -1, 2, 7, RBDI_REVOLUTE, 132, /* 2: lbr_iiwa_link_3 */
+    {1, 2, 2, -1, -1, 2, 7, RBDI_REVOLUTE, /* 2: lbr_iiwa_link_3 */
+     RBDI_SHIFT_Z | RBDI_TWIST_90,
      0, 1, 0, 0, 1, 1, 0,
      {0, 0, 0}, RBD_C(0.42), 1, 0,
      {RBD_C(0.0025000000000000022), 0, 0, RBD_C(0.01882120000000001), RBD_C(-0.007694999999999999), 0},
      {0, RBD_C(-0.00180000000000001), 0}, 0, 0},
-    {2, 3, 3, -1, -1, 3, 7, RBDI_REVOLUTE, 128, /* 3: lbr_iiwa_link_4 */
+    {2, 3, 3, -1, -1, 3, 7, RBDI_REVOLUTE, /* 3: lbr_iiwa_link_4 */
+     RBDI_TWIST_90,
      0, 1, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.004500000000000004), 0, 0, RBD_C(0.504482725), RBD_C(0.006150600000000002), 0},
      {0, RBD_C(1.46375), 0}, 0, 0},
-    {3, 4, 4, -1, -1, 4, 7, RBDI_REVOLUTE, 132, /* 4: lbr_iiwa_link_5 */
+    {3, 4, 4, -1, -1, 4, 7, RBDI_REVOLUTE, /* 4: lbr_iiwa_link_5 */
+     RBDI_SHIFT_Z | RBDI_TWIST_90,
      0, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, RBD_C(0.4), 1, 0,
      {RBD_C(0.0015000169999999978), RBD_C(3.5700000000000005e-06), RBD_C(2.3715000000000006e-05), RBD_C(0.006199987999999999), RBD_C(0.004980150000000001), 0},
      {RBD_C(-0.00017), RBD_C(-0.034980000000000004), 0}, 0, 0},
-    {4, 5, 5, -1, -1, 5, 7, RBDI_REVOLUTE, 128, /* 5: lbr_iiwa_link_6 */
+    {4, 5, 5, -1, -1, 5, 7, RBDI_REVOLUTE, /* 5: lbr_iiwa_link_6 */
+     RBDI_TWIST_90,
      0, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0016499999999999996), 0, 0, RBD_C(0.006610947999999999), RBD_C(-4.32e-07), 0},
      {0, RBD_C(-0.03138), 0}, 0, 0},
-    {5, 6, 6, -1, -1, 6, 7, RBDI_REVOLUTE, 128, /* 6: lbr_iiwa_link_7 */
+    {5, 6, 6, -1, -1, 6, 7, RBDI_REVOLUTE, /* 6: lbr_iiwa_link_7 */
+     RBDI_TWIST_90,
      0, 1, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0005), 0, 0, RBD_C(0.0005), 0, 0},
@@ -87,15 +94,20 @@ static const rbdi_link iiwa_links[7] = {
 };
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
-   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+   armature, damping, friction | inertia of what it moves */
 static const rbdi_dof iiwa_dofs[7] = {
-    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(4.948702856047041)},
-    {1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0, RBD_C(4.906046848129121)},
-    {2, 1, 3, 2, 1, 2, 2, 3, 0, 0, 0, RBD_C(1.035037693444532)},
-    {3, 2, 6, 3, 2, 3, 3, 6, 0, 0, 0, RBD_C(1.013716486455989)},
-    {4, 3, 10, 4, 3, 4, 4, 10, 0, 0, 0, RBD_C(0.018929257770604068)},
-    {5, 4, 15, 5, 4, 5, 5, 15, 0, 0, 0, RBD_C(0.011229248236288712)},
-    {6, 5, 21, 6, 5, 6, 6, 21, 0, 0, 0, RBD_C(0.0010000002319424653)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(4.948702856047041)},
+    {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(4.906046848129121)},
+    {2, 1, 3, 2, 1, 2, 0, 0, 0, RBD_C(1.035037693444532)},
+    {3, 2, 6, 3, 2, 3, 0, 0, 0, RBD_C(1.013716486455989)},
+    {4, 3, 10, 4, 3, 4, 0, 0, 0, RBD_C(0.018929257770604068)},
+    {5, 4, 15, 5, 4, 5, 0, 0, 0, RBD_C(0.011229248236288712)},
+    {6, 5, 21, 6, 5, 6, 0, 0, 0, RBD_C(0.0010000002319424653)},
+};
+
+/* the dofs as the solver meets them: dof, its row */
+static const rbdi_order iiwa_order[7] = {
+    {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -142,7 +154,7 @@ static const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
     7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    iiwa_links, NULL, iiwa_dofs, NULL, iiwa_frames,
+    iiwa_links, NULL, iiwa_dofs, iiwa_order, NULL, iiwa_frames,
     {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c00000000)}, /* lengths of a work's arrays */
 };
 

@@ -31,7 +31,8 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link pendulum_links[1] = {
-    {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, 160, /* 0: rod */
+    {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, /* 0: rod */
+     RBDI_ROOT | RBDI_TWIST_90,
      0, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0005000000000000004), 0, 0, RBD_C(0.39949999999999997), 0, 0},
@@ -39,9 +40,14 @@ static const rbdi_link pendulum_links[1] = {
 };
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
-   dof at this solver position, its row | armature, damping, friction | inertia of what it moves */
+   armature, damping, friction | inertia of what it moves */
 static const rbdi_dof pendulum_dofs[1] = {
-    {0, -1, 0, 0, -1, 0, 0, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
+};
+
+/* the dofs as the solver meets them: dof, its row */
+static const rbdi_order pendulum_order[1] = {
+    {0, 0},
 };
 
 /* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
@@ -58,7 +64,7 @@ static const rbd_model pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
     1, 0, 0, 0, 1, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    pendulum_links, NULL, pendulum_dofs, NULL, pendulum_frames,
+    pendulum_links, NULL, pendulum_dofs, pendulum_order, NULL, pendulum_frames,
     {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x100000000)}, /* lengths of a work's arrays */
 };
 
