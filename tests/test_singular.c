@@ -271,43 +271,6 @@ START_TEST(regular_call_after_a_singular_one_is_clean) {
 }
 END_TEST
 
-static void expect_nan(const char *what, const robot *r, rbd_status status, const double *x, int n, int last) {
-    ck_assert_msg(status == RBD_ERR_NAN, "%s: %s", what, rbd_status_string(status));
-    ck_assert_msg(rbd_singular_dof(r->w) >= 0 && rbd_singular_dof(r->w) <= last, "%s: %d", what,
-                  rbd_singular_dof(r->w));
-    for (int i = 0; i < n; i++)
-        ck_assert_msg(!(x[i] < 0) && !(x[i] > 0) && isfinite(x[i]), "%s: entry %d is not 0", what, i);
-}
-
-/* A coordinate on which the mass matrix depends is no number: that is said, and not called singular. */
-START_TEST(coordinates_that_are_no_numbers_are_named) {
-    for (int mimic = 0; mimic < 2; mimic++) {
-        const rbd_body b[4] = {
-            {.joint = "first", .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
-            {.type = RBD_REVOLUTE, .axis = {0, 1, 0}, .position = {1, 0, 0}, BOX},
-            {.parent = 1, .type = RBD_REVOLUTE, .axis = {1, 0, 0}, .position = {0, 1, 0}, BOX},
-            {.parent = 2, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .position = {0, 1, 1}, BOX,
-             .mimic = mimic ? "first" : NULL, .mimic_ratio = mimic}};
-        robot r = BUILD(b);
-        const double bad[3] = {NAN, HUGE_VAL, -HUGE_VAL}, zero[4] = {0};
-        double M[16], L[16], a[4];
-        for (int i = 0; i < 6; i++) {
-            double q[4] = {0.1, 0.2, 0.3, 0.4};
-            const int at = 1 + i % 2;
-            q[at] = bad[i / 2];
-            expect_nan("aba", &r, rbd_aba(r.m, r.w, q, zero, zero, NULL, a), a, r.nv, at);
-            expect_nan("fd_cholesky", &r, rbd_fd_cholesky(r.m, r.w, q, zero, zero, NULL, a), a, r.nv, at);
-            ck_assert_int_eq(rbd_crba(r.m, r.w, q, M), RBD_OK);
-            expect_nan("factor", &r, rbd_cholesky_factor(r.m, r.w, M, L), L, rbd_packed_size(r.m), at);
-            q[at] = 0.5;
-            ck_assert_int_eq(rbd_aba(r.m, r.w, q, zero, zero, NULL, a), RBD_OK);
-            ck_assert_int_eq(rbd_singular_dof(r.w), -1);
-        }
-        robot_free(&r);
-    }
-}
-END_TEST
-
 /* Small is not singular: a light robot, a tiny one, a heavy one still have an acceleration. */
 START_TEST(small_and_large_robots_are_not_singular) {
     const double scales[4] = {1e-9, 1e-6, 1e6, 1e9};
@@ -376,7 +339,6 @@ Suite *singular_suite(void) {
     tcase_add_test(c, configuration_that_is_not_a_number_is_an_error);
     tcase_add_test(c, mimic_that_undoes_its_leader_is_singular);
     tcase_add_test(c, regular_call_after_a_singular_one_is_clean);
-    tcase_add_test(c, coordinates_that_are_no_numbers_are_named);
     tcase_add_test(c, small_and_large_robots_are_not_singular);
     tcase_add_test(c, light_link_on_a_heavy_one_is_not_singular);
     suite_add_tcase(suite, c);
