@@ -4136,7 +4136,7 @@ RBD_API const char *rbd_status_string(rbd_status status)
 static size_t rbdi_append(char *text, size_t size, size_t at, const char *more)
 {
     for (; *more && at + 1 < size; ++more) text[at++] = *more;
-    if (size > 0) text[at] = 0;
+    text[at] = 0;
     return at;
 }
 
@@ -4148,7 +4148,7 @@ static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
     do {
         digits[--n] = (char)('0' + number % 10);
         number /= 10;
-    } while (number > 0 && n > 0);
+    } while (number > 0);
     return rbdi_append(text, size, at, &digits[n]);
 }
 
@@ -4918,7 +4918,6 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i)
     }
     if (l->parent < 0) return;
     rbdi_draft_origin(l, r);
-    if (m <= 0 && m >= 0 && h[2] <= 0 && h[2] >= 0) r[0] = r[1] = r[2] = 0;
     rbdi_w_transpose(l->E, T);
     rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
@@ -4945,11 +4944,10 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     const rbd_body *b = &bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
-    if (!block && (rbdi_nonzero(l->sb) || l->cb < 1)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
+    if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
     if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
     if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
-    if (block || l->kind == RBDI_SCREW || rbdi_nonzero(l->Sigma[5]) || rbdi_nonzero(l->h[2]) || rbdi_nonzero(l->mass))
-        flags |= RBDI_MASS_KEPT;
+    if (block || l->kind == RBDI_SCREW) flags |= RBDI_MASS_KEPT;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
     if (l->parent < 0) flags |= RBDI_ROOT;
     if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
@@ -5389,7 +5387,7 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
 /* The calls, told apart by a constant so that each wrapper keeps its own alone. */
 enum { RBDI_CALL_RNEA, RBDI_CALL_CRBA, RBDI_CALL_CRBA_PACKED, RBDI_CALL_ABA, RBDI_CALL_FD_CHOLESKY };
 
-/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea NULL is zero. */
+/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea a = NULL is zero. */
 RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                       const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
                                       RBD_REAL *out)
@@ -5412,8 +5410,7 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
         if (a) rbdi_gather(a + at * nv, (int)nv, n - s, b->a);
         if (f_ext) rbdi_gather(f_ext + at * nf, (int)nf, n - s, b->f);
         if (call == RBDI_CALL_RNEA)
-            status = rbd_rnea(m, b->w, b->q, v ? b->v : b->w->zero, a ? b->a : b->w->zero,
-                              f_ext ? b->f : NULL, b->out);
+            status = rbd_rnea(m, b->w, b->q, b->v, a ? b->a : b->w->zero, f_ext ? b->f : NULL, b->out);
         if (full) status = rbd_crba(m, b->w, b->q, b->out);
         if (packed) status = rbd_crba_packed(m, b->w, b->q, b->out);
         if (call == RBDI_CALL_ABA)

@@ -527,6 +527,10 @@ START_TEST(null_arguments_are_refused) {
         if (c == RNEA || c == ABA || c == FD_CHOLESKY)
             ck_assert_int_eq(run_batch(&r, c, 1, &no_third, out), RBD_ERR_NULL);
     }
+    int dof = 0;
+    ck_assert_int_eq(rbd_batch_singular(NULL, NULL), -1);
+    ck_assert_int_eq(rbd_batch_singular(NULL, &dof), -1);
+    ck_assert_int_eq(dof, -1);
     const rbd_const gravity[3] = {0, 0, 0};
     ck_assert_int_eq(rbd_batch_set_gravity(NULL, gravity), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_batch_set_gravity(r.b, NULL), RBD_ERR_NULL);

@@ -288,6 +288,34 @@ START_TEST(leaf_with_fixed_mass_or_armature_is_welcome) {
 }
 END_TEST
 
+static void weigh_nothing(rbd_body *b) {
+    b->mass = 0;
+    memset(b->inertia, 0, sizeof b->inertia);
+}
+
+/* Inertia counts without mass, and what follows the leaf's joint moves with it. */
+START_TEST(leaf_that_moves_inertia_elsewhere_is_welcome) {
+    rbd_body b[NB];
+    sound(b);
+    weigh_nothing(&b[1]);
+    b[2].mass = 0; /* the tool keeps its inertia */
+    b[3].parent = 0;
+    ck_assert_int_eq(build(b, NB, NULL), RBD_OK);
+    weigh_nothing(&b[2]);
+    ck_assert_int_eq(build(b, NB, NULL), RBD_ERR_LEAF);
+    b[3].mimic = "elbow";
+    b[3].mimic_ratio = 1;
+    ck_assert_int_eq(build(b, NB, NULL), RBD_OK);
+}
+END_TEST
+
+/* A body fixed to one that is fixed to the leaf: neither has mass, and nothing hangs on them. */
+START_TEST(leaf_with_two_massless_bodies_fixed_to_it_is_refused) {
+    REFUSES(RBD_ERR_LEAF, 1, "mass", b[3].type = RBD_FIXED; b[3].axis[0] = b[3].axis[1] = 0;
+            for (int i = 1; i < NB; i++) weigh_nothing(&b[i]));
+}
+END_TEST
+
 START_TEST(negative_and_nonfinite_joint_constants_are_refused) {
     REFUSES(RBD_ERR_ARMATURE, 1, "armature", b[1].armature[0] = -1);
     REFUSES(RBD_ERR_DAMPING, 1, "damping", b[1].damping[0] = -1);
@@ -367,10 +395,56 @@ START_TEST(impossible_inertias_are_warned_of) {
     WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, 1, 0, 0, 1, 0, -0.1));
     WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, 1, 2, 0, 1, 0, 1)); /* eigenvalue 1 - 2 */
     WARNS(RBD_WARN_INERTIA_NEGATIVE, 2, "inertia", INERTIA(2, 1, 0, 0, 1, 1.5, 1));
+    WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, -1, 0, 0, 1, 0, 1));
+    WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, 1, -0.6, -0.6, 1, -0.6, 1)); /* only det < 0 */
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 1, 0, 0, 1, 0, 2.1));
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 3, "inertia", INERTIA(3, 1, 0.9, 0, 1, 0, 0.1)); /* 1.9, 0.1, 0.1 */
     WARNS(RBD_WARN_INERTIA_ZERO, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 0));
     WARNS(RBD_WARN_MASS_ZERO, 1, "mass", b[1].mass = 0);
+}
+END_TEST
+
+/* R diag(moment) R', as six entries. */
+static void turn_moments(const double R[9], const double moment[3], double I[6]) {
+    int entry = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++, entry++) {
+            I[entry] = 0;
+            for (int k = 0; k < 3; k++)
+                I[entry] += R[3 * i + k] * moment[k] * R[3 * j + k];
+        }
+}
+
+/* The principal moments decide, whatever axes they are seen in. */
+START_TEST(warnings_of_inertia_are_those_of_its_principal_moments) {
+    uint64_t seed = 23;
+    int seen[3] = {0};
+    for (int i = 0; i < 1000; i++) {
+        rbd_body b[NB];
+        rbd_report report;
+        double R[9], moment[3];
+        sound(b);
+        random_rotation(&seed, R);
+        for (int k = 0; k < 3; k++)
+            moment[k] = uniform(&seed, k == 0 ? -0.5 : 0.1, 1);
+        const double least = fmin(moment[0], fmin(moment[1], moment[2]));
+        const double most = fmax(moment[0], fmax(moment[1], moment[2]));
+        const double beyond = 2 * most - moment[0] - moment[1] - moment[2];
+        const int expected = least < 0    ? RBD_WARN_INERTIA_NEGATIVE
+                             : beyond > 0 ? RBD_WARN_INERTIA_TRIANGLE
+                                          : RBD_OK;
+        if (fabs(least) < 1e-6 || fabs(beyond) < 1e-6)
+            continue;
+        turn_moments(R, moment, b[1].inertia);
+        ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+        ck_assert_msg(report.warnings == (expected != RBD_OK), "%g %g %g: %d warnings", moment[0], moment[1],
+                      moment[2], report.warnings);
+        if (expected != RBD_OK)
+            ck_assert_int_eq(report.warning[0].status, expected);
+        seen[expected]++;
+    }
+    for (int k = 0; k < 3; k++)
+        ck_assert_int_gt(seen[k], 100);
 }
 END_TEST
 
@@ -430,6 +504,49 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_model_build(NULL, NB, memory, sizeof memory, &m, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_model_build(b, NB, NULL, sizeof memory, &m, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_model_build(b, NB, memory, sizeof memory, NULL, NULL), RBD_ERR_NULL);
+}
+END_TEST
+
+/* Whatever stood in the pointer before: a model that was refused is not there. */
+START_TEST(model_is_null_after_an_error) {
+    static unsigned char memory[RBD_MODEL_SIZE(NB)];
+    const rbd_model *const before = (const rbd_model *)(const void *)memory;
+    const rbd_model *m = before;
+    rbd_body b[NB];
+    sound(b);
+    ck_assert_int_eq(rbd_model_build(NULL, NB, memory, sizeof memory, &m, NULL), RBD_ERR_NULL);
+    ck_assert_ptr_null(m);
+    m = before;
+    ck_assert_int_eq(rbd_model_build(b, NB, NULL, sizeof memory, &m, NULL), RBD_ERR_NULL);
+    ck_assert_ptr_null(m);
+    m = before;
+    ck_assert_int_eq(rbd_model_build(b, 0, memory, sizeof memory, &m, NULL), RBD_ERR_COUNT);
+    ck_assert_ptr_null(m);
+    m = before;
+    ck_assert_int_eq(rbd_model_build(b, NB, memory, 100, &m, NULL), RBD_ERR_MEMORY);
+    ck_assert_ptr_null(m);
+    m = before;
+    b[3].mass = -1;
+    ck_assert_int_eq(rbd_model_build(b, NB, memory, sizeof memory, &m, NULL), RBD_ERR_MASS);
+    ck_assert_ptr_null(m);
+    m = before;
+    weigh_nothing(&b[3]);
+    ck_assert_int_eq(rbd_model_build(b, NB, memory, sizeof memory, &m, NULL), RBD_ERR_LEAF);
+    ck_assert_ptr_null(m);
+}
+END_TEST
+
+/* Nothing is checked but the count: an unknown joint type counts as fixed. */
+START_TEST(size_of_a_wrong_description_is_a_figure_too) {
+    rbd_body b[NB];
+    sound(b);
+    ck_assert_uint_eq(rbd_model_size(NULL, NB), 0);
+    b[3].type = RBD_FIXED;
+    const size_t size = rbd_model_size(b, NB);
+    b[3].type = RBD_JOINT_TYPES;
+    ck_assert_uint_eq(rbd_model_size(b, NB), size);
+    b[3].type = (rbd_joint_type)1000000;
+    ck_assert_uint_eq(rbd_model_size(b, NB), size);
 }
 END_TEST
 
@@ -559,15 +676,20 @@ Suite *build_suite(void) {
     tcase_add_test(c, movable_leaf_without_mass_is_refused);
     tcase_add_test(c, armature_beyond_the_joint_s_freedom_is_no_inertia);
     tcase_add_test(c, leaf_with_fixed_mass_or_armature_is_welcome);
+    tcase_add_test(c, leaf_that_moves_inertia_elsewhere_is_welcome);
+    tcase_add_test(c, leaf_with_two_massless_bodies_fixed_to_it_is_refused);
     tcase_add_test(c, negative_and_nonfinite_joint_constants_are_refused);
     tcase_add_test(c, nonfinite_limits_and_negative_maxima_are_refused);
     tcase_add_test(c, wrong_mimic_joints_are_refused);
     tcase_add_test(c, joint_may_follow_a_later_one);
     tcase_add_test(c, impossible_inertias_are_warned_of);
+    tcase_add_test(c, warnings_of_inertia_are_those_of_its_principal_moments);
     tcase_add_test(c, borderline_inertias_are_not_warned_of);
     tcase_add_test(c, reference_models_have_no_error);
     tcase_add_test(c, warnings_are_counted_beyond_what_is_kept);
     tcase_add_test(c, null_arguments_are_refused);
+    tcase_add_test(c, model_is_null_after_an_error);
+    tcase_add_test(c, size_of_a_wrong_description_is_a_figure_too);
     tcase_add_test(c, body_count_out_of_range_is_refused);
     tcase_add_test(c, memory_one_byte_too_small_is_refused);
     tcase_add_test(c, memory_of_any_alignment_suffices);

@@ -138,6 +138,8 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_crba_packed(r.m, NULL, q, M), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_crba_packed(r.m, r.w, NULL, M), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_crba_packed(r.m, r.w, q, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_packed_size(NULL), 0);
+    ck_assert_int_eq(rbd_packed_index(NULL, 0, 0), -1);
     robot_free(&r);
 }
 END_TEST

@@ -524,6 +524,40 @@ END_TEST
 
 /* ---- coordinates ---- */
 
+/* A common normal that is nearer to the child than to its parent, whose frame would have to move far. */
+START_TEST(common_normal_far_from_the_parent_alone_is_no_loss) {
+    const double sine = 0.05, cosine = sqrt(1 - sine * sine);
+    const rbd_body b[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
+                           {.type = RBD_REVOLUTE, .axis = {sine, 0, cosine}, .position = {0.495, 0, 0.868}, BOX}};
+    for (int side = -1; side <= 1; side += 2) {
+        rbd_body sided[2] = {b[0], b[1]};
+        uint64_t seed = 77;
+        state s;
+        sided[1].position[0] *= side;
+        robot r = BUILD(sided);
+        draw_state(&r, &seed, &s);
+        check_against_textbook("far normal", &r, &s, side);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* A rotor is inertia without mass: wherever it stands, the links beside it keep their accuracy. */
+START_TEST(rotor_beside_massive_links_is_no_loss) {
+    const rbd_body b[4] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
+        {.type = RBD_REVOLUTE, .axis = {0.6, 0, 0.8}, .position = {0.3, 0.2, 0.5}, BOX},
+        {.type = RBD_REVOLUTE, .axis = {0, 1, 0}, .position = {0, 0, 0.01}, .armature = {0.3}},
+        {.parent = 1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .position = {0.1, 0.2, 0.3}, BOX}};
+    uint64_t seed = 78;
+    state s;
+    robot r = BUILD(b);
+    draw_state(&r, &seed, &s);
+    check_against_textbook("rotor", &r, &s, 0);
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(angles_of_any_size_keep_their_accuracy) {
     const double angles[] = {-3.2, 7, -100, 1e3, -1e4, 123456.789, -999999, 1e6, 1.5e6, -1e9, 1e15};
     uint64_t seed = 71;
@@ -641,6 +675,8 @@ Suite *joints_suite(void) {
     tcase_add_test(c, order_of_bodies_does_not_matter);
     tcase_add_test(c, every_type_may_stand_anywhere);
     tcase_add_test(c, nearly_parallel_axes_lose_no_accuracy);
+    tcase_add_test(c, common_normal_far_from_the_parent_alone_is_no_loss);
+    tcase_add_test(c, rotor_beside_massive_links_is_no_loss);
     tcase_add_test(c, angles_of_any_size_keep_their_accuracy);
     tcase_add_test(c, sine_and_cosine_are_right_to_the_last_bits);
     tcase_add_test(c, only_the_direction_of_a_quaternion_counts);

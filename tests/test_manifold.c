@@ -242,6 +242,63 @@ START_TEST(random_stays_in_its_ranges_and_fills_them) {
 }
 END_TEST
 
+/* The same of the joints that are not above: a slide along an angle's axis is a length, a (cos, sin) is of
+   unit length whatever its limits say. */
+START_TEST(random_knows_angles_from_lengths) {
+    const rbd_body b[4] = {
+        {.parent = -1, .type = RBD_CYLINDRICAL, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.type = RBD_TRANSLATION, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 1, .type = RBD_UNIVERSAL, .axis = {1, 0, 0}, .axis2 = {0, 1, 0}, .mass = 1,
+         .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 2, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1,
+         .inertia = {1, 0, 0, 1, 0, 1}, .lower = 2, .upper = 3}};
+    enum { NQ = 9, LIMITED = 7 };
+    const double range[NQ] = {pi, 1, 1, 1, 1, pi, pi, 1, 1};
+    double low[NQ] = {0}, high[NQ] = {0}, q[MAX_Q];
+    uint64_t seed = 8;
+    robot r = BUILD(b);
+    ck_assert_int_eq(r.nq, NQ);
+    for (int i = 0; i < 2000; i++) {
+        ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+        ck_assert(fabs(hypot(q[LIMITED], q[LIMITED + 1]) - 1) < 1e-15);
+        for (int k = 0; k < NQ; k++) {
+            low[k] = fmin(low[k], q[k]);
+            high[k] = fmax(high[k], q[k]);
+        }
+    }
+    for (int k = 0; k < NQ; k++) {
+        ck_assert_msg(-range[k] <= low[k] && high[k] <= range[k], "q[%d] in (%g, %g)", k, low[k], high[k]);
+        ck_assert_msg(high[k] - low[k] > 1.9 * range[k], "q[%d] only in (%g, %g)", k, low[k], high[k]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* What has no direction is the identity, here as in the dynamics. */
+START_TEST(zero_quaternions_and_angles_are_the_identity) {
+    const rbd_body b[3] = {
+        {.parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 1, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}}};
+    enum { NQ = 13, NV = 10 };
+    const double none[NQ] = {0.1, 0.2, 0.3}, step[NV] = {0.3, -0.2, 0.1, 1, 2, 3, 0.4, 0.5, -0.6, 0.7};
+    double identity[NQ], moved[NQ], expected[NQ], d[NV], back[NV];
+    robot r = BUILD(b);
+    ck_assert_int_eq(rbd_neutral(r.m, identity), RBD_OK);
+    memcpy(identity, none, 3 * sizeof *none);
+    ck_assert_int_eq(rbd_integrate(r.m, none, step, 1, moved), RBD_OK);
+    ck_assert_int_eq(rbd_integrate(r.m, identity, step, 1, expected), RBD_OK);
+    expect_close("integrate from zero", &r, 0, moved, expected, NQ, 1e-15);
+    ck_assert_int_eq(rbd_difference(r.m, none, expected, d), RBD_OK);
+    expect_close("difference from zero", &r, 0, d, step, NV, 1e-14);
+    ck_assert_int_eq(rbd_difference(r.m, expected, none, d), RBD_OK);
+    ck_assert_int_eq(rbd_difference(r.m, expected, identity, back), RBD_OK);
+    expect_close("difference to zero", &r, 0, d, back, NV, 1e-15);
+    ck_assert(largest(back, NV) > 0.5);
+    robot_free(&r);
+}
+END_TEST
+
 /* Uniform orientation: each component of the quaternion has mean 0 and mean square 1/4. */
 START_TEST(random_orientations_are_uniform) {
     const int count = 20000;
@@ -319,6 +376,8 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, difference_holds_up_to_half_a_turn);
     tcase_add_test(c, integrate_keeps_quaternions_of_unit_length);
     tcase_add_test(c, random_stays_in_its_ranges_and_fills_them);
+    tcase_add_test(c, random_knows_angles_from_lengths);
+    tcase_add_test(c, zero_quaternions_and_angles_are_the_identity);
     tcase_add_test(c, random_orientations_are_uniform);
     tcase_add_test(c, random_is_repeatable_from_any_seed);
     tcase_add_test(c, null_arguments_are_refused);

@@ -74,6 +74,14 @@ START_TEST(finding_is_cut_to_fit_and_terminated) {
 }
 END_TEST
 
+START_TEST(finding_text_without_finding_or_text_is_left_alone) {
+    char text[8] = "same";
+    ck_assert_ptr_eq(rbd_finding_text(NULL, text, sizeof text), text);
+    ck_assert_str_eq(text, "same");
+    ck_assert_ptr_null(rbd_finding_text(&finding, NULL, 8));
+}
+END_TEST
+
 Suite *status_suite(void) {
     Suite *suite = suite_create("status");
     TCase *c = tcase_create("status");
@@ -82,6 +90,7 @@ Suite *status_suite(void) {
     tcase_add_test(c, finding_names_body_field_and_cause);
     tcase_add_test(c, finding_without_name_or_body_is_still_a_sentence);
     tcase_add_test(c, finding_is_cut_to_fit_and_terminated);
+    tcase_add_test(c, finding_text_without_finding_or_text_is_left_alone);
     suite_add_tcase(suite, c);
     return suite;
 }

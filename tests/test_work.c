@@ -263,6 +263,72 @@ START_TEST(work_of_another_model_is_refused) {
 }
 END_TEST
 
+static rbd_body massive(rbd_joint_type type, int parent) {
+    const rbd_body b = {.parent = parent, .type = type, .axis = {0, 0, 1}, .axis2 = {1, 0, 0}, .mass = 1,
+                        .com = {0.1, 0.2, 0.3}, .inertia = {1, 0, 0, 1, 0, 1}};
+    return b;
+}
+
+static void chain(rbd_body *b, const rbd_joint_type *types, int nb) {
+    for (int i = 0; i < nb; i++)
+        b[i] = massive(types[i], i - 1);
+}
+
+/* Two models that differ in one of the numbers that a work's arrays depend on, and in none before it. */
+static void expect_apart(const char *number, const rbd_body *a, int a_nb, const rbd_body *b, int b_nb) {
+    robot r = robot_build(number, a, a_nb), other = robot_build(number, b, b_nb);
+    double q[MAX_Q] = {0}, g[MAX_V];
+    ck_assert_msg(rbd_gravity(r.m, other.w, q, g) == RBD_ERR_WORK, "%s", number);
+    ck_assert_msg(rbd_gravity(other.m, r.w, q, g) == RBD_ERR_WORK, "%s", number);
+    robot_free(&r);
+    robot_free(&other);
+}
+
+START_TEST(works_of_models_that_differ_in_one_number_are_refused) {
+    rbd_body a[5], b[5];
+    a[0] = massive(RBD_CONTINUOUS, -1), b[0] = massive(RBD_CONTINUOUS_CS, -1);
+    b[1] = massive(RBD_FIXED, 0);
+    b[1].axis[2] = 0;
+    expect_apart("nb", a, 1, b, 2);
+    expect_apart("nq", a, 1, b, 1);
+    a[0] = massive(RBD_CYLINDRICAL, -1);
+    expect_apart("nv", a, 1, b, 1);
+    a[0] = massive(RBD_PLANAR, -1), b[0] = massive(RBD_EULER_XYZ, -1);
+    expect_apart("nl", a, 1, b, 1);
+    const rbd_joint_type balls[5] = {RBD_SPHERICAL, RBD_SPHERICAL, RBD_PLANAR, RBD_PLANAR, RBD_PLANAR};
+    const rbd_joint_type free[5] = {RBD_FLOATING, RBD_FLOATING, RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE};
+    chain(a, balls, 5), chain(b, free, 5);
+    expect_apart("nblock", a, 5, b, 5);
+    const rbd_joint_type hinges[5] = {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE};
+    chain(a, hinges, 3), chain(b, hinges, 3);
+    b[2].parent = 0;
+    expect_apart("nslot", a, 3, b, 3);
+    chain(a, hinges, 5), chain(b, hinges, 5);
+    a[0].type = RBD_FLOATING, b[0].type = RBD_SPHERICAL;
+    a[1].joint = "leader";
+    for (int i = 2; i < 5; i++)
+        a[i].mimic = "leader", a[i].mimic_ratio = 0.5;
+    expect_apart("nmimic", a, 5, b, 5);
+    chain(a, hinges, 2), chain(b, hinges, 2);
+    b[1].parent = -1;
+    expect_apart("nh", a, 2, b, 2);
+}
+END_TEST
+
+START_TEST(model_of_another_version_or_scalar_is_refused) {
+    robot r = robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb);
+    rbd_model other = *r.m;
+    rbd_work *w;
+    ck_assert_int_eq(rbd_work_init(&other, r.memory[1], rbd_work_size(r.m), &w), RBD_OK);
+    other.version++;
+    ck_assert_int_eq(rbd_work_init(&other, r.memory[1], rbd_work_size(r.m), &w), RBD_ERR_VERSION);
+    other = *r.m;
+    other.scalar = (int16_t)sizeof(float);
+    ck_assert_int_eq(rbd_work_init(&other, r.memory[1], rbd_work_size(r.m), &w), RBD_ERR_VERSION);
+    robot_free(&r);
+}
+END_TEST
+
 /* A const table that two files include is there twice. */
 START_TEST(work_serves_every_copy_of_its_model) {
     const ref_model *model = reference_model(0);
@@ -370,6 +436,8 @@ Suite *work_suite(void) {
     tcase_add_test(c, work_of_another_model_is_refused);
     tcase_add_test(c, work_of_a_model_built_over_is_refused);
     tcase_add_test(c, work_of_a_model_that_differs_in_one_count_is_refused);
+    tcase_add_test(c, works_of_models_that_differ_in_one_number_are_refused);
+    tcase_add_test(c, model_of_another_version_or_scalar_is_refused);
     tcase_add_test(c, work_serves_every_copy_of_its_model);
     suite_add_tcase(suite, c);
     TCase *bytes = tcase_create("bytes"); /* compares padding too, to which valgrind objects */

@@ -1,0 +1,480 @@
+#!/usr/bin/env python3
+"""Mutation test: small faults are put into rbd.h's implementation, one at a time, and the tests must see each.
+
+What no test sees is either a test that is missing or a change that alters no result; those stand in
+equivalent.txt with a reason. The mutants are those with the smallest hashes of seed, function and text: the same
+ones however the file is ordered. Results are kept in the folder, so that a run that was stopped goes on."""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from source import Exceptions, HEADER, ROOT, Source, squeeze
+
+HERE = Path(__file__).resolve().parent
+TESTS = ROOT / "tests"
+FIELDS = ["function", "text", "mutated"]
+ABORT = ["-Wl,--wrap=_ck_assert_failed"]  # the first failure ends the program: see stop.c
+
+# ---- mutants ----
+
+# Binary operators stand between spaces; what else looks like one does not.
+BINARY = {
+    "+": ["-"], "-": ["+"], "*": ["/"], "/": ["*"], "%": ["/"],
+    "<": ["<=", ">"], "<=": ["<"], ">": [">=", "<"], ">=": [">"], "==": ["!="], "!=": ["=="],
+    "&&": ["||"], "||": ["&&"], "&": ["|"], "|": ["&"], "^": ["|"], ">>": ["<<"], "<<": [">>"],
+    "+=": ["-="], "-=": ["+="], "*=": ["/="], "/=": ["*="], "|=": ["&="],
+}
+BINARY_AT = re.compile("(?<= )(" + "|".join(map(re.escape, sorted(BINARY, key=len, reverse=True))) + ")(?= )")
+MEMBERS = [("x", "y", "z"), ("xx", "yy", "zz"), ("xy", "xz", "yz"), ("yx", "zx", "zy"), ("w", "v"), ("n", "f"),
+           ("iq", "iv"), ("nq", "nv"), ("ca", "sa"), ("cb", "sb"), ("cg", "sg"), ("rho", "kappa"), ("c", "s"),
+           ("I", "M"), ("wd", "acc"), ("lower", "upper"), ("B", "C"), ("half_sine", "half_cosine"),
+           ("first", "end"), ("row", "column"), ("source_q", "source_v"), ("nv", "nmimic"), ("nb", "nv"),
+           ("link", "iv"), ("size", "cursor"), ("mass", "moment")]
+
+
+@dataclass(frozen=True)
+class Mutant:
+    function: str
+    text: str     # the line, or lines, without indentation
+    mutated: str
+    line: int
+    start: int    # in the line
+    stop: int
+    new: str
+    rank: str = ""
+
+    @property
+    def key(self):
+        return (self.function, self.text, self.mutated)
+
+
+def operators(code):
+    for match in BINARY_AT.finditer(code):
+        for new in BINARY[match.group()]:
+            yield match.start(), match.end(), new
+
+
+def unaries(code):
+    for match in re.finditer(r"(?<=[(,= \[])[-!~](?=[\w(*])", code):
+        yield match.start(), match.end(), ""
+    for match in re.finditer(r"\+\+|--", code):
+        yield match.start(), match.end(), "--" if match.group() == "++" else "++"
+
+
+def members(code):
+    for match in re.finditer(r"(?<=[\w\])])(\.|->)(\w+)\b(?!\()", code):
+        for group in MEMBERS:
+            if match.group(2) in group:
+                new = group[(group.index(match.group(2)) + 1) % len(group)]
+                yield match.start(2), match.end(2), new
+
+
+def indices(code):
+    for match in re.finditer(r"(?<=[\w\]])\[([^\[\]]+)\]", code):
+        inner = match.group(1)
+        if inner.isdigit():
+            yield match.start(1), match.end(1), str(int(inner) - 1 if int(inner) > 0 else 1)
+        else:
+            yield match.start(1), match.end(1), inner + " + 1"
+
+
+def constants(code):
+    number = r"(?<![\w.\]\[])(\d+\.\d*(?:e-?\d+)?f?|\d+e-?\d+f?|0x[0-9a-f]+|\d+)(u?)(?![\w.\]])"
+    for match in re.finditer(number, code):
+        text = match.group(1)
+        if re.fullmatch(r"\d+|0x[0-9a-f]+", text):
+            value = int(text, 0)
+            yield match.start(1), match.end(1), str(value + 1)
+            if value > 0:
+                yield match.start(1), match.end(1), str(value - 1)
+        else:
+            yield match.start(1), match.end(1), f"2 * {text}"
+
+
+def terms(code):
+    """An operator + or - with the term behind it dropped; of a product the last factor."""
+    for match in re.finditer(r" ([-+*]|&&|\|\|) ", code):
+        ends = {"*": " [-+*/<>=?:|&]", "-": " [-+<>=?:|&]", "+": " [-+<>=?:|&]",
+                "&&": r" (&&|\|\|)|\?|:", "||": r" \|\||\?|:"}[match.group(1)]
+        depth, k = 0, match.end()
+        while k < len(code):
+            if depth == 0 and (code[k] in ",;" or re.match(ends, code[k:])):
+                break
+            depth += (code[k] in "([") - (code[k] in ")]")
+            if depth < 0:
+                break
+            k += 1
+        if depth <= 0 and k < len(code):
+            yield match.start(), k, ""
+
+
+def statements(code):
+    """Assignments and calls dropped, conditions turned, jumps."""
+    match = re.match(r"(\s*(?:if \(.*\) |else |for \(.*\) )?)"
+                     r"(\*?[\w.>\[\]()*-]+ [-+*/|]?= [^;]*|\w+\([^;]*\)|\+\+\w[^;]*);", code)
+    if match and not re.match(r"\s*(return|const|static|int|rbd\w* |for|if|else)\b", match.group(2)):
+        yield match.start(2), match.end(2), ""
+    for match in re.finditer(r"\bif \(", code):
+        depth, k = 1, match.end()
+        while k < len(code) and depth:
+            depth += (code[k] == "(") - (code[k] == ")")
+            k += 1
+        if depth == 0:
+            yield match.end(), k - 1, "!(" + code[match.end():k - 1] + ")"
+    for match in re.finditer(r"\b(continue|break);", code):
+        yield match.start(1), match.end(1), "break" if match.group(1) == "continue" else "continue"
+    for match in re.finditer(r"\breturn ([^;]+);", code):
+        value = match.group(1)
+        new = {"RBD_OK": "RBD_ERR_NULL", "-1": "0", "0": "1", "1": "0", "NULL": None}.get(
+            value, "RBD_OK" if value.startswith("RBD_ERR") else None)
+        if new is not None:
+            yield match.start(1), match.end(1), new
+    for match in re.finditer(r"\*(model|work|batch|report|dof)(?= = )", code):
+        yield match.start(), code.index(";", match.start()), "(void)0"
+
+
+def arguments(code):
+    """The first two arguments of a call swapped, and the last two."""
+    for match in re.finditer(r"\b(?!if\b|for\b|while\b|switch\b|sizeof\b)\w+\((?=[^)])", code):
+        depth, k, cuts = 1, match.end(), [match.end() - 1]
+        while k < len(code) and depth:
+            depth += (code[k] in "([") - (code[k] in ")]")
+            if depth == 1 and code[k] == "," or depth == 0:
+                cuts.append(k)
+            k += 1
+        if depth or len(cuts) < 3:
+            continue
+        parts = [code[a + 1:b].strip() for a, b in zip(cuts, cuts[1:])]
+        for i in {0, len(parts) - 2}:
+            if parts[i] != parts[i + 1]:
+                swapped = parts[:i] + [parts[i + 1], parts[i]] + parts[i + 2:]
+                yield match.end(), cuts[-1], ", ".join(swapped)
+
+
+def bounds(code):
+    """A loop one short and one too far."""
+    match = re.search(r"\bfor \([^;]*;[^;]*?\b\w+ (?:<|<=|>|>=) ([^;]+?);", code)
+    if match:
+        yield match.end(1), match.end(1), " - 1"
+        yield match.end(1), match.end(1), " + 1"
+
+
+KINDS = [operators, unaries, members, indices, constants, terms, statements, arguments, bounds]
+
+
+def enumerate_mutants(source, seed):
+    """All of them, in the order of their hashes. Two that read the same count once."""
+    found = {}
+    for n, code in enumerate(source.code):
+        if not code.strip() or re.match(r"\s*(typedef|case \w+:\s*$)", code):
+            continue
+        line = source.lines[n]
+        for kind in KINDS:
+            for start, stop, new in kind(code):
+                if "  " in code[start:stop].strip() and '"' in line[start:stop]:
+                    new = new if not new else None  # a literal was blanked: only dropping keeps it whole
+                if new is None:
+                    continue
+                mutated = line[:start] + new + line[stop:]
+                key = (source.function[n], squeeze(line), squeeze(mutated))
+                if key[1] == key[2] or key in found:
+                    continue
+                rank = hashlib.sha256("\0".join([str(seed), *key]).encode()).hexdigest()
+                found[key] = Mutant(*key, n, start, stop, new, rank)
+    return sorted(found.values(), key=lambda m: m.rank)
+
+
+def mutate(source, m):
+    lines = list(source.lines[1:])
+    line = lines[m.line - 1]
+    lines[m.line - 1] = line[:m.start] + m.new + line[m.stop:]
+    return "\n".join(lines)
+
+
+# ---- the programs that must see them ----
+
+WARN_NOT = ["-w", "-Wno-psabi"]
+SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1")
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A test program: what of it has the implementation, and is compiled for each mutant, and what has not."""
+    name: str
+    units: tuple        # (source, flags) compiled with the mutant
+    rest: tuple = ()    # (source, flags) compiled once
+    libraries: tuple = ()
+    compiler: str = "gcc"
+    link: tuple = ()
+    environment: tuple = ()
+    run: tuple = ()     # what runs the program
+    functions: str = "" # which functions' mutants it can see and the stages before it cannot; all
+
+
+def suite_sources():
+    names = re.search(r"test_sources = files\((.*?)\)", (TESTS / "meson.build").read_text(), re.S).group(1)
+    return [name for name in re.findall(r"'([^']+)'", names) if name != "rbd.c"]
+
+
+def stages():
+    """Fast to slow: a mutant meets each until one sees it."""
+    suites = suite_sources()
+    fast = tuple((name, ("-O1",)) for name in suites)
+    ref = (("reference.c", ("-O1",)),)
+    def scalar(name, *flags):
+        return Stage("scalar " + name, (("scalars.c", ("-O0", *flags)),), ref)
+
+    def batch(scalar_name, lanes):
+        flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
+        return Stage(f"batch {scalar_name} {lanes}", (("batch.c", ("-O0", *flags)), ("rbd.c", ("-O0", flags[0]))),
+                     (("test_batch.c", ("-O1", *flags)), *ref), functions="batch|gather|scatter|transpose|EXCHANGE")
+
+    def sincos(name, *flags):
+        return Stage("sincos " + name, (("test_sincos.c", ("-O1", "-DHAVE_QUADMATH", *flags)),), (), ("-lquadmath",),
+                     functions="sincos|bits|beyond")
+
+    def tables(name, *flags):
+        return Stage("tables " + name, (("tables.c", ("-O0", "-ffp-contract=off", *flags)),))
+
+    # Without forced inlining -O0 compiles in half the time.
+    out = [Stage("suites", (("rbd.c", ("-O0", "-Dalways_inline=unused")),), fast),
+           sincos("double"), sincos("float", "-DRBD_REAL=float"), sincos("scalars", "-U__SSE2__"), sincos("float scalars", "-U__SSE2__", "-DRBD_REAL=float"),
+           batch("double", 4), batch("double", 2), batch("double", 8), batch("float", 4), batch("float", 16),
+           tables("double"), tables("float", "-DSCALAR_FLOAT"),
+           scalar("float", "-DSCALAR_FLOAT"), scalar("4 lanes", "-DRBD_LANES=4"),
+           Stage("suites sanitized", (("rbd.c", SANITIZE),), fast, link=SANITIZE[:2],
+                 environment=(("ASAN_OPTIONS", "detect_leaks=0"),))]
+    if shutil.which("valgrind"):
+        out += [Stage("work under valgrind", (("rbd.c", ("-O1",)),), fast, environment=(("CK_RUN_CASE", "work"),),
+                      run=("valgrind", "--quiet", "--error-exitcode=1"),
+                      functions="rbd_work|take|aligned|joints|clear|crba|sincos|kinematics")]
+    return out
+
+
+class Bench:
+    """Compiles and runs; what is not mutated is compiled once."""
+
+    def __init__(self, folder, source):
+        self.folder = folder
+        # what an object without the implementation depends on
+        self.seen = digest_of(*sorted(TESTS.glob("*.[ch]*"))) + "".join(source.lines[:source.first])
+        self.check = subprocess.run(["pkg-config", "--cflags", "--libs", "check"], capture_output=True, text=True,
+                                    check=True).stdout.split()
+        self.lock = threading.Lock()
+        self.base = {}   # stage and unit: digest of the object of the unchanged header
+        self.limit = {}  # stage: seconds
+        self.preparing = {stage.name: threading.Lock() for stage in stages()}
+
+    def compile(self, compiler, name, flags, include, out):
+        standard = [] if compiler == "g++" else ["-std=c99"]
+        command = [compiler, *standard, *flags, *WARN_NOT, f"-I{include}", f"-I{ROOT}", f"-I{TESTS}", "-c",
+                   str(TESTS / name if not name.startswith("/") else name), "-o", str(out)]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    def once(self, compiler, name, flags):
+        """An object that no mutant is in; kept from run to run."""
+        tag = hashlib.sha256(repr((compiler, name, flags, self.seen)).encode()).hexdigest()[:16]
+        out = self.folder / f"{Path(name).stem}-{tag}.o"
+        with self.lock:
+            if not out.exists():
+                part = out.with_suffix(".part")
+                result = self.compile(compiler, name, flags, ROOT, part)
+                if result.returncode:
+                    sys.exit(f"{name}: {result.stderr}")
+                part.rename(out)
+        return out
+
+    def attempt(self, stage, include, place, original=False):
+        """'no compile', 'same' (the objects are those of the unchanged header), 'passes' or 'fails'."""
+        units = []
+        same = True
+        for k, (name, flags) in enumerate(stage.units):
+            out = place / f"unit{k}.o"
+            result = self.compile(stage.compiler, name, flags, include, out)
+            if result.returncode:
+                return "no compile"
+            digest = hashlib.sha256(out.read_bytes()).hexdigest()
+            if original:
+                self.base[stage.name, k] = digest
+            same &= digest == self.base[stage.name, k]
+            units.append(out)
+        if same and not original:
+            return "same"
+        program = place / "program"
+        rest = [self.once("gcc", name, flags) for name, flags in stage.rest]
+        stop = self.once("gcc", str(HERE / "stop.c"), ("-O1",))
+        result = subprocess.run([stage.compiler, *stage.link, *ABORT, *map(str, [*units, *rest, stop]), "-o",
+                                 str(program), *self.check, *stage.libraries, "-lm"], capture_output=True, text=True)
+        if result.returncode:
+            if original:
+                sys.exit(f"{stage.name}: {result.stderr}")
+            return "no compile"
+        began = time.monotonic()
+        environment = dict(os.environ, CK_FORK="no", **dict(stage.environment))
+        try:
+            result = subprocess.run([*stage.run, str(program)], cwd=ROOT, env=environment, stdout=subprocess.DEVNULL,
+                                    stderr=subprocess.DEVNULL, timeout=self.limit.get(stage.name, 600))
+        except subprocess.TimeoutExpired:
+            return "fails"
+        if original:
+            self.limit[stage.name] = 10 + 6 * (time.monotonic() - began)
+        return "fails" if result.returncode else "passes"
+
+    def prepare(self, stage, place):
+        """The unchanged header must pass; its time and objects are the measure."""
+        with self.preparing[stage.name]:
+            if stage.name not in self.limit and self.attempt(stage, ROOT, place, original=True) != "passes":
+                print(f"{stage.name}: fails without a mutant", file=sys.stderr, flush=True)
+                os._exit(1)
+
+    def judge(self, mutant_text, function, all_stages, place):
+        """The name of the stage that sees the mutant; 'no compile'; 'same' if no build differs; 'survives'."""
+        include = place / "include"
+        include.mkdir(parents=True, exist_ok=True)
+        (include / "rbd.h").write_text(mutant_text, encoding="utf-8")
+        differs = False
+        for stage in all_stages:
+            if not re.search(stage.functions, function):
+                continue
+            self.prepare(stage, place)
+            verdict = self.attempt(stage, include, place)
+            if verdict == "no compile":
+                return verdict
+            if verdict == "fails":
+                return stage.name
+            differs |= verdict == "passes"
+        return "survives" if differs else "same"
+
+
+# ---- the run ----
+
+def digest_of(*paths):
+    total = hashlib.sha256()
+    for path in paths:
+        total.update(path.read_bytes())
+    return total.hexdigest()
+
+
+class Results:
+    """Verdicts, one a line. They hold for one header; a survivor's for one state of the tests too."""
+
+    def __init__(self, path, fresh):
+        self.path = path
+        self.header = digest_of(HEADER)
+        self.tests = digest_of(*sorted(TESTS.glob("*.[ch]*")), Path(__file__))
+        self.verdicts = {}
+        if fresh and path.exists():
+            path.unlink()
+        for line in path.read_text().splitlines() if path.exists() else []:
+            row = json.loads(line)
+            if row["header"] == self.header and (row["verdict"] != "survives" or row["tests"] == self.tests):
+                self.verdicts[tuple(row["key"])] = row["verdict"]
+
+    def add(self, key, verdict):
+        self.verdicts[key] = verdict
+        with self.path.open("a") as file:
+            file.write(json.dumps({"key": key, "verdict": verdict, "header": self.header, "tests": self.tests}) + "\n")
+
+
+def report(counted, equivalents):
+    """The score; whether all is well."""
+    killed = [m for m, verdict in counted if verdict not in ("survives", "same")]
+    left = [m for m, verdict in counted if verdict in ("survives", "same")]
+    excused = [m for m in left if equivalents.find(m.key)]
+    alive = [m for m in left if not equivalents.find(m.key)]
+    by_stage = {}
+    for _, verdict in counted:
+        by_stage[verdict] = by_stage.get(verdict, 0) + 1
+    for m in alive:
+        print(f"SURVIVES rbd.h:{m.line}\n  function: {m.function}\n  text: {m.text}\n  mutated: {m.mutated}")
+    for name, number in sorted(by_stage.items(), key=lambda row: -row[1]):
+        print(f"{number:5}  {name}")
+    whole = len(counted) - len(excused)
+    score = 100 * len(killed) / whole if whole else 0
+    print(f"{len(counted)} mutants, {len(excused)} equivalent, {len(killed)} of {whole} killed: {score:.1f} %")
+    return not alive
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="run mutants", description=__doc__.split("\n")[0])
+    parser.add_argument("folder", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--count", type=int, default=300, help="mutants that compile (300)")
+    parser.add_argument("--seed", type=int, default=1, help="another choice of mutants (1)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="side by side (one a core)")
+    parser.add_argument("--only", metavar="REGEX", help="all mutants of which 'function: text -> mutated' matches")
+    parser.add_argument("--fresh", action="store_true", help="forget what earlier runs found")
+    parser.add_argument("--fast", action="store_true", help="by the suites alone; what they miss is not judged yet")
+    parser.add_argument("--list", action="store_true", help="print the mutants, run nothing")
+    parser.add_argument("--check", action="store_true", help="only that equivalent.txt speaks of what is there")
+    parser.add_argument("--refresh", action="store_true",
+                        help="find the entries of equivalent.txt again whose text in rbd.h changed")
+    options = parser.parse_args()
+    source = Source()
+    equivalents = Exceptions(HERE / "equivalent.txt", FIELDS)
+    mutants = enumerate_mutants(source, options.seed)
+    if options.refresh:
+        equivalents.refresh([m.key for m in mutants])
+        return 0
+    present = {m.key for m in mutants}
+    missing = [key for key, _ in equivalents.entries if key not in present]
+    for key in missing:
+        print("equivalent.txt has what rbd.h has not (--refresh finds it again): " + " | ".join(key))
+    if options.check:
+        return 1 if missing else 0
+    if options.only:
+        mutants = [m for m in mutants if re.search(options.only, f"{m.function}: {m.text} -> {m.mutated}")]
+        options.count = len(mutants)
+    if options.list:
+        for m in mutants[:options.count]:
+            print(f"{m.line}: {m.function}\n  - {m.text}\n  + {m.mutated}")
+        print(f"{len(mutants)} in all")
+        return 0
+    options.folder.mkdir(parents=True, exist_ok=True)
+    results = Results(options.folder / "results.jsonl", options.fresh)
+    counted = run(source, mutants, options, results)
+    return 0 if report(counted, equivalents) and not missing else 1
+
+
+def run(source, mutants, options, results):
+    """Judges mutants in their order until enough of them compile. [(mutant, verdict)]"""
+    bench, all_stages = Bench(options.folder, source), stages()[:1 if options.fast else None]
+    places = [options.folder / f"worker{k}" for k in range(options.jobs)]
+    free = list(places)
+    for place in places:
+        place.mkdir(exist_ok=True)
+    started = time.monotonic()
+
+    def one(m):
+        if m.key in results.verdicts:
+            return m, results.verdicts[m.key]
+        with bench.lock:
+            place = free.pop()
+        verdict = bench.judge(mutate(source, m), m.function, all_stages, place)
+        with bench.lock:
+            free.append(place)
+            if not (options.fast and verdict in ("survives", "same")):
+                results.add(m.key, verdict)
+        print(f"{time.monotonic() - started:6.0f} s  rbd.h:{m.line} {m.function}: {verdict}", file=sys.stderr, flush=True)
+        return m, verdict
+
+    counted, at = [], 0
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        while len(counted) < options.count and at < len(mutants):
+            part = mutants[at:at + options.count - len(counted)]
+            at += len(part)
+            counted += [(m, verdict) for m, verdict in pool.map(one, part) if verdict != "no compile"]
+    return counted
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,209 @@
+/* test_guarded.c - whatever the library is given, and its model, ends or begins at a page that may not be touched:
+   a loop one too far, or one too early, ends the test. */
+#define _DEFAULT_SOURCE
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "suites.h"
+#include "support.h"
+
+/* ---- memory with a fence ---- */
+
+typedef enum fence { FENCE_BEHIND, FENCE_BEFORE, FENCES } fence;
+
+typedef struct pen {
+    void *pages;
+    size_t size;
+} pen;
+
+static pen pens[200];
+static int pen_count;
+static fence side;
+
+/* size bytes, on the side of the fence */
+static void *fenced(size_t size) {
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE), used = (size + page - 1) / page * page;
+    ck_assert_int_lt(pen_count, LENGTH(pens));
+    unsigned char *p = mmap(NULL, used + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    ck_assert(p != MAP_FAILED);
+    memset(p, 0xff, used + page); /* what is not written is NaN */
+    ck_assert_int_eq(mprotect(side == FENCE_BEHIND ? p + used : p, page, PROT_NONE), 0);
+    pens[pen_count].pages = p;
+    pens[pen_count++].size = used + page;
+    return side == FENCE_BEHIND ? p + used - size : p + page;
+}
+
+static void *fenced_copy(const void *data, int count, size_t size) {
+    void *copy = fenced((size_t)count * size);
+    if (count > 0)
+        memcpy(copy, data, (size_t)count * size);
+    return copy;
+}
+
+static void free_all(void) {
+    while (pen_count > 0) {
+        --pen_count;
+        munmap(pens[pen_count].pages, pens[pen_count].size);
+    }
+}
+
+static double *numbers(int n) {
+    return fenced((size_t)n * sizeof(double));
+}
+static const double *inputs(const double *x, int n) {
+    return fenced_copy(x, n, sizeof(double));
+}
+
+/* A model whose tables have a fence each, and a work with one. */
+static robot fenced_robot(const robot *r) {
+    const rbd_body *bodies = fenced_copy(r->bodies, r->nb, sizeof *bodies);
+    const size_t size = rbd_model_size(bodies, r->nb);
+    const rbd_model *built;
+    robot out = *r;
+    ck_assert_int_eq(rbd_model_build(bodies, r->nb, fenced(size), size, &built, NULL), RBD_OK);
+    rbd_model *m = fenced_copy(built, 1, sizeof *built);
+    m->link = fenced_copy(built->link, built->nl, sizeof *built->link);
+    m->block = fenced_copy(built->block, built->nblock, sizeof *built->block);
+    m->dof = fenced_copy(built->dof, built->nv + built->nmimic, sizeof *built->dof);
+    m->mimic = fenced_copy(built->mimic, built->nmimic, sizeof *built->mimic);
+    m->frame = fenced_copy(built->frame, built->nb, sizeof *built->frame);
+    out.m = m;
+    ck_assert_int_eq(rbd_work_init(m, fenced(rbd_work_size(m)), rbd_work_size(m), &out.w), RBD_OK);
+    return out;
+}
+
+/* ---- every call ---- */
+
+static void expect_same(const char *what, const robot *r, int number, const double *found, const double *expected,
+                        int n) {
+    expect_close(what, r, number, found, expected, n, 1e-12);
+}
+
+/* Runs a call with the fenced robot and with the other: the results are the same. */
+#define BOTH(call_fenced, call_plain, found, n)                                                              \
+    do {                                                                                                     \
+        double expected[MAX_V * MAX_V];                                                                      \
+        double *plain = expected;                                                                            \
+        const rbd_status status = call_plain;                                                                \
+        ck_assert_int_eq(call_fenced, status);                                                               \
+        if (status == RBD_OK)                                                                                \
+            expect_same(#call_fenced, r, number, found, plain, n);                                           \
+    } while (0)
+
+static void call_dynamics(const robot *r, const robot *f, const state *s, int number) {
+    const int nq = r->nq, nv = r->nv, nh = rbd_packed_size(r->m);
+    const double *q = inputs(s->q, nq), *v = inputs(s->v, nv), *a = inputs(s->a, nv), *tau = inputs(s->tau, nv);
+    const double *f_ext = inputs(s->f_ext, 6 * r->nb);
+    double *x = numbers(nv), *M = numbers(nv * nv), *H = numbers(nh);
+    BOTH(rbd_rnea(f->m, f->w, q, v, a, f_ext, x), rbd_rnea(r->m, r->w, q, v, a, f_ext, plain), x, nv);
+    BOTH(rbd_bias(f->m, f->w, q, v, f_ext, x), rbd_bias(r->m, r->w, q, v, f_ext, plain), x, nv);
+    BOTH(rbd_gravity(f->m, f->w, q, x), rbd_gravity(r->m, r->w, q, plain), x, nv);
+    BOTH(rbd_crba(f->m, f->w, q, M), rbd_crba(r->m, r->w, q, plain), M, nv * nv);
+    BOTH(rbd_crba_packed(f->m, f->w, q, H), rbd_crba_packed(r->m, r->w, q, plain), H, nh);
+    BOTH(rbd_aba(f->m, f->w, q, v, tau, f_ext, x), rbd_aba(r->m, r->w, q, v, tau, f_ext, plain), x, nv);
+    BOTH(rbd_fd_cholesky(f->m, f->w, q, v, tau, f_ext, x),
+         rbd_fd_cholesky(r->m, r->w, q, v, tau, f_ext, plain), x, nv);
+    BOTH(rbd_passive(f->m, f->w, v, x), rbd_passive(r->m, r->w, v, plain), x, nv);
+    BOTH(rbd_cholesky_factor_packed(f->m, f->w, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
+    BOTH(rbd_cholesky_factor(f->m, f->w, M, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
+    BOTH(rbd_cholesky_solve(f->m, f->w, H, tau, x), rbd_cholesky_solve(r->m, r->w, H, tau, plain), x, nv);
+    for (int i = 0; i < nv; i++)
+        for (int j = 0; j < nv; j++)
+            ck_assert_int_eq(rbd_packed_index(f->m, i, j), rbd_packed_index(r->m, i, j));
+}
+
+static void call_kinematics(const robot *r, const robot *f, const state *s, int number) {
+    const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv), *a = inputs(s->a, r->nv);
+    double *R = numbers(9), *p = numbers(3), *x = numbers(6), *com = numbers(3);
+    RUN(rbd_kinematics(f->m, f->w, q, v, a));
+    RUN(rbd_kinematics(r->m, r->w, q, v, a));
+    for (int b = 0; b < r->nb; b++) {
+        BOTH(rbd_body_pose(f->m, f->w, b, R, p), rbd_body_pose(r->m, r->w, b, plain, NULL), R, 9);
+        BOTH(rbd_body_pose(f->m, f->w, b, R, p), rbd_body_pose(r->m, r->w, b, NULL, plain), p, 3);
+        BOTH(rbd_body_velocity(f->m, f->w, b, x), rbd_body_velocity(r->m, r->w, b, plain), x, 6);
+        BOTH(rbd_body_acceleration(f->m, f->w, b, x), rbd_body_acceleration(r->m, r->w, b, plain), x, 6);
+        BOTH(rbd_body_acceleration_classical(f->m, f->w, b, x),
+             rbd_body_acceleration_classical(r->m, r->w, b, plain), x, 6);
+    }
+    BOTH(rbd_energy(f->m, f->w, x, x + 1), rbd_energy(r->m, r->w, plain, plain + 1), x, 2);
+    BOTH(rbd_com(f->m, f->w, com, NULL, NULL), rbd_com(r->m, r->w, plain, NULL, NULL), com, 3);
+    BOTH(rbd_com(f->m, f->w, NULL, com, NULL), rbd_com(r->m, r->w, NULL, plain, NULL), com, 3);
+    BOTH(rbd_com(f->m, f->w, NULL, NULL, com), rbd_com(r->m, r->w, NULL, NULL, plain), com, 3);
+    ck_assert_double_eq(rbd_mass(f->m), rbd_mass(r->m));
+}
+
+static void call_manifold(const robot *r, const robot *f, const state *s, int number) {
+    const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv);
+    double *next = numbers(r->nq), *d = numbers(r->nv);
+    uint64_t seed = 5, again = 5;
+    BOTH(rbd_neutral(f->m, next), rbd_neutral(r->m, plain), next, r->nq);
+    BOTH(rbd_random(f->m, &seed, next), rbd_random(r->m, &again, plain), next, r->nq);
+    BOTH(rbd_integrate(f->m, q, v, 0.1, next), rbd_integrate(r->m, q, v, 0.1, plain), next, r->nq);
+    BOTH(rbd_difference(f->m, q, next, d), rbd_difference(r->m, q, next, plain), d, r->nv);
+}
+
+static void call_lookup(const robot *r, const robot *f) {
+    ck_assert_int_eq(rbd_body_index(f->m, "nobody"), -1);
+    ck_assert_int_eq(rbd_joint_index(f->m, "nothing"), -1);
+    for (int b = 0; b < r->nb; b++) {
+        rbd_joint_info info;
+        ck_assert_int_eq(rbd_joint(f->m, b, &info), RBD_OK);
+        ck_assert_ptr_eq(rbd_body_name(f->m, b), rbd_body_name(r->m, b));
+        ck_assert_ptr_eq(rbd_joint_name(f->m, b), rbd_joint_name(r->m, b));
+    }
+    for (int k = 0; k < r->nv; k++)
+        ck_assert_int_eq(rbd_dof_body(f->m, k), rbd_dof_body(r->m, k));
+}
+
+static void check_fenced(const robot *r, const state *s, int number) {
+    for (side = FENCE_BEHIND; side < FENCES; side++) {
+        const robot f = fenced_robot(r);
+        ck_assert_int_eq(rbd_set_gravity(f.w, inputs(s->gravity, 3)), RBD_OK);
+        call_dynamics(r, &f, s, number);
+        call_kinematics(r, &f, s, number);
+        call_manifold(r, &f, s, number);
+        call_lookup(r, &f);
+        free_all();
+    }
+}
+
+START_TEST(no_call_reaches_beyond_what_it_is_given) {
+    for_random_states(1, check_fenced);
+    for_random_trees(40, check_fenced);
+}
+END_TEST
+
+/* What is refused is not read beyond either: the checks, and names that do not end as expected. */
+START_TEST(no_refusal_reaches_beyond_the_description) {
+    for (side = FENCE_BEHIND; side < FENCES; side++)
+        for (int i = 0; i < reference_count; i++) {
+            const ref_model *model = reference_model(i);
+            rbd_body *b = fenced_copy(model->bodies, model->nb, sizeof *b);
+            const size_t size = rbd_model_size(b, model->nb);
+            void *memory = fenced(size);
+            const rbd_model *m;
+            const int last = model->nb - 1;
+            b[last].mimic = "nobody";
+            b[last].type = RBD_REVOLUTE;
+            b[last].axis[2] = 1;
+            ck_assert_int_eq(rbd_model_build(b, model->nb, memory, size, &m, NULL), RBD_ERR_MIMIC);
+            b[last].mimic = NULL;
+            b[last].mass = 0;
+            memset(b[last].inertia, 0, sizeof b[last].inertia);
+            memset(b[last].armature, 0, sizeof b[last].armature);
+            ck_assert_int_eq(rbd_model_build(b, model->nb, memory, size, &m, NULL), RBD_ERR_LEAF);
+            free_all();
+        }
+}
+END_TEST
+
+Suite *guarded_suite(void) {
+    Suite *suite = suite_create("guarded");
+    TCase *c = tcase_create("guarded");
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, no_call_reaches_beyond_what_it_is_given);
+    tcase_add_test(c, no_refusal_reaches_beyond_the_description);
+    suite_add_tcase(suite, c);
+    return suite;
+}
