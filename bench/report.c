@@ -240,7 +240,7 @@ static void write_json(FILE *f, const struct options *o, const struct row *rows,
     fputs("  ]\n}\n", f);
 }
 
-static int write_report(FILE *f, const struct options *o, const struct row *rows, int n) {
+int report_times(FILE *f, const struct options *o, const struct row *rows, int n) {
     static void (*const write[])(FILE *, const struct options *, const struct row *, int) = {
         [FORMAT_TABLE] = write_table, [FORMAT_CSV] = write_csv, [FORMAT_JSON] = write_json};
     write[o->format](f, o, rows, n);
@@ -292,9 +292,7 @@ int report_check_output(const char *output) {
     return target_close(&t, f, false);
 }
 
-/* Writes to the output that is asked for, by a function that returns 0 or -1. */
-static int report_by(int write(FILE *, const struct options *, const struct row *, int),
-                     const struct options *o, const struct row *rows, int n) {
+int report_by(report_writer *write, const struct options *o, const struct row *rows, int n) {
     if (!o->output) {
         int status = write(stdout, o, rows, n);
         if (fflush(stdout) == 0 && !ferror(stdout))
@@ -306,16 +304,4 @@ static int report_by(int write(FILE *, const struct options *, const struct row 
     FILE *f = target_open(&t, o->output, "w");
     int status = f ? write(f, o, rows, n) : -1;
     return target_close(&t, f, status == 0) == 0 ? status : -1;
-}
-
-int report_write(const struct options *o, const struct row *rows, int n) {
-    return report_by(write_report, o, rows, n);
-}
-
-static int write_counts(FILE *f, const struct options *o, const struct row *rows, int n) {
-    return count_by_perf(f, rows, n, o->samples);
-}
-
-int report_counts(const struct options *o, const struct row *rows, int n) {
-    return report_by(write_counts, o, rows, n);
 }

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 #include <vector>
-#include "../library.h"
+#include "../calls/library.h"
 #include "algebra.hpp"
 
 struct tree {

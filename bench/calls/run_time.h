@@ -1,7 +1,7 @@
-/* calls_run_time.h - the calls of rbd.h for a model known at run time: one state each.
+/* run_time.h - the calls of rbd.h for a model known at run time: one state each.
    SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
-#include "bench.h"
+#include "../bench.h"
 
 #define VARIANT RUN_TIME
 #define N_LANES 1

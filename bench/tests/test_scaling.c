@@ -23,4 +23,4 @@ static rbd_status broken_aba(const rbd_model *m, rbd_work *w, const double *q, c
 
 #undef rbd_aba
 #define rbd_aba broken_aba
-#include "scaling.c"
+#include "../timing/scaling.c"

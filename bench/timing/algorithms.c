@@ -1,5 +1,5 @@
 /* The libraries and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <ctype.h>
 #include <string.h>
 

@@ -62,9 +62,9 @@ inline number cos(number a) {
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
 
 using counting::counts;
 using counting::number;

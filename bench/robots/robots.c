@@ -1,13 +1,13 @@
 /* The robots and their random states. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <stdlib.h>
 #include <string.h>
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
-#include "../tests/data/iiwa.inc"
-#include "../tests/data/hyq.inc"
-#include "../tests/data/atlas.inc"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
+#include "../../tests/data/iiwa.inc"
+#include "../../tests/data/hyq.inc"
+#include "../../tests/data/atlas.inc"
 
 struct description {
     const char *title;

@@ -1,4 +1,4 @@
-/* calls_lanes.h - the batch calls of rbd.h: RBD_LANES states in each SIMD instruction.
+/* lanes.h - the batch calls of rbd.h: RBD_LANES states in each SIMD instruction.
    SPDX-License-Identifier: MIT */
 #define RBD_BATCH_IMPLEMENTATION
 
@@ -16,7 +16,7 @@
 #define rbd_batch_fd_cholesky OF_SCALAR(rbd_batch_fd_cholesky, RBD_REAL)
 #define rbd_batch_singular OF_SCALAR(rbd_batch_singular, RBD_REAL)
 
-#include "bench.h"
+#include "../bench.h"
 
 #define VARIANT LANES
 #define N_LANES RBD_LANES

@@ -1,6 +1,6 @@
 /* Verification of what is about to be timed, by the very calls that are timed.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Errors of rounding: results against those of another library, from the same input.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 
 /* How many of the random states are computed in quad precision, which takes some fifty times as long. */

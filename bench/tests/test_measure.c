@@ -1,6 +1,6 @@
 /* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others
    are not. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -4,11 +4,11 @@
    LIBRARY is the library as a program has it; the others are RBD_STATIC, since a program can have the names
    of rbd.h only once. SPDX-License-Identifier: MIT */
 #if defined RBD_LANES
-#include "calls_lanes.h"
+#include "lanes.h"
 #elif defined ROBOT
-#include "calls_compile_time.h"
+#include "compile_time.h"
 #else
-#include "calls_run_time.h"
+#include "run_time.h"
 #endif
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Counting instead of timing: by the processor's counters, or by marking the loops for callgrind.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include "perf.h"
 #include <string.h>
 #ifdef BENCH_VALGRIND
@@ -40,7 +40,7 @@ static rbd_status count_group(FILE *f, const struct row *row, const struct perf_
     return status;
 }
 
-int count_by_perf(FILE *f, const struct row *rows, int n, int samples) {
+int count_by_perf(FILE *f, const struct options *o, const struct row *rows, int n) {
     char text[256];
     if (!perf_available(text, sizeof text))
         fprintf(stderr, "rbd-bench: %s\n", text);
@@ -51,7 +51,7 @@ int count_by_perf(FILE *f, const struct row *rows, int n, int samples) {
             const struct perf_group *group = &perf_groups[g];
             if (group->scalar && strcmp(group->scalar, rows[i].instance->library->scalar) != 0)
                 continue;
-            rbd_status status = count_group(f, &rows[i], group, samples);
+            rbd_status status = count_group(f, &rows[i], group, o->samples);
             if (status != RBD_OK)
                 return row_error(&rows[i], "%s", rbd_status_string(status));
         }

@@ -2,7 +2,7 @@
    has counters. --names: whether libpfm4 knows our events. --callgrind: marks the loops for callgrind;
    test_workload.py runs that. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
-#include "perf.h"
+#include "../counters/perf.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* A robot from a URDF file. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,11 @@
-/* Runs, under callgrind, the calls whose instructions instructions.sh counts; README.md has the method.
+/* Runs, under callgrind, the calls whose instructions instructions.sh counts; ../README.md has the method.
    SPDX-License-Identifier: MIT */
 #include <string.h>
 #include <valgrind/callgrind.h>
-#include "bench.h"
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
+#include "../bench.h"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
 
 enum { STATES = BATCH, MAX_LANES = 8 };
 enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest robot's */
@@ -116,7 +116,7 @@ static rbd_status run_plain(const struct plain_call *g, const struct counted_rob
     return g->matrix ? run_matrix(g->matrix, r) : run_dynamics(g->dynamics, r, g->x);
 }
 
-/* ---- calls of the other variants, by the tables of library.c ---- */
+/* ---- calls of the other variants, by the tables of calls/library.c ---- */
 
 extern const struct library LANES_LIBRARY;
 #ifdef COMPILE_TIME_LIBRARIES

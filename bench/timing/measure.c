@@ -1,6 +1,6 @@
 /* Timing. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
-#include "bench.h"
+#include "../bench.h"
 #include "least.h"
 #include <math.h>
 #include <stdlib.h>

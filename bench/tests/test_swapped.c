@@ -1,6 +1,6 @@
 /* A peer for the test of the verification: rbd itself, by an adapter that exchanges the last two joints on
    the way in (if SWAP) and not on the way out. It takes MuJoCo's place. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <string.h>
 
 extern const struct library library_double, library_mujoco;

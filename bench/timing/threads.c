@@ -1,5 +1,5 @@
 /* Rows on several threads: the batches of the library, shared out by OpenMP. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #ifdef _OPENMP
 #include <omp.h>
 #endif

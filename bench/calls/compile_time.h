@@ -1,10 +1,10 @@
-/* calls_compile_time.h - straight-line calls for one robot, by the pattern at RBD_LOCAL_WORK in rbd.h.
+/* compile_time.h - straight-line calls for one robot, by the pattern at RBD_LOCAL_WORK in rbd.h.
    SPDX-License-Identifier: MIT */
 #define RBD_NO_BUILD
 #define RBD_STATIC
 #define RBD_SPECIALISE
 #define RBD_IMPLEMENTATION
-#include "bench.h"
+#include "../bench.h"
 #include ROBOT_HEADER
 
 #define VARIANT COMPILE_TIME
