@@ -195,8 +195,9 @@ int measure_accuracy(struct row *rows, int n, int samples);
 
 /* ---- timing/measure.c ---- */
 
-/* Times all rows; experiments of a row never follow each other if there is another row. A row whose least time
-   has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a message. */
+/* Times all rows; experiments of a row never follow each other if there is another row. A row whose least
+   time has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a
+   message. */
 int measure(struct row *rows, int n, int samples, int experiments);
 
 /* Sets *ns to the time that the row's samples first .. first + count - 1 take. */

@@ -20,7 +20,6 @@ static dual chain(double f, double fa, const dual &a, double fb, const dual &b) 
     return result;
 }
 
-// clang-format off
 static dual operator+(const dual &a, const dual &b) { return chain(a.x + b.x, 1, a, 1, b); }
 static dual operator-(const dual &a, const dual &b) { return chain(a.x - b.x, 1, a, -1, b); }
 static dual operator*(const dual &a, const dual &b) { return chain(a.x * b.x, b.x, a, a.x, b); }
@@ -30,7 +29,6 @@ static bool operator<(const dual &a, const dual &b) { return a.x < b.x; }
 static dual sin(const dual &a) { return chain(std::sin(a.x), std::cos(a.x), a, 0, a); }
 static dual cos(const dual &a) { return chain(std::cos(a.x), -std::sin(a.x), a, 0, a); }
 static dual sqrt(const dual &a) { return chain(std::sqrt(a.x), 0.5 / std::sqrt(a.x), a, 0, a); }
-// clang-format on
 
 #define RBD_REAL dual
 #define RBD_REAL_CUSTOM

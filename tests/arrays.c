@@ -1,7 +1,8 @@
-/* arrays.c - every description of up to three bodies (all joint types, parents, and joints that follow others), built
-   and run through every algorithm, where each array of model, work, input and output is an object of its own and
-   exactly as long as stated: under the sanitizers no access can leave an array for its neighbour, and no index, size
-   or shift overflows. The numbers are two sets, one of them with parallel axes, zeros and a singular mass matrix.
+/* arrays.c - every description of up to three bodies (all joint types, parents, and joints that follow
+   others), built and run through every algorithm, where each array of model, work, input and output is an
+   object of its own and exactly as long as stated: under the sanitizers no access can leave an array for its
+   neighbour, and no index, size or shift overflows. The numbers are two sets, one of them with parallel axes,
+   zeros and a singular mass matrix.
    usage: arrays [SHARE]: of the descriptions of three bodies only every SHARE-th */
 #include <stdint.h>
 #include <stdio.h>

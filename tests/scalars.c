@@ -342,11 +342,12 @@ START_TEST(point_mass_on_the_axis_is_singular) {
 }
 END_TEST
 
-/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral configuration. */
+/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral
+   configuration. */
 static int images(const rbd_real *at, rbd_real *x) {
     static rbd_real neutral[7], next[7];
     int n = rbd_nv(model);
-    EACH_LANE for (int k = 0; k < n; k++) put(&v[k], lane, 0.3 - 0.2 * k);
+    for (int k = 0; k < n; k++) EACH_LANE put(&v[k], lane, 0.3 - 0.2 * k);
     RUN(rbd_neutral(model, neutral));
     RUN(rbd_rnea(model, work, at, v, v, NULL, x));
     RUN(rbd_difference(model, neutral, at, x + n));
@@ -379,7 +380,7 @@ static void stretch(rbd_joint_type type, int first) {
         for (int k = first; k < rbd_nq(model); k++)
             q[k] = q[k] * sixteen;
         images(q, stretched);
-        EACH_LANE for (int k = 0; k < n; k++) ck_assert_msg(
+        for (int k = 0; k < n; k++) EACH_LANE ck_assert_msg(
             fabs(get(stretched[k] - expected[k], lane)) <= 0, "%s, joint type %d, 2^%d: image %d changes by %.3g",
             SCALAR_NAME, (int)type, exponent, k, get(stretched[k] - expected[k], lane));
     }

@@ -321,7 +321,7 @@ START_TEST(wrong_mimic_joints_are_refused) {
     REFUSES(RBD_ERR_MIMIC, 0, "mimic", follow(&b[0], "elbow"));
     REFUSES(RBD_ERR_MIMIC, 1, "mimic", follow(&b[1], "lead"); follow(&b[3], "elbow"));
     REFUSES_NONFINITE(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio);
-    REFUSES(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio = 0); /* would stand still */
+    REFUSES(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio = 0); /* stands still */
     REFUSES_NONFINITE(RBD_ERR_MIMIC, 3, "mimic_offset", follow(&b[3], "elbow"); b[3].mimic_offset);
 }
 END_TEST

@@ -196,7 +196,8 @@ void print_c_model(const robot *r, const char *name) {
     write_frames(name, m);
     printf("static const rbd_model %s_model = {\n"
            "    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), %d, %d, %d, /* nb, nq, nv */\n"
-           "    %d, %d, %d, %d, %d, %d, /* links, blocks, slots, mimics, packed entries, those behind */\n    ",
+           "    %d, %d, %d, %d, %d, %d, "
+            "/* links, blocks, slots, mimics, packed entries, those behind */\n    ",
            name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh,
            (int)m->nhx);
     vector(m->gravity);

@@ -1,6 +1,6 @@
 /* check.h - stands in for Check (libcheck) where there is none: on a microcontroller and on machines that are
-   emulated, for scalars.c and for the suites of tests.c. The same tests run there, without processes, files or
-   signals. The first failure ends the program.
+   emulated, for scalars.c and for the suites of tests.c. The same tests run there, without processes, files
+   or signals. The first failure ends the program.
    SPDX-License-Identifier: MIT */
 #ifndef FIRMWARE_CHECK_H
 #define FIRMWARE_CHECK_H

@@ -1,6 +1,7 @@
-/* model.c - for Frama-C: the build, the work and the index functions stay in their arrays for all descriptions of
-   NB bodies with these joint types, all parents and all following of joints, whatever numbers (NaN and infinity
-   too) stand in the other fields; and the sizes that rbd.h states suffice. See README.md. */
+/* model.c - for Frama-C: the build, the work and the index functions stay in their arrays for all
+   descriptions of NB bodies with these joint types, all parents and all following of joints, whatever numbers
+   (NaN and infinity too) stand in the other fields; and the sizes that rbd.h states suffice. See
+   README.md. */
 #include "__fc_builtin.h"
 
 #include <stdint.h>

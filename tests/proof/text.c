@@ -1,5 +1,5 @@
-/* text.c - for Frama-C: the texts and the lookup by name, for any status, index and length of text, and names of up
-   to three characters that are any. See README.md. */
+/* text.c - for Frama-C: the texts and the lookup by name, for any status, index and length of text, and names
+   of up to three characters that are any. See README.md. */
 #include "__fc_builtin.h"
 
 #include <stdint.h>
