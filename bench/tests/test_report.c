@@ -25,15 +25,13 @@ static char *table(const double mean[ROWS], int disturbed, char text[SIZE]) {
     }
     FILE *f = report_by(report_times, &options, rows, ROWS) == 0 ? fopen(name, "r") : NULL;
     text[f ? fread(text, 1, SIZE - 1, f) : 0] = 0;
-    if (f)
-        fclose(f);
+    if (f) fclose(f);
     remove(name);
     return text;
 }
 
 static void expect(bool fact, const char *what) {
-    if (fact)
-        return;
+    if (fact) return;
     fprintf(stderr, "not so: %s\n", what);
     exit(EXIT_FAILURE);
 }
