@@ -220,13 +220,10 @@ struct failure {
     rbd_urdf_status status;
     int line;
     str text;
-    failure(rbd_urdf_status s, int l, const str &t) : status(s), line(l), text(t) {
-    }
+    failure(rbd_urdf_status s, int l, const str &t) : status(s), line(l), text(t) {}
 };
 
-inline str quoted(const str &name) {
-    return "'" + name + "'";
-}
+inline str quoted(const str &name) { return "'" + name + "'"; }
 
 /* A number for a message. */
 inline str text_of(double x) {
@@ -239,20 +236,15 @@ inline str lock_hint(const str &joint) {
     return "; to hold it still: options.lock, rbd-model --lock " + quoted(joint);
 }
 
-inline str massless_hint(const str &joint) {
-    return lock_hint(joint) + ", or --lock-massless for all such";
-}
+inline str massless_hint(const str &joint) { return lock_hint(joint) + ", or --lock-massless for all such"; }
 
-inline char lower_case(char c) {
-    return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c;
-}
+inline char lower_case(char c) { return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c; }
 
 /* How many characters must be put in, left out or changed to make one name of the other (Levenshtein);
    upper and lower case are the same. */
 inline size_t difference(const str &a, const str &b) {
     std::vector<size_t> row(b.size() + 1);
-    for (size_t k = 0; k <= b.size(); ++k)
-        row[k] = k;
+    for (size_t k = 0; k <= b.size(); ++k) row[k] = k;
     for (size_t i = 0; i < a.size(); ++i) {
         size_t diagonal = row[0]++;
         for (size_t k = 0; k < b.size(); ++k) {
@@ -270,11 +262,9 @@ inline str nearest(const str &name, const std::map<str, int> &known) {
     size_t least = name.size() / 3 + 1;
     str best;
     for (std::map<str, int>::const_iterator i = known.begin(); i != known.end(); ++i) {
-        if (name.size() > longest || i->first.size() > longest)
-            continue;
+        if (name.size() > longest || i->first.size() > longest) continue;
         const size_t d = difference(name, i->first);
-        if (d < least)
-            least = d, best = i->first;
+        if (d < least) least = d, best = i->first;
     }
     return best.empty() ? best : "; did you mean " + quoted(best) + "?";
 }
@@ -284,11 +274,9 @@ inline str nearest(const str &name, const std::map<str, int> &known) {
 inline double make_unit(double v[3]) {
     int exponent;
     std::frexp(std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2]))), &exponent);
-    for (int i = 0; i < 3; ++i)
-        v[i] = std::ldexp(v[i], -exponent);
+    for (int i = 0; i < 3; ++i) v[i] = std::ldexp(v[i], -exponent);
     const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int i = 0; i < 3; ++i)
-        v[i] /= length;
+    for (int i = 0; i < 3; ++i) v[i] /= length;
     return std::ldexp(length, exponent);
 }
 
@@ -304,44 +292,36 @@ struct element {
 
     const str *attribute(const char *key) const {
         for (size_t i = 0; i < attributes.size(); ++i)
-            if (attributes[i].first == key)
-                return &attributes[i].second;
+            if (attributes[i].first == key) return &attributes[i].second;
         return NULL;
     }
     const element *child(const char *key) const {
         for (size_t i = 0; i < children.size(); ++i)
-            if (children[i].name == key)
-                return &children[i];
+            if (children[i].name == key) return &children[i];
         return NULL;
     }
     int count(const char *key) const {
         int n = 0;
-        for (size_t i = 0; i < children.size(); ++i)
-            n += children[i].name == key;
+        for (size_t i = 0; i < children.size(); ++i) n += children[i].name == key;
         return n;
     }
 };
 
 class reader {
   public:
-    reader(const char *text, size_t length) : p(text), end(text + length), line(1) {
-    }
+    reader(const char *text, size_t length) : p(text), end(text + length), line(1) {}
 
     element document() {
         element top;
-        if (starts("\xef\xbb\xbf"))
-            p += 3;
+        if (starts("\xef\xbb\xbf")) p += 3;
         while (between_elements()) {
         }
-        if (p == end)
-            fail("the text ends before any element");
-        if (*p != '<')
-            fail("text before the first element");
+        if (p == end) fail("the text ends before any element");
+        if (*p != '<') fail("text before the first element");
         tree(top);
         while (between_elements()) {
         }
-        if (p != end)
-            fail("something follows the end of <" + top.name + ">");
+        if (p != end) fail("something follows the end of <" + top.name + ">");
         return top;
     }
 
@@ -350,35 +330,25 @@ class reader {
     const char *p, *end;
     int line;
 
-    void fail(const str &what) const {
-        throw failure(RBD_URDF_ERR_XML, line, what);
-    }
+    void fail(const str &what) const { throw failure(RBD_URDF_ERR_XML, line, what); }
 
     bool starts(const char *s) const {
         size_t n = std::strlen(s);
         return (size_t)(end - p) >= n && std::memcmp(p, s, n) == 0;
     }
-    static bool is_space(char c) {
-        return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-    }
-    static bool is_name(char c) {
-        return !is_space(c) && c != '\0' && !std::strchr("<>/=\"'&!?", c);
-    }
+    static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+    static bool is_name(char c) { return !is_space(c) && c != '\0' && !std::strchr("<>/=\"'&!?", c); }
     void next() {
-        if (*p == '\0')
-            fail("the text has a zero byte");
-        if (*p == '\n')
-            ++line;
+        if (*p == '\0') fail("the text has a zero byte");
+        if (*p == '\n') ++line;
         ++p;
     }
     void skip_spaces() {
-        while (p < end && is_space(*p))
-            next();
+        while (p < end && is_space(*p)) next();
     }
     void skip_past(const char *s, const char *what) {
         int start = line;
-        while (p < end && !starts(s))
-            next();
+        while (p < end && !starts(s)) next();
         if (p == end) {
             line = start;
             fail(str("this ") + what + " has no end");
@@ -388,8 +358,7 @@ class reader {
 
     /* Skips a space, a comment or a declaration; false if there is none. */
     bool between_elements() {
-        if (p == end)
-            return false;
+        if (p == end) return false;
         if (is_space(*p))
             skip_spaces();
         else if (starts("<!--"))
@@ -404,8 +373,7 @@ class reader {
     }
     void doctype() {
         while (p < end && *p != '>') {
-            if (*p == '[')
-                fail("declarations of entities are not supported");
+            if (*p == '[') fail("declarations of entities are not supported");
             next();
         }
         skip_past(">", "DOCTYPE");
@@ -413,22 +381,18 @@ class reader {
 
     str name() {
         const char *start = p;
-        while (p < end && is_name(*p))
-            ++p;
-        if (p == start)
-            fail("a name must stand here");
+        while (p < end && is_name(*p)) ++p;
+        if (p == start) fail("a name must stand here");
         return str(start, p);
     }
 
     /* The element that starts here, with all that is in it. Not recursive. */
     void tree(element &top) {
         std::vector<element *> open;
-        if (start_tag(top))
-            return;
+        if (start_tag(top)) return;
         open.push_back(&top);
         while (!open.empty()) {
-            while (p < end && *p != '<')
-                next();
+            while (p < end && *p != '<') next();
             if (p == end)
                 fail("the text ends inside <" + open.back()->name + "> of line " +
                      std::to_string(open.back()->line));
@@ -443,8 +407,7 @@ class reader {
             else {
                 std::vector<element> &siblings = open.back()->children;
                 siblings.push_back(element());
-                if (!start_tag(siblings.back()))
-                    open.push_back(&siblings.back());
+                if (!start_tag(siblings.back())) open.push_back(&siblings.back());
                 if (open.size() > MAX_DEPTH)
                     fail("elements are nested more than " + std::to_string((int)MAX_DEPTH) + " deep");
             }
@@ -457,8 +420,7 @@ class reader {
             fail("</" + found + "> ends <" + open.back()->name + "> of line " +
                  std::to_string(open.back()->line));
         skip_spaces();
-        if (p == end || *p != '>')
-            fail("</" + found + " is not ended by >");
+        if (p == end || *p != '>') fail("</" + found + " is not ended by >");
         ++p;
         open.pop_back();
     }
@@ -471,29 +433,23 @@ class reader {
         for (;;) {
             bool spaced = p < end && is_space(*p);
             skip_spaces();
-            if (starts("/>"))
-                return p += 2, true;
-            if (starts(">"))
-                return ++p, false;
-            if (p == end || !spaced || !is_name(*p))
-                fail("<" + e.name + " is not ended by >");
+            if (starts("/>")) return p += 2, true;
+            if (starts(">")) return ++p, false;
+            if (p == end || !spaced || !is_name(*p)) fail("<" + e.name + " is not ended by >");
             attribute(e);
         }
     }
     void attribute(element &e) {
         str key = name(), value;
-        if (e.attribute(key.c_str()))
-            fail("<" + e.name + "> has attribute " + quoted(key) + " twice");
+        if (e.attribute(key.c_str())) fail("<" + e.name + "> has attribute " + quoted(key) + " twice");
         skip_spaces();
-        if (p == end || *p != '=')
-            fail("attribute " + quoted(key) + " of <" + e.name + "> has no value");
+        if (p == end || *p != '=') fail("attribute " + quoted(key) + " of <" + e.name + "> has no value");
         ++p;
         skip_spaces();
         if (p == end || (*p != '"' && *p != '\''))
             fail("the value of attribute " + quoted(key) + " of <" + e.name + "> is not in quotes");
         int start = line;
-        for (char quote = *p++; p < end && *p != quote;)
-            value += *p == '&' ? entity() : character();
+        for (char quote = *p++; p < end && *p != quote;) value += *p == '&' ? entity() : character();
         if (p == end) {
             line = start;
             fail("the value of attribute " + quoted(key) + " of <" + e.name + "> has no end");
@@ -510,10 +466,8 @@ class reader {
         static const char *const entities[] = {"&lt;", "<",      "&gt;", ">",      "&amp;",
                                                "&",    "&quot;", "\"",   "&apos;", "'"};
         for (int i = 0; i < 10; i += 2)
-            if (starts(entities[i]))
-                return p += std::strlen(entities[i]), entities[i + 1];
-        if (starts("&#"))
-            return numbered_character();
+            if (starts(entities[i])) return p += std::strlen(entities[i]), entities[i + 1];
+        if (starts("&#")) return numbered_character();
         fail("unknown entity: a plain & is written &amp;");
         return str();
     }
@@ -521,8 +475,7 @@ class reader {
         int base = 10;
         unsigned long code = 0;
         p += 2;
-        if (p < end && (*p == 'x' || *p == 'X'))
-            base = 16, ++p;
+        if (p < end && (*p == 'x' || *p == 'X')) base = 16, ++p;
         const char *start = p;
         for (int d; p < end && (d = digit(*p, base)) >= 0 && code < 0x110000; ++p)
             code = code * (unsigned long)base + (unsigned long)d;
@@ -532,12 +485,9 @@ class reader {
         return utf8(code);
     }
     static int digit(char c, int base) {
-        if (c >= '0' && c <= '9')
-            return c - '0';
-        if (base == 16 && c >= 'a' && c <= 'f')
-            return c - 'a' + 10;
-        if (base == 16 && c >= 'A' && c <= 'F')
-            return c - 'A' + 10;
+        if (c >= '0' && c <= '9') return c - '0';
+        if (base == 16 && c >= 'a' && c <= 'f') return c - 'a' + 10;
+        if (base == 16 && c >= 'A' && c <= 'F') return c - 'A' + 10;
         return -1;
     }
     static str utf8(unsigned long c) {
@@ -545,8 +495,7 @@ class reader {
         int extra = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
         static const unsigned long lead[] = {0, 0xc0, 0xe0, 0xf0};
         s += (char)(lead[extra] | (c >> (6 * extra)));
-        while (extra-- > 0)
-            s += (char)(0x80 | ((c >> (6 * extra)) & 0x3f));
+        while (extra-- > 0) s += (char)(0x80 | ((c >> (6 * extra)) & 0x3f));
         return s;
     }
 };
@@ -561,8 +510,7 @@ struct link_part {
     bool inertial, massive;    /* has <inertial>; mass or inertia in it is not zero */
     int joint;                 /* that carries it, -1: none */
     std::vector<int> children; /* joints, in the file's order */
-    link_part() : line(0), inertial(false), massive(false), joint(-1) {
-    }
+    link_part() : line(0), inertial(false), massive(false), joint(-1) {}
 };
 
 struct joint_part {
@@ -577,9 +525,7 @@ struct joint_part {
           ratio(1), offset(0), value(0) {
         axis[0] = 1, axis[1] = axis[2] = 0; /* URDF's default */
     }
-    bool held() const {
-        return type != motion;
-    }
+    bool held() const { return type != motion; }
 };
 
 struct warning_list {
@@ -587,8 +533,7 @@ struct warning_list {
     bool strict;
     void add(rbd_urdf_status status, int line, const str &text) {
         rbd_urdf_finding f;
-        if (strict)
-            throw failure(status, line, text);
+        if (strict) throw failure(status, line, text);
         f.status = status;
         f.line = line;
         std::snprintf(f.text, sizeof f.text, "%s", text.c_str());
@@ -596,9 +541,7 @@ struct warning_list {
     }
 };
 
-inline bool has_joint_axis(rbd_joint_type type) {
-    return type != RBD_FIXED && type != RBD_FLOATING;
-}
+inline bool has_joint_axis(rbd_joint_type type) { return type != RBD_FIXED && type != RBD_FLOATING; }
 inline bool has_one_dof(rbd_joint_type type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC;
 }
@@ -616,8 +559,7 @@ inline void take_subtree(element &robot, const str &root) {
     std::multimap<str, str> carries;
     for (size_t i = 0; i < robot.children.size(); ++i) {
         const element &e = robot.children[i];
-        if (e.name == "link" && e.attribute("name"))
-            taken[*e.attribute("name")] = 0;
+        if (e.name == "link" && e.attribute("name")) taken[*e.attribute("name")] = 0;
         if (e.name == "joint" && end_of(e, "parent") && end_of(e, "child"))
             carries.insert(std::make_pair(*end_of(e, "parent"), *end_of(e, "child")));
     }
@@ -627,8 +569,7 @@ inline void take_subtree(element &robot, const str &root) {
     for (std::vector<str> open(1, root); !open.empty();) {
         const str link = open.back();
         open.pop_back();
-        if (!taken.count(link) || taken[link]++)
-            continue;
+        if (!taken.count(link) || taken[link]++) continue;
         for (std::multimap<str, str>::const_iterator i = carries.lower_bound(link);
              i != carries.end() && i->first == link; ++i)
             open.push_back(i->second);
@@ -639,8 +580,7 @@ inline void take_subtree(element &robot, const str &root) {
         const str *link = e.name == "link"    ? e.attribute("name")
                           : e.name == "joint" ? end_of(e, "parent")
                                               : NULL;
-        if (!link || !taken.count(*link) || taken[*link])
-            rest.push_back(std::move(e));
+        if (!link || !taken.count(*link) || taken[*link]) rest.push_back(std::move(e));
     }
     robot.children.swap(rest);
 }
@@ -660,32 +600,23 @@ class checked {
         refuse_xacro(top);
         robot = name_of_robot(top);
         text = "<robot name=\"" + escaped(robot) + "\">\n";
-        if (options.root_link)
-            take_subtree(top, options.root_link);
+        if (options.root_link) take_subtree(top, options.root_link);
         for (size_t i = 0; i < top.children.size(); ++i)
-            if (top.children[i].name == "link")
-                add_link(top.children[i]);
-        if (links.empty())
-            fail(RBD_URDF_ERR_ROBOT, top, "the robot has no link");
+            if (top.children[i].name == "link") add_link(top.children[i]);
+        if (links.empty()) fail(RBD_URDF_ERR_ROBOT, top, "the robot has no link");
         for (size_t i = 0; i < top.children.size(); ++i)
-            if (top.children[i].name == "joint")
-                add_joint(top.children[i]);
+            if (top.children[i].name == "joint") add_joint(top.children[i]);
         text += "</robot>\n";
         check_tree();
         check_names();
-        if (options.lock_massless)
-            lock_massless();
+        if (options.lock_massless) lock_massless();
         follow_mimics();
         check_leaders();
         check_count();
     }
 
-    int link(const str &name) const {
-        return find(link_index, name);
-    }
-    int joint(const str &name) const {
-        return find(joint_index, name);
-    }
+    int link(const str &name) const { return find(link_index, name); }
+    int joint(const str &name) const { return find(joint_index, name); }
 
   private:
     const rbd_urdf_options &options;
@@ -707,8 +638,7 @@ class checked {
     void refuse_xacro(const element &e) const {
         if (e.name.compare(0, 6, "xacro:") == 0)
             fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + ">: expand the file with xacro first");
-        for (size_t i = 0; i < e.children.size(); ++i)
-            refuse_xacro(e.children[i]);
+        for (size_t i = 0; i < e.children.size(); ++i) refuse_xacro(e.children[i]);
     }
 
     static str escaped(const str &s) {
@@ -730,8 +660,7 @@ class checked {
 
     str name_of(const element &e, const str &what) const {
         const str *name = e.attribute("name");
-        if (!name || name->empty())
-            throw failure(RBD_URDF_ERR_NAME, e.line, what + " has no name");
+        if (!name || name->empty()) throw failure(RBD_URDF_ERR_NAME, e.line, what + " has no name");
         for (size_t i = 0; i < name->size(); ++i)
             if ((unsigned char)(*name)[i] < 0x20 || (*name)[i] == 0x7f)
                 throw failure(RBD_URDF_ERR_NAME, e.line, "the name of " + what + " has a control character");
@@ -740,24 +669,21 @@ class checked {
 
     str name_of_robot(const element &e) {
         const str *name = e.attribute("name");
-        if (name && !name->empty())
-            return name_of(e, "the robot");
+        if (name && !name->empty()) return name_of(e, "the robot");
         warnings.add(RBD_URDF_WARN_NAME, e.line, "the robot has no name; it is called 'robot'");
         return "robot";
     }
 
     /* The child of this name, NULL if there is none; two are an error. */
     const element *only(const element &e, const char *name) const {
-        if (e.count(name) > 1)
-            fail(RBD_URDF_ERR_XML, e, str("<") + name + "> stands twice");
+        if (e.count(name) > 1) fail(RBD_URDF_ERR_XML, e, str("<") + name + "> stands twice");
         return e.child(name);
     }
 
     double number(const element &e, const char *attribute, const str &token) const {
         try {
             double x = urdf::strToDouble(token.c_str());
-            if (std::isfinite(x))
-                return x;
+            if (std::isfinite(x)) return x;
         } catch (const std::runtime_error &) {
         }
         str hint = token.find("${") != str::npos ? "; expand the file with xacro first" : "";
@@ -771,19 +697,15 @@ class checked {
         const str *value = e.attribute(attribute);
         str numbers;
         int found = 0;
-        if (!value)
-            return false;
+        if (!value) return false;
         for (size_t i = 0; i < value->size();) {
             size_t start = value->find_first_not_of(" ", i);
-            if (start == str::npos)
-                break;
+            if (start == str::npos) break;
             i = value->find(' ', start);
-            if (i == str::npos)
-                i = value->size();
+            if (i == str::npos) i = value->size();
             str token = value->substr(start, i - start);
             double y = number(e, attribute, token);
-            if (found < n)
-                x[found] = y;
+            if (found < n) x[found] = y;
             numbers += (found++ ? " " : "") + token;
         }
         if (found != n)
@@ -797,8 +719,7 @@ class checked {
     void origin(const element &e) {
         const element *o = only(e, "origin");
         double x[3];
-        if (!o)
-            return;
+        if (!o) return;
         if (o->attribute("quat_xyzw"))
             fail(RBD_URDF_ERR_NUMBER, *o, "<origin quat_xyzw> is not supported: give rpy");
         text += "<origin";
@@ -831,15 +752,11 @@ class checked {
         double x, largest;
         text += "<inertial>";
         origin(e);
-        if (!mass)
-            fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <mass>");
-        if (!inertia)
-            fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <inertia>");
+        if (!mass) fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <mass>");
+        if (!inertia) fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <inertia>");
         text += "<mass";
-        if (!copy(*mass, "value", 1, &x))
-            fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
-        if (x < 0)
-            fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
+        if (!copy(*mass, "value", 1, &x)) fail(RBD_URDF_ERR_INERTIAL, *mass, "<mass> has no value");
+        if (x < 0) fail(RBD_URDF_ERR_INERTIAL, *mass, "the mass is negative");
         largest = x;
         text += "/><inertia";
         for (int i = 0; i < 6; ++i) {
@@ -858,11 +775,9 @@ class checked {
         } types[] = {{"revolute", RBD_REVOLUTE}, {"continuous", RBD_CONTINUOUS}, {"prismatic", RBD_PRISMATIC},
                      {"fixed", RBD_FIXED},       {"floating", RBD_FLOATING},     {"planar", RBD_PLANAR}};
         const str *type = e.attribute("type");
-        if (!type)
-            fail(RBD_URDF_ERR_JOINT, e, "it has no type");
+        if (!type) fail(RBD_URDF_ERR_JOINT, e, "it has no type");
         for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
-            if (*type == types[i].name)
-                return types[i].type;
+            if (*type == types[i].name) return types[i].type;
         fail(RBD_URDF_ERR_JOINT, e, "unknown type " + quoted(*type));
         return RBD_FIXED;
     }
@@ -870,8 +785,7 @@ class checked {
     int end_of_joint(const element &e, const char *which) {
         const element *x = only(e, which);
         const str *name = end_of(e, which);
-        if (!name)
-            fail(RBD_URDF_ERR_JOINT, e, str("it has no <") + which + " link=\"...\">");
+        if (!name) fail(RBD_URDF_ERR_JOINT, e, str("it has no <") + which + " link=\"...\">");
         int index = link(*name);
         if (index < 0)
             fail(RBD_URDF_ERR_JOINT, *x,
@@ -893,10 +807,8 @@ class checked {
         origin(e);
         j.parent = end_of_joint(e, "parent");
         j.child = end_of_joint(e, "child");
-        if (has_joint_axis(j.type))
-            axis(e, j.axis);
-        if (has_one_dof(j.type))
-            limit(e, j);
+        if (has_joint_axis(j.type)) axis(e, j.axis);
+        if (has_one_dof(j.type)) limit(e, j);
         dynamics(e, j);
         if (const rbd_urdf_lock *lock = lock_of(j.name))
             hold_at(j, lock->value);
@@ -909,18 +821,14 @@ class checked {
 
     void axis(const element &e, double x[3]) {
         const element *a = only(e, "axis");
-        if (!a)
-            return;
+        if (!a) return;
         text += "<axis";
-        if (!copy(*a, "xyz", 3, x))
-            fail(RBD_URDF_ERR_AXIS, *a, "<axis> has no xyz");
+        if (!copy(*a, "xyz", 3, x)) fail(RBD_URDF_ERR_AXIS, *a, "<axis> has no xyz");
         text += "/>";
-        if (x[0] == 0 && x[1] == 0 && x[2] == 0)
-            fail(RBD_URDF_ERR_AXIS, *a, "the axis is zero");
+        if (x[0] == 0 && x[1] == 0 && x[2] == 0) fail(RBD_URDF_ERR_AXIS, *a, "the axis is zero");
         double unit[3] = {x[0], x[1], x[2]};
         const double length = make_unit(unit);
-        if (length > 0.99 && length < 1.01)
-            return; /* as it is written: rounded */
+        if (length > 0.99 && length < 1.01) return; /* as it is written: rounded */
         std::memcpy(x, unit, sizeof unit);
         warnings.add(RBD_URDF_WARN_AXIS, a->line,
                      who + ": the axis is of length " + text_of(length) + "; made a unit vector");
@@ -933,15 +841,13 @@ class checked {
         const bool needed = j.type != RBD_CONTINUOUS;
         double x[4] = {0, 0, 0, 0};
         bool finite[4] = {true, true, true, true};
-        if (!l && needed)
-            no_limit(e, "it has no <limit>");
+        if (!l && needed) no_limit(e, "it has no <limit>");
         for (int i = 0; l && i < 4; ++i)
             finite[i] = read_limit(*l, names[i], needed && i >= 2, needed || i >= 2, x[i]);
         if (needed && finite[0] && finite[1] && x[0] > x[1])
             no_limit(*l, "the lower limit exceeds the upper");
         const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
-        if (bounds)
-            j.lower = x[0], j.upper = x[1];
+        if (bounds) j.lower = x[0], j.upper = x[1];
         text += "<limit";
         for (int i = 0; i < 4; ++i) {
             if (i < 2 ? bounds : x[i] > 0)
@@ -957,23 +863,19 @@ class checked {
         const str *value = l.attribute(name);
         str aside;
         if (value && is_infinite(*value)) {
-            if (used)
-                no_limit(l, str("the ") + name + " limit is infinite");
+            if (used) no_limit(l, str("the ") + name + " limit is infinite");
             return false;
         }
         std::swap(text, aside); /* it is not written yet */
-        if (!copy(l, name, 1, &x) && needed)
-            no_limit(l, str("<limit> has no ") + name);
+        if (!copy(l, name, 1, &x) && needed) no_limit(l, str("<limit> has no ") + name);
         std::swap(text, aside);
-        if (needed && x < 0)
-            no_limit(l, str("the ") + name + " limit is negative");
+        if (needed && x < 0) no_limit(l, str("the ") + name + " limit is negative");
         return true;
     }
     static bool is_infinite(const str &value) {
         str word;
         for (size_t i = 0; i < value.size(); ++i)
-            if (!std::strchr("+- .", value[i]))
-                word += lower_case(value[i]);
+            if (!std::strchr("+- .", value[i])) word += lower_case(value[i]);
         return word == "inf" || word == "infinity";
     }
     void no_limit(const element &e, const str &what) const {
@@ -984,14 +886,12 @@ class checked {
         static const char *const names[] = {"damping", "friction", "armature"};
         const element *d = only(e, "dynamics");
         double x[3] = {0, 0, 0};
-        if (!d)
-            return;
+        if (!d) return;
         const size_t start = text.size();
         text += "<dynamics";
         for (int i = 0; i < 3; ++i) {
             copy(*d, names[i], 1, &x[i]);
-            if (x[i] < 0)
-                fail(RBD_URDF_ERR_NUMBER, *d, str("the ") + names[i] + " is negative");
+            if (x[i] < 0) fail(RBD_URDF_ERR_NUMBER, *d, str("the ") + names[i] + " is negative");
         }
         text += "/>";
         if (!d->attribute("damping") && !d->attribute("friction"))
@@ -1003,11 +903,9 @@ class checked {
         const element *m = only(e, "mimic");
         if (m && j.type == RBD_FIXED)
             warnings.add(RBD_URDF_WARN_MIMIC, m->line, who + ": it is fixed; its <mimic> is ignored");
-        if (!m || j.type == RBD_FIXED)
-            return;
+        if (!m || j.type == RBD_FIXED) return;
         const str *name = m->attribute("joint");
-        if (!name || name->empty())
-            fail(RBD_URDF_ERR_MIMIC, *m, "<mimic> has no joint");
+        if (!name || name->empty()) fail(RBD_URDF_ERR_MIMIC, *m, "<mimic> has no joint");
         if (!has_one_dof(j.type))
             fail(RBD_URDF_ERR_MIMIC, *m,
                  "only revolute, continuous and prismatic joints can mimic" + lock_hint(j.name));
@@ -1021,8 +919,7 @@ class checked {
     /* What the options say of a joint, NULL if nothing. */
     const rbd_urdf_lock *lock_of(const str &joint) const {
         for (const rbd_urdf_lock *l = options.lock; l && l->joint; ++l)
-            if (joint == l->joint)
-                return l;
+            if (joint == l->joint) return l;
         return NULL;
     }
 
@@ -1062,8 +959,7 @@ class checked {
     void check_tree() {
         size_t reached = 0;
         for (size_t i = 0; i < links.size(); ++i) {
-            if (links[i].joint >= 0)
-                continue;
+            if (links[i].joint >= 0) continue;
             if (root >= 0)
                 throw failure(
                     RBD_URDF_ERR_TREE, links[i].line,
@@ -1074,8 +970,7 @@ class checked {
             root = (int)i;
         }
         std::vector<bool> seen(links.size(), false);
-        if (root >= 0)
-            outwards.push_back(root);
+        if (root >= 0) outwards.push_back(root);
         for (; reached < outwards.size(); ++reached) {
             const link_part &l = links[(size_t)outwards[reached]];
             seen[(size_t)outwards[reached]] = true;
@@ -1091,8 +986,7 @@ class checked {
 
     /* From a link that the root does not reach, towards its ancestors: one that is on the cycle. */
     size_t cycle_from(size_t i) const {
-        for (size_t step = 0; step < links.size(); ++step)
-            i = (size_t)joints[(size_t)links[i].joint].parent;
+        for (size_t step = 0; step < links.size(); ++step) i = (size_t)joints[(size_t)links[i].joint].parent;
         return i;
     }
 
@@ -1103,8 +997,7 @@ class checked {
             const size_t child = (size_t)outwards[k], number = (size_t)links[child].joint;
             massive[child] = massive[child] || links[child].massive;
             moves[number] = massive[child] || joints[number].armature > 0;
-            if (massive[child])
-                massive[(size_t)joints[number].parent] = true;
+            if (massive[child]) massive[(size_t)joints[number].parent] = true;
         }
         for (size_t i = 0; i < joints.size(); ++i)
             for (int k = moves[i] ? joint(joints[i].mimic) : -1; k >= 0 && !moves[(size_t)k];
@@ -1118,8 +1011,7 @@ class checked {
         for (size_t k = outwards.size(); k-- > 1;) {
             const int number = links[(size_t)outwards[k]].joint;
             joint_part &j = joints[(size_t)number];
-            if (j.type == RBD_FIXED || moves[(size_t)number])
-                continue;
+            if (j.type == RBD_FIXED || moves[(size_t)number]) continue;
             warnings.add(RBD_URDF_WARN_LOCKED, j.line,
                          "joint " + quoted(j.name) + ": it moves no mass; held still");
             hold(j, 0);
@@ -1131,8 +1023,7 @@ class checked {
         std::vector<bool> good = movers();
         for (size_t i = 0; i < joints.size(); ++i) {
             const int leader = joint(joints[i].mimic);
-            if (leader < 0 || good[(size_t)leader])
-                continue;
+            if (leader < 0 || good[(size_t)leader]) continue;
             const joint_part &j = joints[(size_t)leader];
             good[(size_t)leader] = true; /* told once */
             warnings.add(RBD_URDF_WARN_SINGULAR, j.line,
@@ -1145,8 +1036,7 @@ class checked {
     /* A hint at the joint that is meant by a name that none has. */
     str joint_meant(const str &name) const {
         const int child = link(name), number = child < 0 ? -1 : links[(size_t)child].joint;
-        if (number < 0)
-            return nearest(name, joint_index);
+        if (number < 0) return nearest(name, joint_index);
         return "; link " + quoted(name) + " hangs on joint " + quoted(joints[(size_t)number].name);
     }
 
@@ -1170,8 +1060,7 @@ class checked {
 
     void check_count() const {
         int moving = 0;
-        for (size_t i = 0; i < joints.size(); ++i)
-            moving += joints[i].type != RBD_FIXED;
+        for (size_t i = 0; i < joints.size(); ++i) moving += joints[i].type != RBD_FIXED;
         if (moving > RBD_MAX_BODIES)
             throw failure(RBD_URDF_ERR_MODEL, 0,
                           "the model: " + std::to_string(moving) +
@@ -1191,8 +1080,7 @@ class checked {
                                            : "joints that mimic each other in a circle");
                 path.push_back(k);
             }
-            for (size_t step = path.size(); step-- > 0; good[path[step]] = true)
-                follow(joints[path[step]]);
+            for (size_t step = path.size(); step-- > 0; good[path[step]] = true) follow(joints[path[step]]);
         }
     }
 
@@ -1208,8 +1096,7 @@ class checked {
             j.ratio *= source.ratio;
             j.mimic = source.mimic;
         }
-        if (j.ratio == 0)
-            hold_follower(j, j.offset, "its <mimic> has multiplier 0");
+        if (j.ratio == 0) hold_follower(j, j.offset, "its <mimic> has multiplier 0");
     }
     void hold_follower(joint_part &j, double value, const str &why) const {
         hold_at(j, value);
@@ -1241,23 +1128,17 @@ class checked {
 class console {
   public:
     explicit console(bool show) : shown(show), previous(console_bridge::getOutputHandler()) {
-        if (!shown)
-            console_bridge::useOutputHandler(&handler);
+        if (!shown) console_bridge::useOutputHandler(&handler);
     }
     ~console() {
-        if (!shown)
-            console_bridge::useOutputHandler(previous);
+        if (!shown) console_bridge::useOutputHandler(previous);
     }
-    const str &last() const {
-        return handler.last;
-    }
+    const str &last() const { return handler.last; }
 
   private:
     struct keeper : console_bridge::OutputHandler {
         str last;
-        void log(const str &message, console_bridge::LogLevel, const char *, int) override {
-            last = message;
-        }
+        void log(const str &message, console_bridge::LogLevel, const char *, int) override { last = message; }
     } handler;
     bool shown;
     console_bridge::OutputHandler *previous;
@@ -1273,8 +1154,7 @@ class parsed {
         std::lock_guard<std::mutex> lock(one_at_a_time);
         console messages(show);
         model = urdf::parseURDF(text);
-        if (!model)
-            throw failure(RBD_URDF_ERR_PARSER, 0, "urdfdom refuses it: " + messages.last());
+        if (!model) throw failure(RBD_URDF_ERR_PARSER, 0, "urdfdom refuses it: " + messages.last());
     }
     ~parsed() {
         std::map<str, urdf::LinkSharedPtr>::iterator i;
@@ -1285,14 +1165,12 @@ class parsed {
     }
     const urdf::Link &link(const str &name) const {
         urdf::LinkConstSharedPtr l = model->getLink(name);
-        if (!l)
-            throw failure(RBD_URDF_ERR_PARSER, 0, "link " + quoted(name) + ": urdfdom lost it");
+        if (!l) throw failure(RBD_URDF_ERR_PARSER, 0, "link " + quoted(name) + ": urdfdom lost it");
         return *l;
     }
     const urdf::Joint &joint(const str &name) const {
         urdf::JointConstSharedPtr j = model->getJoint(name);
-        if (!j)
-            throw failure(RBD_URDF_ERR_PARSER, 0, "joint " + quoted(name) + ": urdfdom lost it");
+        if (!j) throw failure(RBD_URDF_ERR_PARSER, 0, "joint " + quoted(name) + ": urdfdom lost it");
         return *j;
     }
 
@@ -1308,25 +1186,21 @@ class parsed {
 struct pose {
     double R[9], p[3];
     pose() {
-        for (int i = 0; i < 9; ++i)
-            R[i] = i % 4 == 0;
-        for (int i = 0; i < 3; ++i)
-            p[i] = 0;
+        for (int i = 0; i < 9; ++i) R[i] = i % 4 == 0;
+        for (int i = 0; i < 3; ++i) p[i] = 0;
     }
 };
 
 inline bool is_identity(const double R[9]) {
     for (int i = 0; i < 9; ++i)
-        if (R[i] != (i % 4 == 0))
-            return false;
+        if (R[i] != (i % 4 == 0)) return false;
     return true;
 }
 
 /* What only rounding keeps from 0, 1 or -1 is that number. */
 inline void snap(double R[9]) {
     for (int i = 0; i < 9; ++i)
-        if (std::fabs(R[i] - std::round(R[i])) <= 1e-15)
-            R[i] = std::round(R[i]) + 0.0;
+        if (std::fabs(R[i] - std::round(R[i])) <= 1e-15) R[i] = std::round(R[i]) + 0.0;
 }
 
 inline pose pose_of(const urdf::Pose &from) {
@@ -1344,8 +1218,7 @@ inline pose pose_of(const urdf::Pose &from) {
 
 inline void turn(const double R[9], const double v[3], double out[3]) {
     const double a = v[0], b = v[1], c = v[2];
-    for (int i = 0; i < 3; ++i)
-        out[i] = R[3 * i] * a + R[3 * i + 1] * b + R[3 * i + 2] * c;
+    for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * a + R[3 * i + 1] * b + R[3 * i + 2] * c;
 }
 
 inline void multiply(const double A[9], const double B[9], double out[9]) {
@@ -1363,8 +1236,7 @@ inline pose compose(const pose &a, const pose &b) {
     else
         multiply(a.R, b.R, c.R), snap(c.R);
     turn(a.R, b.p, c.p);
-    for (int i = 0; i < 3; ++i)
-        c.p[i] += a.p[i];
+    for (int i = 0; i < 3; ++i) c.p[i] += a.p[i];
     return c;
 }
 
@@ -1372,15 +1244,12 @@ inline pose compose(const pose &a, const pose &b) {
 struct part {
     double mass, com[3], inertia[6];
     part() : mass(0) {
-        for (int i = 0; i < 3; ++i)
-            com[i] = 0;
-        for (int i = 0; i < 6; ++i)
-            inertia[i] = 0;
+        for (int i = 0; i < 3; ++i) com[i] = 0;
+        for (int i = 0; i < 6; ++i) inertia[i] = 0;
     }
     bool nothing() const {
         for (int i = 0; i < 6; ++i)
-            if (inertia[i] != 0)
-                return false;
+            if (inertia[i] != 0) return false;
         return mass == 0;
     }
 };
@@ -1389,10 +1258,8 @@ struct part {
 inline part moved(const part &from, const pose &x) {
     part to = from;
     turn(x.R, from.com, to.com);
-    for (int i = 0; i < 3; ++i)
-        to.com[i] += x.p[i];
-    if (is_identity(x.R))
-        return to;
+    for (int i = 0; i < 3; ++i) to.com[i] += x.p[i];
+    if (is_identity(x.R)) return to;
     const double *I = from.inertia;
     const double full[9] = {I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5]};
     const double T[9] = {x.R[0], x.R[3], x.R[6], x.R[1], x.R[4], x.R[7], x.R[2], x.R[5], x.R[8]};
@@ -1400,8 +1267,7 @@ inline part moved(const part &from, const pose &x) {
     multiply(x.R, full, turned);
     multiply(turned, T, turned);
     const int upper[6] = {0, 1, 2, 4, 5, 8};
-    for (int i = 0; i < 6; ++i)
-        to.inertia[i] = turned[upper[i]];
+    for (int i = 0; i < 6; ++i) to.inertia[i] = turned[upper[i]];
     return to;
 }
 
@@ -1409,26 +1275,21 @@ inline part moved(const part &from, const pose &x) {
 inline void add_inertia(double I[6], const part &p, const double d[3]) {
     const double steiner[6] = {d[1] * d[1] + d[2] * d[2], -d[0] * d[1], -d[0] * d[2],
                                d[0] * d[0] + d[2] * d[2], -d[1] * d[2], d[0] * d[0] + d[1] * d[1]};
-    for (int i = 0; i < 6; ++i)
-        I[i] += p.inertia[i] + p.mass * steiner[i];
+    for (int i = 0; i < 6; ++i) I[i] += p.inertia[i] + p.mass * steiner[i];
 }
 
 /* Parts in one frame as one; a single one stays as it is, to the bit. */
 inline part sum(const std::vector<part> &parts) {
     part all;
-    if (parts.size() == 1)
-        return parts[0];
+    if (parts.size() == 1) return parts[0];
     for (size_t k = 0; k < parts.size(); ++k) {
         all.mass += parts[k].mass;
-        for (int i = 0; i < 3; ++i)
-            all.com[i] += parts[k].mass * parts[k].com[i];
+        for (int i = 0; i < 3; ++i) all.com[i] += parts[k].mass * parts[k].com[i];
     }
-    for (int i = 0; i < 3; ++i)
-        all.com[i] = all.mass > 0 ? all.com[i] / all.mass : 0;
+    for (int i = 0; i < 3; ++i) all.com[i] = all.mass > 0 ? all.com[i] / all.mass : 0;
     for (size_t k = 0; k < parts.size(); ++k) {
         double d[3];
-        for (int i = 0; i < 3; ++i)
-            d[i] = parts[k].com[i] - all.com[i];
+        for (int i = 0; i < 3; ++i) d[i] = parts[k].com[i] - all.com[i];
         add_inertia(all.inertia, parts[k], d);
     }
     return all;
@@ -1441,15 +1302,11 @@ inline void turn_z_to(const double axis[3], double R[9]) {
     make_unit(z);
     int k = 0;
     for (int i = 1; i < 3; ++i)
-        if (std::fabs(z[i]) > std::fabs(z[k]))
-            k = i;
+        if (std::fabs(z[i]) > std::fabs(z[k])) k = i;
     double x[3], square = 0;
-    for (int i = 0; i < 3; ++i)
-        x[i] = (i == (k + 1) % 3) - z[(k + 1) % 3] * z[i];
-    for (int i = 0; i < 3; ++i)
-        square += x[i] * x[i];
-    for (int i = 0; i < 3; ++i)
-        x[i] /= std::sqrt(square);
+    for (int i = 0; i < 3; ++i) x[i] = (i == (k + 1) % 3) - z[(k + 1) % 3] * z[i];
+    for (int i = 0; i < 3; ++i) square += x[i] * x[i];
+    for (int i = 0; i < 3; ++i) x[i] /= std::sqrt(square);
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, l = (i + 2) % 3;
         R[3 * i] = x[i], R[3 * i + 1] = z[j] * x[l] - z[l] * x[j], R[3 * i + 2] = z[i];
@@ -1461,18 +1318,15 @@ inline void turn_z_to(const double axis[3], double R[9]) {
 inline pose pose_held(const joint_part &j) {
     pose x;
     double n[3] = {j.axis[0], j.axis[1], j.axis[2]};
-    if (!j.held() || j.value == 0)
-        return x;
+    if (!j.held() || j.value == 0) return x;
     make_unit(n);
     if (j.motion == RBD_PRISMATIC) {
-        for (int i = 0; i < 3; ++i)
-            x.p[i] = j.value * n[i];
+        for (int i = 0; i < 3; ++i) x.p[i] = j.value * n[i];
         return x;
     }
     const double c = std::cos(j.value), s = std::sin(j.value);
     const double cross[9] = {0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0};
-    for (int i = 0; i < 9; ++i)
-        x.R[i] = c * (i % 4 == 0) + s * cross[i] + (1 - c) * n[i / 3] * n[i % 3];
+    for (int i = 0; i < 9; ++i) x.R[i] = c * (i % 4 == 0) + s * cross[i] + (1 - c) * n[i / 3] * n[i % 3];
     snap(x.R);
     return x;
 }
@@ -1515,8 +1369,7 @@ class description {
             add_joint(number);
             join(ready, file.joints[(size_t)number].child);
         }
-        for (size_t i = 0; i < rows.size(); ++i)
-            give_mass(rows[i]);
+        for (size_t i = 0; i < rows.size(); ++i) give_mass(rows[i]);
         if (rows.empty())
             throw failure(
                 RBD_URDF_ERR_ROBOT, 0,
@@ -1532,14 +1385,11 @@ class description {
     warning_list &warnings;
     std::vector<int> frame_of; /* of each link */
 
-    str root_name() const {
-        return options.root_joint ? options.root_joint : "root";
-    }
+    str root_name() const { return options.root_joint ? options.root_joint : "root"; }
 
     bool kept(const str &link) const {
         for (const char *const *k = options.keep; k && *k; ++k)
-            if (link == *k)
-                return true;
+            if (link == *k) return true;
         return options.keep_all != 0;
     }
 
@@ -1552,8 +1402,7 @@ class description {
         const link_part &l = file.links[(size_t)file.root];
         const bool world = l.name == "world" && !l.inertial;
         if (options.root != RBD_FLOATING) {
-            if (kept(l.name) && !world)
-                rows.push_back(row(-1, RBD_FIXED, l.line));
+            if (kept(l.name) && !world) rows.push_back(row(-1, RBD_FIXED, l.line));
         } else {
             if (file.joint(root_name()) >= 0)
                 throw failure(RBD_URDF_ERR_NAME, file.joints[(size_t)file.joint(root_name())].line,
@@ -1578,22 +1427,18 @@ class description {
         frame_of[(size_t)link] = (int)frames.size();
         frames.push_back(f);
         const part p = mass_of(link);
-        if (body < 0 || rows[(size_t)body].body.type == RBD_FIXED)
-            fixed_mass += on_world(body) ? p.mass : 0;
-        if (body >= 0 && !p.nothing())
-            rows[(size_t)body].parts.push_back(moved(p, at));
+        if (body < 0 || rows[(size_t)body].body.type == RBD_FIXED) fixed_mass += on_world(body) ? p.mass : 0;
+        if (body >= 0 && !p.nothing()) rows[(size_t)body].parts.push_back(moved(p, at));
     }
     bool on_world(int body) const {
-        while (body >= 0 && rows[(size_t)body].body.type == RBD_FIXED)
-            body = rows[(size_t)body].body.parent;
+        while (body >= 0 && rows[(size_t)body].body.type == RBD_FIXED) body = rows[(size_t)body].body.parent;
         return body < 0;
     }
 
     part mass_of(int link) const {
         const link_part &l = file.links[(size_t)link];
         part p;
-        if (!l.inertial)
-            return p;
+        if (!l.inertial) return p;
         const urdf::InertialSharedPtr &in = dom.link(l.name).inertial;
         if (!in)
             throw failure(RBD_URDF_ERR_PARSER, l.line,
@@ -1630,9 +1475,7 @@ class description {
         std::memcpy(b.com, p.com, sizeof p.com);
         std::memcpy(b.inertia, p.inertia, sizeof p.inertia);
     }
-    static void give_mass(row &r) {
-        give(r.body, sum(r.parts));
-    }
+    static void give_mass(row &r) { give(r.body, sum(r.parts)); }
 
     void add_joint(int number) {
         const joint_part &j = file.joints[(size_t)number];
@@ -1649,8 +1492,7 @@ class description {
         r.name = link;
         r.joint = j.name;
         r.place(at);
-        if (j.type != RBD_FIXED)
-            add_motion(r, j, u);
+        if (j.type != RBD_FIXED) add_motion(r, j, u);
         const bool tilted = j.type == RBD_PLANAR && !(j.axis[0] == 0 && j.axis[1] == 0 && j.axis[2] > 0);
         if (tilted)
             add_tilted(r, at, j.axis);
@@ -1665,8 +1507,7 @@ class description {
         pose tilt, back;
         turn_z_to(axis, tilt.R);
         snap(tilt.R);
-        for (int i = 0; i < 9; ++i)
-            back.R[i] = tilt.R[3 * (i % 3) + i / 3];
+        for (int i = 0; i < 9; ++i) back.R[i] = tilt.R[3 * (i % 3) + i / 3];
         row link((int)rows.size(), RBD_FIXED, r.line);
         link.name = r.name;
         link.place(back);
@@ -1678,8 +1519,7 @@ class description {
 
     void add_motion(row &r, const joint_part &j, const urdf::Joint &u) const {
         static const int dofs[RBD_JOINT_TYPES] = {0, 1, 1, 1, 1, 1, 2, 2, 3, 3, 3, 3, 3, 3, 3, 6};
-        if (has_one_dof(j.type))
-            std::memcpy(r.body.axis, j.axis, sizeof j.axis);
+        if (has_one_dof(j.type)) std::memcpy(r.body.axis, j.axis, sizeof j.axis);
         for (int i = 0; i < dofs[j.type]; ++i) {
             r.body.damping[i] = u.dynamics ? u.dynamics->damping : 0;
             r.body.friction[i] = u.dynamics ? u.dynamics->friction : 0;
@@ -1689,8 +1529,7 @@ class description {
             r.body.lower = u.limits->lower, r.body.upper = u.limits->upper;
             r.body.velocity = u.limits->velocity, r.body.effort = u.limits->effort;
         }
-        if (!j.mimic.empty())
-            r.mimic = j.mimic, r.body.mimic_ratio = j.ratio, r.body.mimic_offset = j.offset;
+        if (!j.mimic.empty()) r.mimic = j.mimic, r.body.mimic_ratio = j.ratio, r.body.mimic_offset = j.offset;
     }
 
     /* That rbd_model_build takes the description is found out by asking it. */
@@ -1727,16 +1566,12 @@ class description {
 /* Puts strings into the caller's names, or only counts their bytes. */
 class name_store {
   public:
-    name_store(char *memory, size_t room) : base(memory), max(memory ? room : 0), used(0) {
-    }
-    size_t size() const {
-        return used;
-    }
+    name_store(char *memory, size_t room) : base(memory), max(memory ? room : 0), used(0) {}
+    size_t size() const { return used; }
     const char *put(const str &s) {
         const size_t at = used;
         used += s.size() + 1;
-        if (!base || used > max)
-            return NULL;
+        if (!base || used > max) return NULL;
         return (const char *)std::memcpy(base + at, s.c_str(), s.size() + 1);
     }
 
@@ -1775,18 +1610,15 @@ inline void write_result(const checked &file, const description &d, rbd_urdf *ro
     std::vector<const char *> links, joints;
     const char *root = NULL;
     robot->name = names.put(file.robot);
-    for (size_t i = 0; i < file.links.size(); ++i)
-        links.push_back(names.put(file.links[i].name));
-    for (size_t i = 0; i < file.joints.size(); ++i)
-        joints.push_back(names.put(file.joints[i].name));
+    for (size_t i = 0; i < file.links.size(); ++i) links.push_back(names.put(file.links[i].name));
+    for (size_t i = 0; i < file.joints.size(); ++i) joints.push_back(names.put(file.joints[i].name));
     if (d.rows[0].body.type == RBD_FLOATING && file.joint(d.rows[0].joint) < 0)
         root = names.put(d.rows[0].joint);
     robot->nb = (int)d.rows.size();
     robot->nframes = (int)d.frames.size();
     robot->names_size = names.size();
     robot->fixed_mass = d.fixed_mass;
-    if (!robot->bodies && !robot->names)
-        return;
+    if (!robot->bodies && !robot->names) return;
     if (!robot->bodies || robot->bodies_max < robot->nb)
         throw failure(RBD_URDF_ERR_ROOM, 0, "room for " + std::to_string(robot->nb) + " bodies is needed");
     if (!robot->names || robot->names_max < names.size())
@@ -1795,19 +1627,16 @@ inline void write_result(const checked &file, const description &d, rbd_urdf *ro
     if (robot->frames && robot->frames_max < robot->nframes)
         throw failure(RBD_URDF_ERR_ROOM, 0,
                       "room for " + std::to_string(robot->nframes) + " frames is needed");
-    if (robot->frames)
-        write_frames(d, links, joints, robot->frames);
+    if (robot->frames) write_frames(d, links, joints, robot->frames);
     write_bodies(file, d, links, joints, root, robot->bodies);
 }
 
 inline void check_options(const rbd_urdf_options &o) {
     if (o.root != RBD_FIXED && o.root != RBD_FLOATING)
         throw failure(RBD_URDF_ERR_OPTION, 0, "root must be RBD_FIXED or RBD_FLOATING");
-    if (o.root_joint && !*o.root_joint)
-        throw failure(RBD_URDF_ERR_OPTION, 0, "root_joint is empty");
+    if (o.root_joint && !*o.root_joint) throw failure(RBD_URDF_ERR_OPTION, 0, "root_joint is empty");
     for (int i = 0; o.gravity && i < 3; ++i)
-        if (!std::isfinite(o.gravity[i]))
-            throw failure(RBD_URDF_ERR_OPTION, 0, "gravity is not finite");
+        if (!std::isfinite(o.gravity[i])) throw failure(RBD_URDF_ERR_OPTION, 0, "gravity is not finite");
 }
 
 inline void load(const char *text, size_t length, const rbd_urdf_options &options, warning_list &warnings,
@@ -1847,8 +1676,7 @@ inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_o
     warning_list warnings;
     rbd_urdf_options o = rbd_urdf_options();
     rbd_urdf_status status = RBD_URDF_OK;
-    if (options)
-        o = *options;
+    if (options) o = *options;
     warnings.strict = o.strict != 0;
     try {
         load(text, length, o, warnings, robot);
@@ -1871,10 +1699,8 @@ inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_o
 inline bool read_file(const char *path, str &text) {
     char block[65536];
     std::FILE *file = std::fopen(path, "rb");
-    if (!file)
-        return false;
-    for (size_t n; (n = std::fread(block, 1, sizeof block, file)) > 0;)
-        text.append(block, n);
+    if (!file) return false;
+    for (size_t n; (n = std::fread(block, 1, sizeof block, file)) > 0;) text.append(block, n);
     const bool good = !std::ferror(file);
     std::fclose(file);
     return good;
@@ -1886,24 +1712,19 @@ extern "C" {
 
 rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_options *options,
                                rbd_urdf *robot) {
-    if (!robot)
-        return RBD_URDF_ERR_NULL;
+    if (!robot) return RBD_URDF_ERR_NULL;
     rbdi_urdf::clear(robot);
-    if (!text)
-        return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "text is NULL");
+    if (!text) return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "text is NULL");
     return rbdi_urdf::guarded(text, length, options, robot);
 }
 
 rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options, rbd_urdf *robot) {
-    if (!robot)
-        return RBD_URDF_ERR_NULL;
+    if (!robot) return RBD_URDF_ERR_NULL;
     rbdi_urdf::clear(robot);
-    if (!path)
-        return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "path is NULL");
+    if (!path) return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "path is NULL");
     try {
         std::string text;
-        if (rbdi_urdf::read_file(path, text))
-            return rbd_urdf_parse(text.data(), text.size(), options, robot);
+        if (rbdi_urdf::read_file(path, text)) return rbd_urdf_parse(text.data(), text.size(), options, robot);
         return rbdi_urdf::report(robot, RBD_URDF_ERR_FILE, 0,
                                  ("the file '" + std::string(path) + "' cannot be read").c_str());
     } catch (...) {
@@ -1943,8 +1764,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
 }
 
 int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
-    if (!rbdi_urdf::is_filled(robot) || !joint)
-        return -1;
+    if (!rbdi_urdf::is_filled(robot) || !joint) return -1;
     for (int i = 0; i < robot->nb; ++i)
         if (robot->bodies[i].type != RBD_FIXED && robot->bodies[i].joint &&
             std::strcmp(robot->bodies[i].joint, joint) == 0)
@@ -1953,11 +1773,9 @@ int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
 }
 
 int rbd_urdf_link(const rbd_urdf *robot, const char *link) {
-    if (!rbdi_urdf::is_filled(robot) || !robot->frames || !link)
-        return -1;
+    if (!rbdi_urdf::is_filled(robot) || !robot->frames || !link) return -1;
     for (int i = 0; i < robot->nframes; ++i)
-        if (std::strcmp(robot->frames[i].link, link) == 0)
-            return i;
+        if (std::strcmp(robot->frames[i].link, link) == 0) return i;
     return -1;
 }
 

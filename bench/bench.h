@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include "rbd.h"
-#include "library.h"
+#include "calls/library.h"
 #include "../tests/data/reference.h"
 
 /* ---- options.c ---- */
@@ -43,7 +43,7 @@ int options_read(struct options *o, int argc, char **argv);
 /* Prints "rbd-bench: " and the message to stderr, and returns the exit status EXIT_USAGE. */
 int usage_error(const char *format, ...);
 
-/* ---- libraries: library.h has what one must give ---- */
+/* ---- libraries: calls/library.h has what one must give ---- */
 
 /* Those before TIMED are timed; QUAD judges them. NULL: this build lacks it. */
 enum {
@@ -63,7 +63,7 @@ enum {
 };
 extern const struct library *const libraries[LIBRARIES];
 
-/* ---- robots.c ---- */
+/* ---- robots/robots.c ---- */
 
 /* States one after another: sample k begins at element k * nq of q, k * nv of v and so on. */
 struct states {
@@ -105,7 +105,7 @@ struct robot {
 
 extern const char *const robot_names[]; /* ended by NULL */
 
-/* Loads the robot of o->model. Returns 0, or -1 after a message. (model_file.c) */
+/* Loads the robot of o->model. Returns 0, or -1 after a message. (robots/model_file.c) */
 int robot_load(struct robot *r, const struct options *o);
 
 /* Builds robot number index, or that of o->model, for the libraries that the options ask for, and draws its
@@ -122,7 +122,7 @@ struct state robot_state(const struct robot *r, int k);
 /* Makes random state k of one instance the input of another of the same robot. */
 void instance_take_sample(const struct instance *to, const struct instance *from, int k);
 
-/* ---- algorithms.c ---- */
+/* ---- timing/algorithms.c ---- */
 
 struct algorithm {
     const char *name;  /* on the command line and in CSV */
@@ -162,7 +162,7 @@ struct row {
     bool disturbed;           /* by measure: the least time has not come twice, and may be too large */
 };
 
-/* ---- threads.c ---- */
+/* ---- timing/threads.c ---- */
 
 /* Cores that threads can use; 1 if this build has no threads. */
 int threads_available(void);
@@ -173,14 +173,14 @@ rbd_status row_run(const struct row *row, int first, int count);
 /* The first sample, counted from 0, of thread t when threads share so many; thread t + 1's ends it. */
 int thread_share(int count, int t, int threads);
 
-/* ---- verify.c ---- */
+/* ---- verify/verify.c ---- */
 
 /* Compares the rows' results with the stored references, checks identities on their random states, with
    the gravity given, which stays set, and compares other scalars with double. Returns 0, or -1 after a
    message. */
 int verify(struct row *rows, int n, const double gravity[3], int samples);
 
-/* ---- accuracy.c ---- */
+/* ---- verify/accuracy.c ---- */
 
 /* Runs the row on samples first .. first + count - 1, at most width for each thread, and sets *error to the
    largest relative error of the results, the arbiter given the same input. */
@@ -193,10 +193,11 @@ int block_length(const struct row *row);
 /* Sets the rows' quad_error. Returns 0, or -1 after a message. */
 int measure_accuracy(struct row *rows, int n, int samples);
 
-/* ---- measure.c ---- */
+/* ---- timing/measure.c ---- */
 
-/* Times all rows; experiments of a row never follow each other if there is another row. A row whose least time
-   has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a message. */
+/* Times all rows; experiments of a row never follow each other if there is another row. A row whose least
+   time has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a
+   message. */
 int measure(struct row *rows, int n, int samples, int experiments);
 
 /* Sets *ns to the time that the row's samples first .. first + count - 1 take. */
@@ -204,16 +205,6 @@ typedef rbd_status timer(const struct row *row, int first, int count, double *ns
 
 /* The same by another clock. */
 int measure_by(struct row *rows, int n, int samples, int experiments, timer *time_of);
-
-/* ---- count.c ---- */
-
-/* Counts the events of each row with the processor's counters, and writes them as CSV. Returns 0, or -1 after
-   a message; without hardware counters, software ones alone and a message. */
-int count_by_perf(FILE *f, const struct row *rows, int n, int samples);
-
-/* Has callgrind, under which the program must run, dump the counts of each row: "KEY,SAMPLES" is the trigger.
- */
-int count_by_callgrind(const struct row *rows, int n, int samples);
 
 /* ---- report.c ---- */
 
@@ -232,10 +223,24 @@ void progress(const char *format, ...);
 /* Finds out, before the hours of measuring, whether the report can be written. Returns 0, or -1. */
 int report_check_output(const char *output);
 
-/* Writes the report; a file is there wholly or not at all. Returns 0, or -1. */
-int report_write(const struct options *o, const struct row *rows, int n);
+/* Writes rows to a file; returns 0, or -1 after a message. */
+typedef int report_writer(FILE *f, const struct options *o, const struct row *rows, int n);
 
-/* The same for what count_by_perf writes. */
-int report_counts(const struct options *o, const struct row *rows, int n);
+/* Times and errors, as table, CSV or JSON. */
+report_writer report_times;
+
+/* Has this writer write to the output that is asked for; a file is there wholly or not at all. Returns 0, or
+   -1. */
+int report_by(report_writer *write, const struct options *o, const struct row *rows, int n);
+
+/* ---- counters/count.c ---- */
+
+/* Counts the events of each row with the processor's counters, and writes them as CSV; without hardware
+   counters, software ones alone and a message. */
+report_writer count_by_perf;
+
+/* Has callgrind, under which the program must run, dump the counts of each row: "KEY,SAMPLES" is the trigger.
+ */
+int count_by_callgrind(const struct row *rows, int n, int samples);
 
 #endif

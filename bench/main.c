@@ -13,18 +13,15 @@ struct bench {
 
 static int open_robots(struct bench *b, const struct options *o) {
     for (int i = 0; robot_names[i] && b->robot_count < (o->model ? 1 : MAX_ROBOTS); i++) {
-        if (o->robot != ALL && o->robot != i)
-            continue;
+        if (o->robot != ALL && o->robot != i) continue;
         progress("drawing %d states: %s", o->samples, o->model ? o->model : robot_names[i]);
-        if (robot_open(&b->robots[b->robot_count++], i, o) != 0)
-            return -1;
+        if (robot_open(&b->robots[b->robot_count++], i, o) != 0) return -1;
     }
     return 0;
 }
 
 static void close_bench(struct bench *b) {
-    for (int i = 0; i < b->robot_count; i++)
-        robot_close(&b->robots[i]);
+    for (int i = 0; i < b->robot_count; i++) robot_close(&b->robots[i]);
     free(b->rows);
 }
 
@@ -47,8 +44,7 @@ static int add_threads(struct bench *b, struct row row) {
     row.variant = THREADS;
     for (int threads = 2; threads < 2 * all; threads *= 2) {
         row.threads = threads < all ? threads : all;
-        if (add_row(b, row) != 0)
-            return -1;
+        if (add_row(b, row) != 0) return -1;
     }
     return 0;
 }
@@ -62,10 +58,8 @@ static int add_rows(struct bench *b, const struct options *o, const struct insta
     if (!l->call[algorithm] || (l->can && !l->can(instance->model, algorithm)) ||
         !library_wanted(l, instance->robot, o))
         return 0;
-    if ((o->variant == ALL || o->variant == variant) && add_row(b, row) != 0)
-        return -1;
-    if (variant == LANES && (o->variant == ALL || o->variant == THREADS))
-        return add_threads(b, row);
+    if ((o->variant == ALL || o->variant == variant) && add_row(b, row) != 0) return -1;
+    if (variant == LANES && (o->variant == ALL || o->variant == THREADS)) return add_threads(b, row);
     return 0;
 }
 
@@ -95,39 +89,32 @@ static int make_rows(struct bench *b, const struct options *o) {
 
 /* Measures what has been verified, and reports. */
 static int finish(struct bench *b, const struct options *o) {
-    if (o->count == COUNT_CALLGRIND)
-        return count_by_callgrind(b->rows, b->row_count, o->samples);
-    if (o->count == COUNT_PERF)
-        return report_counts(o, b->rows, b->row_count);
+    if (o->count == COUNT_CALLGRIND) return count_by_callgrind(b->rows, b->row_count, o->samples);
+    if (o->count == COUNT_PERF) return report_by(count_by_perf, o, b->rows, b->row_count);
     if (measure_accuracy(b->rows, b->row_count, o->samples) != 0 ||
         measure(b->rows, b->row_count, o->samples, o->experiments) != 0)
         return -1;
-    return report_write(o, b->rows, b->row_count);
+    return report_by(report_times, o, b->rows, b->row_count);
 }
 
 static int run(struct bench *b, const struct options *o) {
     const double gravity[3] = {0, 0, o->gravity ? -9.81 : 0};
-    if (o->output && report_check_output(o->output) != 0)
-        return EXIT_USAGE;
-    if (open_robots(b, o) != 0)
-        return EXIT_FAILURE;
-    if (make_rows(b, o) != 0)
-        return EXIT_FAILURE;
+    if (o->output && report_check_output(o->output) != 0) return EXIT_USAGE;
+    if (open_robots(b, o) != 0) return EXIT_FAILURE;
+    if (make_rows(b, o) != 0) return EXIT_FAILURE;
     if (b->row_count == 0)
         return usage_error("nothing to time: %s", o->variant == THREADS
                                                       ? "this build has no OpenMP, or the machine "
                                                         "one core"
                                                       : "no such variant of this scalar");
-    if (verify(b->rows, b->row_count, gravity, o->samples) != 0)
-        return EXIT_FAILURE;
+    if (verify(b->rows, b->row_count, gravity, o->samples) != 0) return EXIT_FAILURE;
     return finish(b, o) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv) {
     struct options o;
     int status = options_read(&o, argc, argv);
-    if (status >= 0)
-        return status;
+    if (status >= 0) return status;
     static struct bench b;
     status = run(&b, &o);
     close_bench(&b);

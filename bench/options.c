@@ -72,8 +72,7 @@ static int read_count(const char *option, const char *value, int *count) {
 
 static int read_robot(struct options *o, const char *option, const char *value) {
     const char *names[MAX_ROBOTS + 2] = {"all"};
-    for (int i = 0; i < MAX_ROBOTS && robot_names[i]; i++)
-        names[i + 1] = robot_names[i];
+    for (int i = 0; i < MAX_ROBOTS && robot_names[i]; i++) names[i + 1] = robot_names[i];
     return read_name(option, value, names, &o->robot);
 }
 
@@ -85,33 +84,28 @@ static int read_model(struct options *o, const char *option, const char *value) 
 
 static int read_algorithm(struct options *o, const char *option, const char *value) {
     const char *names[ALGORITHMS + 2] = {"all"};
-    for (int i = 0; i < ALGORITHMS; i++)
-        names[i + 1] = algorithms[i].name;
+    for (int i = 0; i < ALGORITHMS; i++) names[i + 1] = algorithms[i].name;
     static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        if (strcmp(value, others[i][0]) == 0)
-            value = others[i][1];
+        if (strcmp(value, others[i][0]) == 0) value = others[i][1];
     return read_name(option, value, names, &o->algorithm);
 }
 
 static int read_scalar(struct options *o, const char *option, const char *value) {
     const char *names[SCALARS + 2] = {"all"};
-    for (int i = 0; i < SCALARS; i++)
-        names[i + 1] = scalar_names[i];
+    for (int i = 0; i < SCALARS; i++) names[i + 1] = scalar_names[i];
     return read_name(option, value, names, &o->scalar);
 }
 
 static int read_variant(struct options *o, const char *option, const char *value) {
     const char *names[VARIANTS + 2] = {"all"};
-    for (int i = 0; i < VARIANTS; i++)
-        names[i + 1] = variant_names[i];
+    for (int i = 0; i < VARIANTS; i++) names[i + 1] = variant_names[i];
     return read_name(option, value, names, &o->variant);
 }
 
 static int read_library(struct options *o, const char *option, const char *value) {
     const char *names[LIBRARIES + 2] = {"all"};
-    for (int i = 0; library_names[i]; i++)
-        names[i + 1] = library_names[i];
+    for (int i = 0; library_names[i]; i++) names[i + 1] = library_names[i];
     return read_name(option, value, names, &o->library);
 }
 
@@ -152,8 +146,7 @@ static int read_seed(struct options *o, const char *option, const char *value) {
 }
 
 static int read_output(struct options *o, const char *option, const char *value) {
-    if (!*value)
-        return usage_error("%s: the file name is empty", option);
+    if (!*value) return usage_error("%s: the file name is empty", option);
     o->output = value;
     return 0;
 }
@@ -226,12 +219,9 @@ int options_read(struct options *o, int argc, char **argv) {
                           .seed = 1};
     for (int i = 1; i < argc; i++) {
         int status = read_argument(o, argv, &i);
-        if (status >= 0)
-            return status;
+        if (status >= 0) return status;
     }
-    if (o->model && o->robot != ALL)
-        return usage_error("--model: it stands instead of --robot");
-    if (o->floating && !o->model)
-        return usage_error("--floating: it belongs to --model");
+    if (o->model && o->robot != ALL) return usage_error("--model: it stands instead of --robot");
+    if (o->floating && !o->model) return usage_error("--floating: it belongs to --model");
     return -1;
 }

@@ -23,8 +23,7 @@
 /* ---- progress ---- */
 
 void progress(const char *format, ...) {
-    if (!isatty(STDERR_FILENO))
-        return;
+    if (!isatty(STDERR_FILENO)) return;
     va_list arguments;
     va_start(arguments, format);
     fputs("\r\033[K", stderr); /* start of the line, erase it */
@@ -46,8 +45,7 @@ const char *row_variant(const struct row *row, char text[32]) {
 /* The same for people: of another library, its name and version. */
 static const char *row_title(const struct row *row, char text[32]) {
     const struct library *library = row->instance->library;
-    if (library_is_ours(library))
-        return row_variant(row, text);
+    if (library_is_ours(library)) return row_variant(row, text);
     snprintf(text, 32, "%s %s", library->name, library->version);
     return text;
 }
@@ -78,23 +76,20 @@ static const char *cpu_name(char *text, int size) {
             return value + 1 + strspn(value + 1, " ");
         }
     }
-    if (f)
-        fclose(f);
+    if (f) fclose(f);
     return "unknown";
 }
 
 static const char *date_utc(char *text, size_t size) {
     time_t now = time(NULL);
     struct tm utc;
-    if (!gmtime_r(&now, &utc) || strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc) == 0)
-        return "unknown";
+    if (!gmtime_r(&now, &utc) || strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc) == 0) return "unknown";
     return text;
 }
 
 /* The quad_error of a row in text: unknown, or the number. */
 static const char *quad_error(const struct row *row, const char *unknown, const char *format, char text[32]) {
-    if (row->quad_error < 0)
-        return unknown;
+    if (row->quad_error < 0) return unknown;
     snprintf(text, 32, format, row->quad_error);
     return text;
 }
@@ -115,8 +110,7 @@ static const struct row *row_beside(const struct row *rows, int n, const struct 
 static const char *speed_up(const struct row *rows, int n, const struct row *row, char text[32]) {
     const struct row *run_time = row_beside(rows, n, row, RUN_TIME);
     *text = 0;
-    if (run_time && run_time != row)
-        snprintf(text, 32, "%.3g", run_time->mean / row->mean);
+    if (run_time && run_time != row) snprintf(text, 32, "%.3g", run_time->mean / row->mean);
     return text;
 }
 
@@ -134,8 +128,7 @@ static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
     const bool same_robot = above && above->instance->robot == r->robot;
     const bool same_scalar = same_robot && strcmp(above->instance->library->scalar, r->library->scalar) == 0;
     const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
-    if (above && !same_scalar)
-        fputc('\n', f);
+    if (above && !same_scalar) fputc('\n', f);
     fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s%s%s\n",
             same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
             same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant), row->mean,
@@ -171,8 +164,7 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
             (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
     fprintf(f, "%-6s %-7s %-28s %-13s %9s %8s %9s %9s %10s %10s\n", "robot", "scalar", "algorithm", "variant",
             "mean", "std dev", "min", "speed-up", "max error", "quad error");
-    for (int i = 0; i < n; i++)
-        write_table_row(f, rows, n, i);
+    for (int i = 0; i < n; i++) write_table_row(f, rows, n, i);
     write_table_notes(f, rows, n);
 }
 
@@ -196,10 +188,8 @@ static void write_csv(FILE *f, const struct options *o, const struct row *rows, 
 static void write_json_string(FILE *f, const char *text) {
     fputc('"', f);
     for (; *text; text++) {
-        if (*text == '"' || *text == '\\')
-            fputc('\\', f);
-        if ((unsigned char)*text >= ' ')
-            fputc(*text, f);
+        if (*text == '"' || *text == '\\') fputc('\\', f);
+        if ((unsigned char)*text >= ' ') fputc(*text, f);
     }
     fputc('"', f);
 }
@@ -240,7 +230,7 @@ static void write_json(FILE *f, const struct options *o, const struct row *rows,
     fputs("  ]\n}\n", f);
 }
 
-static int write_report(FILE *f, const struct options *o, const struct row *rows, int n) {
+int report_times(FILE *f, const struct options *o, const struct row *rows, int n) {
     static void (*const write[])(FILE *, const struct options *, const struct row *, int) = {
         [FORMAT_TABLE] = write_table, [FORMAT_CSV] = write_csv, [FORMAT_JSON] = write_json};
     write[o->format](f, o, rows, n);
@@ -262,12 +252,10 @@ static int output_error(const char *output) {
 static FILE *target_open(struct target *t, const char *output, const char *mode) {
     struct stat info;
     *t = (struct target){output, NULL};
-    if (lstat(output, &info) == 0 && !S_ISREG(info.st_mode))
-        return fopen(output, mode);
+    if (lstat(output, &info) == 0 && !S_ISREG(info.st_mode)) return fopen(output, mode);
     size_t size = strlen(output) + 32;
     t->temporary = malloc(size);
-    if (!t->temporary)
-        return NULL;
+    if (!t->temporary) return NULL;
     snprintf(t->temporary, size, "%s.%ld.tmp", output, (long)getpid());
     return fopen(t->temporary, mode);
 }
@@ -275,13 +263,10 @@ static FILE *target_open(struct target *t, const char *output, const char *mode)
 /* Closes the file and puts it in its place, or removes it. f: as target_open gave it, even NULL. */
 static int target_close(struct target *t, FILE *f, bool keep) {
     bool failed = !f || ferror(f);
-    if (f && fclose(f) != 0)
-        failed = true;
-    if (!failed && keep && t->temporary)
-        failed = rename(t->temporary, t->name) != 0;
+    if (f && fclose(f) != 0) failed = true;
+    if (!failed && keep && t->temporary) failed = rename(t->temporary, t->name) != 0;
     int status = failed ? output_error(t->name) : 0;
-    if (f && t->temporary && (failed || !keep))
-        remove(t->temporary);
+    if (f && t->temporary && (failed || !keep)) remove(t->temporary);
     free(t->temporary);
     return status;
 }
@@ -292,13 +277,10 @@ int report_check_output(const char *output) {
     return target_close(&t, f, false);
 }
 
-/* Writes to the output that is asked for, by a function that returns 0 or -1. */
-static int report_by(int write(FILE *, const struct options *, const struct row *, int),
-                     const struct options *o, const struct row *rows, int n) {
+int report_by(report_writer *write, const struct options *o, const struct row *rows, int n) {
     if (!o->output) {
         int status = write(stdout, o, rows, n);
-        if (fflush(stdout) == 0 && !ferror(stdout))
-            return status;
+        if (fflush(stdout) == 0 && !ferror(stdout)) return status;
         perror("rbd-bench: standard output");
         return -1;
     }
@@ -306,16 +288,4 @@ static int report_by(int write(FILE *, const struct options *, const struct row 
     FILE *f = target_open(&t, o->output, "w");
     int status = f ? write(f, o, rows, n) : -1;
     return target_close(&t, f, status == 0) == 0 ? status : -1;
-}
-
-int report_write(const struct options *o, const struct row *rows, int n) {
-    return report_by(write_report, o, rows, n);
-}
-
-static int write_counts(FILE *f, const struct options *o, const struct row *rows, int n) {
-    return count_by_perf(f, rows, n, o->samples);
-}
-
-int report_counts(const struct options *o, const struct row *rows, int n) {
-    return report_by(write_counts, o, rows, n);
 }

@@ -14,8 +14,7 @@ static double q[STATES * NQ], v[STATES * NV], tau[STATES * NV], a[STATES * NV], 
 
 static void draw_states(void) {
     uint64_t seed = 1;
-    for (int s = 0; s < STATES; s++)
-        rbd_random(&iiwa_model, &seed, q + s * NQ);
+    for (int s = 0; s < STATES; s++) rbd_random(&iiwa_model, &seed, q + s * NQ);
     for (int i = 0; i < STATES * NV; i++) {
         v[i] = sin(i);
         tau[i] = 5 * cos(i);
@@ -27,8 +26,7 @@ static rbd_status by_batch(void) {
     void *memory = malloc(size);
     rbd_batch *b;
     rbd_status status = rbd_batch_init(&iiwa_model, memory, size, &b);
-    if (status == RBD_OK)
-        status = rbd_batch_aba(&iiwa_model, b, STATES, q, v, tau, NULL, a);
+    if (status == RBD_OK) status = rbd_batch_aba(&iiwa_model, b, STATES, q, v, tau, NULL, a);
     free(memory);
     return status;
 }
@@ -55,15 +53,13 @@ static double difference(void) {
 int main(void) {
     draw_states();
     rbd_status status = by_batch();
-    if (status == RBD_OK)
-        status = by_single_calls();
+    if (status == RBD_OK) status = by_single_calls();
     if (status != RBD_OK) {
         printf("%s\n", rbd_status_string(status));
         return EXIT_FAILURE;
     }
     printf("%d states, %d at a time; the last one's accelerations, rad/s^2:\n", STATES, rbd_batch_lanes());
-    for (int i = 0; i < NV; i++)
-        printf("%10.3f", a[(STATES - 1) * NV + i]);
+    for (int i = 0; i < NV; i++) printf("%10.3f", a[(STATES - 1) * NV + i]);
     printf("\nbatch and single calls differ by less than 1e-12: %s\n", difference() < 1e-12 ? "yes" : "no");
     return difference() < 1e-12 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -23,8 +23,7 @@ static void fail(const char *what) {
 
 static void load(const char *path) {
     rbd_urdf robot = {.bodies = bodies, .bodies_max = MAX, .names = names, .names_max = sizeof names};
-    if (rbd_urdf_load(path, NULL, &robot) != RBD_URDF_OK)
-        fail(robot.error.text);
+    if (rbd_urdf_load(path, NULL, &robot) != RBD_URDF_OK) fail(robot.error.text);
     if (rbd_model_build(bodies, robot.nb, model_memory, sizeof model_memory, &m, NULL) != RBD_OK ||
         rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK || rbd_nv(m) != rbd_nb(m))
         fail("its joints must have one degree of freedom each"); /* else it builds: the loader has tried */
@@ -44,14 +43,12 @@ static void control(double t, const double *q, const double *v, double *tau) {
         wanted(t, i, &q_wanted, &v_wanted, &a_wanted);
         command[i] = a_wanted + 2 * w0 * (v_wanted - v[i]) + w0 * w0 * (q_wanted - q[i]);
     }
-    if (rbd_rnea(m, w, q, v, command, NULL, tau) != RBD_OK)
-        fail("inverse dynamics failed");
+    if (rbd_rnea(m, w, q, v, command, NULL, tau) != RBD_OK) fail("inverse dynamics failed");
 }
 
 int main(int argc, char **argv) {
     double q[MAX], v[MAX], a[MAX], tau[MAX], unused, error = 0, worst = 0;
-    if (argc != 2)
-        fail("usage: computed_torque FILE.urdf");
+    if (argc != 2) fail("usage: computed_torque FILE.urdf");
     load(argv[1]);
     const int nv = rbd_nv(m);
     for (int i = 0; i < nv; i++) {
@@ -68,10 +65,8 @@ int main(int argc, char **argv) {
         if (k % (STEPS / 4) == 0)
             printf("%.2f s: error of the last joint%8.4f rad, expected%8.4f\n", t, error, expected);
         control(t, q, v, tau);
-        if (rbd_aba(m, w, q, v, tau, NULL, a) != RBD_OK)
-            fail("forward dynamics failed");
-        for (int i = 0; i < nv; i++)
-            v[i] += a[i] * dt;
+        if (rbd_aba(m, w, q, v, tau, NULL, a) != RBD_OK) fail("forward dynamics failed");
+        for (int i = 0; i < nv; i++) v[i] += a[i] * dt;
         rbd_integrate(m, q, v, dt, q);
     }
     printf("all joints follow the expected error to 1 mrad: %s\n", worst < 1e-3 ? "yes" : "no");

@@ -34,14 +34,11 @@ static void start(void) {
 /* Semi-implicit Euler: the velocity first, then the configuration by the new velocity. */
 static void step(void) {
     double tau[HYQ_NV] = {0}, a[HYQ_NV];
-    for (int i = 0; i < LEGS; i++)
-        tau[LEG + i] = stiffness * (rest[i] - legs[i]) - damping * legs_v[i];
+    for (int i = 0; i < LEGS; i++) tau[LEG + i] = stiffness * (rest[i] - legs[i]) - damping * legs_v[i];
     check(rbd_aba(&hyq_model, w, q, v, tau, NULL, a));
-    for (int i = 0; i < HYQ_NV; i++)
-        v[i] += a[i] * dt;
+    for (int i = 0; i < HYQ_NV; i++) v[i] += a[i] * dt;
     check(rbd_integrate(&hyq_model, q, v, dt, q));
-    for (int i = 0; i < LEGS; i++)
-        dissipated += damping * pow(legs_v[i], 2) * dt;
+    for (int i = 0; i < LEGS; i++) dissipated += damping * pow(legs_v[i], 2) * dt;
 }
 
 /* Writes a row; returns the sum of the energies, and the centre of mass. */
@@ -52,8 +49,7 @@ static double row(double t, double com[3], double velocity[3]) {
     check(rbd_com(&hyq_model, w, com, velocity, NULL));
     check(rbd_body_pose(&hyq_model, w, HYQ_BODY_LF_LOWERLEG, NULL, fore));
     check(rbd_body_pose(&hyq_model, w, HYQ_BODY_RH_LOWERLEG, NULL, hind));
-    for (int i = 0; i < LEGS; i++)
-        elastic += stiffness * pow(legs[i] - rest[i], 2) / 2;
+    for (int i = 0; i < LEGS; i++) elastic += stiffness * pow(legs[i] - rest[i], 2) / 2;
     const double sum = kinetic + potential + elastic + dissipated;
     printf("%.2f,%.4f,%.4f,%.4f,", t, com[2], fore[2], hind[2]);
     printf("%.3f,%.3f,%.3f,%.3f,%.3f\n", kinetic, potential, elastic, dissipated, sum);

@@ -15,8 +15,7 @@ static unsigned char memory[HYQ_WORK_SIZE];
 static rbd_work *w;
 
 static void check(rbd_status status) {
-    if (status != RBD_OK)
-        exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
+    if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
 }
 
 /* b += x [d, v], the bracket of se(3), in which the floating root moves; HyQ's other joints just add up. A
@@ -34,8 +33,7 @@ static void add_bracket(const double *d, const double *v, double x, double *b) {
 static void tangent_rate(const double *d, const double *v, double *r) {
     double b[NV] = {0};
     add_bracket(d, v, 1, b);
-    for (int i = 0; i < NV; i++)
-        r[i] = v[i] + b[i] / 2;
+    for (int i = 0; i < NV; i++) r[i] = v[i] + b[i] / 2;
     add_bracket(d, b, 1. / 12, r);
 }
 
@@ -58,18 +56,15 @@ static void step(double *q, double *v, double h, int naive) {
         }
     }
     check(rbd_integrate(&hyq_model, q, move, 1, q));
-    for (int i = 0; i < NV; i++)
-        v[i] += gain[i];
+    for (int i = 0; i < NV; i++) v[i] += gain[i];
 }
 
 /* Where it is after a fifth of a second. */
 static void fly(int steps, int naive, double *q, double *v) {
     static const double start[NV] = {3, 6, -4, 1, 0.5, 2, 1, -1, 1, -1}; /* turning, rising, legs swinging */
     check(rbd_neutral(&hyq_model, q));
-    for (int i = 0; i < NV; i++)
-        v[i] = start[i];
-    for (int k = 0; k < steps; k++)
-        step(q, v, 0.2 / steps, naive);
+    for (int i = 0; i < NV; i++) v[i] = start[i];
+    for (int k = 0; k < steps; k++) step(q, v, 0.2 / steps, naive);
 }
 
 /* How far from the truth it is then, q and v together. */
@@ -77,8 +72,7 @@ static double error_of(int steps, int naive, const double *true_q, const double 
     double q[NQ], v[NV], d[NV], error = 0;
     fly(steps, naive, q, v);
     check(rbd_difference(&hyq_model, true_q, q, d));
-    for (int i = 0; i < NV; i++)
-        error += d[i] * d[i] + pow(v[i] - true_v[i], 2);
+    for (int i = 0; i < NV; i++) error += d[i] * d[i] + pow(v[i] - true_v[i], 2);
     return sqrt(error);
 }
 

@@ -53,8 +53,7 @@ int main(void) {
         fail(rbd_finding_text(&report.error, text, sizeof text));
     for (int i = 0; i < report.warnings && i < RBD_MAX_WARNINGS; i++)
         printf("warning: %s\n", rbd_finding_text(&report.warning[i], text, sizeof text));
-    if (rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
-        fail("no memory for the work");
+    if (rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK) fail("no memory for the work");
 
     double worst = 0;
     for (int k = 0; k < 1000; k++) {

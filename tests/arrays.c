@@ -1,7 +1,8 @@
-/* arrays.c - every description of up to three bodies (all joint types, parents, and joints that follow others), built
-   and run through every algorithm, where each array of model, work, input and output is an object of its own and
-   exactly as long as stated: under the sanitizers no access can leave an array for its neighbour, and no index, size
-   or shift overflows. The numbers are two sets, one of them with parallel axes, zeros and a singular mass matrix.
+/* arrays.c - every description of up to three bodies (all joint types, parents, and joints that follow
+   others), built and run through every algorithm, where each array of model, work, input and output is an
+   object of its own and exactly as long as stated: under the sanitizers no access can leave an array for its
+   neighbour, and no index, size or shift overflows. The numbers are two sets, one of them with parallel axes,
+   zeros and a singular mass matrix.
    usage: arrays [SHARE]: of the descriptions of three bodies only every SHARE-th */
 #include <stdint.h>
 #include <stdio.h>
@@ -23,8 +24,7 @@ static void *own_array(size_t bytes) {
 #include "proof/arrays.h"
 
 static void free_arrays(void) {
-    while (array_count > 0)
-        free(arrays[--array_count]);
+    while (array_count > 0) free(arrays[--array_count]);
 }
 
 static rbd_body bodies[MAX_NB];
@@ -32,8 +32,7 @@ static int nb;
 static long built, refused;
 
 static void claim(int condition, const char *what) {
-    if (condition)
-        return;
+    if (condition) return;
     printf("FAILED: %s:", what);
     for (int i = 0; i < nb; i++)
         printf(" type %d, parent %d, follows %s;", (int)bodies[i].type, bodies[i].parent,
@@ -45,15 +44,15 @@ static void claim(int condition, const char *what) {
 
 static rbd_real *numbers(int n) {
     rbd_real *x = own_array((size_t)n * sizeof *x);
-    for (int i = 0; i < n; i++)
-        x[i] = (rbd_real)0.3 + (rbd_real)0.1 * (rbd_real)i;
+    for (int i = 0; i < n; i++) x[i] = (rbd_real)0.3 + (rbd_real)0.1 * (rbd_real)i;
     return x;
 }
 
 static void run_algorithms(const rbd_model *m, rbd_work *w) {
     const int nq = rbd_nq(m), nv = rbd_nv(m);
-    rbd_real *q = numbers(nq), *v = numbers(nv), *f = numbers(6 * nb), *out = numbers(nv), *next = numbers(nq),
-             *M = numbers(nv * nv), *H = numbers(rbd_packed_size(m)), *R = numbers(9), *x = numbers(6);
+    rbd_real *q = numbers(nq), *v = numbers(nv), *f = numbers(6 * nb), *out = numbers(nv),
+             *next = numbers(nq), *M = numbers(nv * nv), *H = numbers(rbd_packed_size(m)), *R = numbers(9),
+             *x = numbers(6);
     CLAIM(rbd_rnea(m, w, q, v, v, f, out) == RBD_OK);
     CLAIM(rbd_bias(m, w, q, v, NULL, out) == RBD_OK);
     CLAIM(rbd_gravity(m, w, q, out) == RBD_OK);
@@ -85,7 +84,8 @@ static void run_lookup(const rbd_model *m) {
     const int nv = rbd_nv(m), size = rbd_packed_size(m);
     CLAIM(size >= nv && size <= nv * (nv + 1) / 2);
     for (int i = -1; i <= nv; i++) {
-        CLAIM(i < 0 || i == nv ? rbd_dof_body(m, i) == -1 : rbd_dof_body(m, i) >= 0 && rbd_dof_body(m, i) < nb);
+        CLAIM(i < 0 || i == nv ? rbd_dof_body(m, i) == -1
+                               : rbd_dof_body(m, i) >= 0 && rbd_dof_body(m, i) < nb);
         for (int j = -1; j <= nv; j++) {
             const int at = rbd_packed_index(m, i, j), valid = i >= 0 && j >= 0 && i < nv && j < nv;
             CLAIM(at >= -1 && at < size && (valid || at == -1) && (!valid || i != j || at >= 0));
@@ -104,8 +104,7 @@ static void run_lookup(const rbd_model *m) {
 /* The sizes that rbd.h states for any model of so many bodies and dofs. */
 static size_t work_bound(const rbd_model *m) {
     int mimics = 0;
-    for (int b = 0; b < nb; b++)
-        mimics += bodies[b].mimic != NULL;
+    for (int b = 0; b < nb; b++) mimics += bodies[b].mimic != NULL;
     return mimics ? RBD_WORK_SIZE_MIMIC(nb, rbd_nv(m)) : RBD_WORK_SIZE(nb, rbd_nv(m));
 }
 
@@ -145,16 +144,13 @@ static void describe(int i, int type, int parent, int follows, int skew) {
     b->com[2] = 0.1;
     if (type != RBD_FIXED) /* which must not have an axis */
         b->axis[2] = b->axis2[1] = 1;
-    if (!skew)
-        return;
-    if (type != RBD_FIXED)
-        b->axis[0] = 0.2 + 0.1 * i, b->axis[1] = -0.3;
+    if (!skew) return;
+    if (type != RBD_FIXED) b->axis[0] = 0.2 + 0.1 * i, b->axis[1] = -0.3;
     b->pitch = 0.1;
     b->position[0] = 0.3, b->position[1] = 0.1, b->position[2] = -0.2;
     b->com[0] = 0.05;
     b->inertia[0] = b->inertia[3] = b->inertia[5] = 0.01;
-    for (int k = 0; k < 6; k++)
-        b->armature[k] = 0.1;
+    for (int k = 0; k < 6; k++) b->armature[k] = 0.1;
 }
 
 int main(int argc, char **argv) {
@@ -163,15 +159,14 @@ int main(int argc, char **argv) {
     for (int skew = 0; skew < 2; skew++)
         for (nb = 1; nb <= MAX_NB; nb++) {
             int follow_patterns = 1, types = 1, parents = 1;
-            for (int i = 0; i < nb; i++)
-                follow_patterns *= nb, types *= RBD_JOINT_TYPES, parents *= i + 1;
+            for (int i = 0; i < nb; i++) follow_patterns *= nb, types *= RBD_JOINT_TYPES, parents *= i + 1;
             for (int t = 0; t < types; t++)
                 for (int p = 0; p < parents; p++)
                     for (int f = 0; f < follow_patterns; f++) {
-                        if (nb == MAX_NB && number++ % share != 0)
-                            continue;
+                        if (nb == MAX_NB && number++ % share != 0) continue;
                         for (int i = 0, a = t, b = p, c = f; i < nb; i++) {
-                            describe(i, a % RBD_JOINT_TYPES, b % (i + 1) - 1, c % nb == i ? -1 : c % nb, skew);
+                            describe(i, a % RBD_JOINT_TYPES, b % (i + 1) - 1, c % nb == i ? -1 : c % nb,
+                                     skew);
                             a /= RBD_JOINT_TYPES, b /= i + 1, c /= nb;
                         }
                         run();

@@ -1,5 +1,5 @@
-/* machines.c - runs the suites that machines.sh takes to other machines: those that need neither the textbook's
-   long double, which is another format there or a slow one, nor much time under an emulator. */
+/* machines.c - runs the suites that machines.sh takes to other machines: those that need neither the
+   textbook's long double, which is another format there or a slow one, nor much time under an emulator. */
 #include <check.h>
 
 #define SUITES(x) x(status) x(build) x(work) x(passive) x(manifold) x(lookup) x(singular)

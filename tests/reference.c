@@ -17,6 +17,4 @@ static const ref_model *const ref_models[] = {&ref_iiwa, &ref_tree01, &ref_tree0
 
 const int reference_count = REF_MODELS;
 
-const ref_model *reference_model(int index) {
-    return ref_models[index];
-}
+const ref_model *reference_model(int index) { return ref_models[index]; }

@@ -117,7 +117,7 @@ grep -q -e 'test .*--no-suite machines --no-suite firmware --no-suite packages s
 
 run 0 test
 asked 'install -y .* cmake$'
-asked 'install -y .*clang-19.* gcc-arm-none-eabi'
+asked 'install -y .*clang-19.* clang-format-19.* gcc-arm-none-eabi'
 asked_not 'install.*clang-16'
 prints 'doing without clang-16'
 prints_not 'left out'

@@ -50,12 +50,8 @@ enum { MAX_B = 40, MAX_V = 64, MAX_Q = 80, MAX_M = MAX_V * MAX_V };
 
 #ifdef RBD_LANES
 enum { LANES = RBD_LANES };
-static void put(rbd_real *x, int lane, double value) {
-    (*x)[lane] = value;
-}
-static double get(rbd_real x, int lane) {
-    return x[lane];
-}
+static void put(rbd_real *x, int lane, double value) { (*x)[lane] = value; }
+static double get(rbd_real x, int lane) { return x[lane]; }
 #else
 enum { LANES = 1 };
 static void put(rbd_real *x, int lane, double value) {
@@ -85,15 +81,13 @@ static void succeed(const char *what, rbd_status status) {
 #define RUN(call) succeed(#call, call)
 
 static void load(const ref_state *s, int lane) {
-    for (int i = 0; i < reference->nq; i++)
-        put(&q[i], lane, s->q[i]);
+    for (int i = 0; i < reference->nq; i++) put(&q[i], lane, s->q[i]);
     for (int i = 0; i < reference->nv; i++) {
         put(&v[i], lane, s->v[i]);
         put(&a[i], lane, s->vdot[i]);
         put(&tau[i], lane, s->tau[i]);
     }
-    for (int i = 0; i < 6 * reference->nb; i++)
-        put(&f_ext[i], lane, s->f_ext[i]);
+    for (int i = 0; i < 6 * reference->nb; i++) put(&f_ext[i], lane, s->f_ext[i]);
 }
 
 static void load_lanes(int first) {
@@ -103,8 +97,7 @@ static void load_lanes(int first) {
         lane_state[lane] = &reference->states[2 * ((first + lane) % even)];
         load(lane_state[lane], lane);
     }
-    for (int k = 0; k < 3; k++)
-        gravity[k] = (rbd_const)lane_state[0]->gravity[k];
+    for (int k = 0; k < 3; k++) gravity[k] = (rbd_const)lane_state[0]->gravity[k];
     RUN(rbd_set_gravity(work, gravity));
 }
 
@@ -149,7 +142,7 @@ static void compare(const char *what, int lane, const rbd_real *x, const double 
 
 #define EACH_LANE for (int lane = 0; lane < LANES; lane++)
 /* All lanes of x against a member of their states. */
-#define COMPARE(what, x, member, n, bound)                                                                   \
+#define COMPARE(what, x, member, n, bound) \
     EACH_LANE compare(what, lane, x, lane_state[lane]->member, n, bound)
 
 /* ---- checks ---- */
@@ -168,9 +161,7 @@ static void check_inverse(void) {
     COMPARE("crba", found, M, nv * nv, DIRECT);
 }
 
-START_TEST(inverse_dynamics_and_mass_matrix_match_the_reference) {
-    for_models(check_inverse);
-}
+START_TEST(inverse_dynamics_and_mass_matrix_match_the_reference) { for_models(check_inverse); }
 END_TEST
 
 static void check_forward(void) {
@@ -183,9 +174,7 @@ static void check_forward(void) {
     COMPARE("fd_cholesky, wrenches", found, qdd_ext, nv, INVERSE(lane_state[lane]->cond_M));
 }
 
-START_TEST(forward_dynamics_match_the_reference) {
-    for_models(check_forward);
-}
+START_TEST(forward_dynamics_match_the_reference) { for_models(check_forward); }
 END_TEST
 
 /* Compared in the scalar's own precision: shows that nothing on the way is rounded to double. */
@@ -208,9 +197,7 @@ static void check_round_trip(void) {
     }
 }
 
-START_TEST(forward_undoes_inverse_dynamics_in_full_precision) {
-    for_models(check_round_trip);
-}
+START_TEST(forward_undoes_inverse_dynamics_in_full_precision) { for_models(check_round_trip); }
 END_TEST
 
 static void check_motion(void) {
@@ -233,9 +220,7 @@ static void check_motion(void) {
     COMPARE("com velocity", rate, com_vel, 3, 10 * DIRECT);
 }
 
-START_TEST(kinematics_match_the_reference) {
-    for_models(check_motion);
-}
+START_TEST(kinematics_match_the_reference) { for_models(check_motion); }
 END_TEST
 
 static void check_steps(void) {
@@ -246,15 +231,12 @@ static void check_steps(void) {
     RUN(rbd_difference(model, q, next, step));
     EACH_LANE {
         double expected[MAX_V];
-        for (int k = 0; k < reference->nv; k++)
-            expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
+        for (int k = 0; k < reference->nv; k++) expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
         compare("difference", lane, step, expected, reference->nv, 10 * DIRECT);
     }
 }
 
-START_TEST(integrate_and_difference_match_the_reference) {
-    for_models(check_steps);
-}
+START_TEST(integrate_and_difference_match_the_reference) { for_models(check_steps); }
 END_TEST
 
 /* ---- models of one body ---- */
@@ -342,18 +324,18 @@ START_TEST(point_mass_on_the_axis_is_singular) {
 }
 END_TEST
 
-/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral configuration. */
+/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral
+   configuration. */
 static int images(const rbd_real *at, rbd_real *x) {
     static rbd_real neutral[7], next[7];
     int n = rbd_nv(model);
-    EACH_LANE for (int k = 0; k < n; k++) put(&v[k], lane, 0.3 - 0.2 * k);
+    for (int k = 0; k < n; k++) EACH_LANE put(&v[k], lane, 0.3 - 0.2 * k);
     RUN(rbd_neutral(model, neutral));
     RUN(rbd_rnea(model, work, at, v, v, NULL, x));
     RUN(rbd_difference(model, neutral, at, x + n));
     RUN(rbd_difference(model, at, neutral, x + 2 * n));
     RUN(rbd_integrate(model, at, v, v[0], next));
-    for (int k = 0; k < rbd_nq(model); k++)
-        x[3 * n + k] = next[k];
+    for (int k = 0; k < rbd_nq(model); k++) x[3 * n + k] = next[k];
     n = 3 * n + rbd_nq(model);
     RUN(rbd_kinematics(model, work, at, NULL, NULL));
     RUN(rbd_body_pose(model, work, 0, x + n, x + n + 9));
@@ -371,17 +353,16 @@ static void stretch(rbd_joint_type type, int first) {
     load_body(&b);
     EACH_LANE {
         put(&sixteen, lane, 65536);
-        for (int k = 0; k < rbd_nq(model); k++)
-            put(&q[k], lane, k < first ? 0.7 : along[k - first]);
+        for (int k = 0; k < rbd_nq(model); k++) put(&q[k], lane, k < first ? 0.7 : along[k - first]);
     }
     const int n = images(q, expected);
     for (int exponent = 16; exponent <= SCALAR_EXPONENT; exponent += 16) {
-        for (int k = first; k < rbd_nq(model); k++)
-            q[k] = q[k] * sixteen;
+        for (int k = first; k < rbd_nq(model); k++) q[k] = q[k] * sixteen;
         images(q, stretched);
-        EACH_LANE for (int k = 0; k < n; k++) ck_assert_msg(
-            fabs(get(stretched[k] - expected[k], lane)) <= 0, "%s, joint type %d, 2^%d: image %d changes by %.3g",
-            SCALAR_NAME, (int)type, exponent, k, get(stretched[k] - expected[k], lane));
+        for (int k = 0; k < n; k++)
+            EACH_LANE ck_assert_msg(fabs(get(stretched[k] - expected[k], lane)) <= 0,
+                                    "%s, joint type %d, 2^%d: image %d changes by %.3g", SCALAR_NAME,
+                                    (int)type, exponent, k, get(stretched[k] - expected[k], lane));
     }
 }
 
@@ -415,11 +396,11 @@ START_TEST(widest_limits_give_finite_configurations) {
 END_TEST
 
 #ifdef SCALAR_FLOAT
-#define REFUSES(status, field)                                                                               \
-    do {                                                                                                     \
-        rbd_body b = massive_body(RBD_HELICAL);                                                              \
-        b.field = 1e300;                                                                                     \
-        ck_assert_msg(build(&b, 1) == status, "%s: %d", #field, build(&b, 1));                                     \
+#define REFUSES(status, field) \
+    do { \
+        rbd_body b = massive_body(RBD_HELICAL); \
+        b.field = 1e300; \
+        ck_assert_msg(build(&b, 1) == status, "%s: %d", #field, build(&b, 1)); \
     } while (0)
 
 /* What is finite in the description but not in the model. */
@@ -467,14 +448,12 @@ static void check_bad_lane(forward_dynamics *call, double bad, rbd_status error)
             put(&q[0], lane, 0.1);
             put(&q[1], lane, lane == locked ? bad : 0.2);
             put(&q[2], lane, 0.3);
-            for (int k = 0; k < 3; k++)
-                put(&v[k], lane, 1 + k);
+            for (int k = 0; k < 3; k++) put(&v[k], lane, 1 + k);
         }
         ck_assert_int_eq(call(model, work, q, v, v, NULL, found), locked < 0 ? RBD_OK : error);
         ck_assert((rbd_singular_dof(work) >= 0) == (locked >= 0));
         EACH_LANE for (int k = 0; k < 3; k++) {
-            if (locked < 0)
-                good[k] = get(found[k], lane);
+            if (locked < 0) good[k] = get(found[k], lane);
             ck_assert(good[k] != 0);
             ck_assert(get(found[k], lane) == (lane == locked ? 0 : good[k]));
         }
@@ -514,9 +493,7 @@ static TCase *scalar_tests(void) {
 }
 
 #ifndef SCALAR_CLASS
-static void add_more_tests(TCase *c) {
-    (void)c;
-}
+static void add_more_tests(TCase *c) { (void)c; }
 #else
 static void add_more_tests(TCase *c);
 #endif

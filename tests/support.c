@@ -46,13 +46,10 @@ double uniform(uint64_t *seed, double low, double high) {
     return low + (high - low) * ((double)(draw(seed) >> 11) / 9007199254740992.0);
 }
 
-int below(uint64_t *seed, int n) {
-    return (int)((draw(seed) >> 33) % (uint64_t)n);
-}
+int below(uint64_t *seed, int n) { return (int)((draw(seed) >> 33) % (uint64_t)n); }
 
 static void draw_vector(uint64_t *seed, double size, double *x, int n) {
-    for (int i = 0; i < n; i++)
-        x[i] = uniform(seed, -size, size);
+    for (int i = 0; i < n; i++) x[i] = uniform(seed, -size, size);
 }
 
 static void draw_unit(uint64_t *seed, double *x, int n) {
@@ -61,8 +58,7 @@ static void draw_unit(uint64_t *seed, double *x, int n) {
         draw_vector(seed, 1, x, n);
         square = dot(x, x, n);
     } while (square > 1 || square < 0.01);
-    for (int i = 0; i < n; i++)
-        x[i] /= sqrt(square);
+    for (int i = 0; i < n; i++) x[i] /= sqrt(square);
 }
 
 static void draw_coordinates(const rbd_body *b, uint64_t *seed, double *q) {
@@ -110,12 +106,10 @@ void random_mass(uint64_t *seed, rbd_body *b) {
     random_rotation(seed, R);
     b->mass = uniform(seed, 0.2, 5);
     draw_vector(seed, 0.3, b->com, 3);
-    for (int k = 0; k < 3; k++)
-        moment[k] = b->mass * uniform(seed, 0.001, 0.05);
+    for (int k = 0; k < 3; k++) moment[k] = b->mass * uniform(seed, 0.001, 0.05);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 3; k++)
-                S[3 * i + j] += R[3 * i + k] * moment[k] * R[3 * j + k];
+            for (int k = 0; k < 3; k++) S[3 * i + j] += R[3 * i + k] * moment[k] * R[3 * j + k];
     const double inertia[6] = {S[4] + S[8], -S[1], -S[2], S[0] + S[8], -S[5], S[0] + S[4]};
     memcpy(b->inertia, inertia, sizeof inertia);
 }
@@ -135,8 +129,7 @@ static void random_axis(uint64_t *seed, double axis[3]) {
         axis[below(seed, 3)] = below(seed, 2) ? 1 : -1;
     }
     const double length = below(seed, 4) ? 1 : uniform(seed, 0.1, 10);
-    for (int k = 0; k < 3; k++)
-        axis[k] *= length;
+    for (int k = 0; k < 3; k++) axis[k] *= length;
 }
 
 /* Zero, on the parent's axis, or anywhere. */
@@ -144,8 +137,7 @@ static void random_place(uint64_t *seed, const rbd_body *parent, double position
     const int kind = below(seed, 4);
     draw_vector(seed, 0.6, position, 3);
     const double along = position[0];
-    for (int k = 0; k < 3 && kind < 2; k++)
-        position[k] = kind == 1 && parent ? along * parent->axis[k] : 0;
+    for (int k = 0; k < 3 && kind < 2; k++) position[k] = kind == 1 && parent ? along * parent->axis[k] : 0;
 }
 
 /* The second axis of a universal joint: at a right angle to the first, or anywhere not near it. */
@@ -177,18 +169,15 @@ void random_joint(uint64_t *seed, rbd_body *bodies, int index, rbd_joint_type ty
     case 0: /* the same axes as the parent, often the same joint axis too */
         if (parent && below(seed, 2) && dot(parent->axis, parent->axis, 3) > 0) {
             const double sign = below(seed, 2) ? 1 : -1;
-            for (int k = 0; k < 3; k++)
-                b->axis[k] = sign * parent->axis[k];
+            for (int k = 0; k < 3; k++) b->axis[k] = sign * parent->axis[k];
         }
         break;
     case 1: quarter_turn(seed, b->rotation); break;
     default: random_rotation(seed, b->rotation);
     }
     b->pitch = type == RBD_HELICAL ? uniform(seed, -0.5, 0.5) : 0;
-    if (type == RBD_UNIVERSAL)
-        random_second_axis(seed, b);
-    if (type == RBD_FIXED)
-        memset(b->axis, 0, sizeof b->axis);
+    if (type == RBD_UNIVERSAL) random_second_axis(seed, b);
+    if (type == RBD_FIXED) memset(b->axis, 0, sizeof b->axis);
 }
 
 static int has_one_dof(rbd_joint_type type) {
@@ -215,8 +204,7 @@ static void maybe_follow(uint64_t *seed, rbd_body *bodies, int index) {
 
 static int is_leaf(const rbd_body *bodies, int nb, int index) {
     for (int i = index + 1; i < nb; i++)
-        if (bodies[i].parent == index)
-            return 0;
+        if (bodies[i].parent == index) return 0;
     return 1;
 }
 
@@ -230,10 +218,8 @@ void random_tree(uint64_t *seed, rbd_body *bodies, int nb) {
         random_joint(seed, bodies, i, type);
         bodies[i].joint = joint_name(i);
         random_mass(seed, &bodies[i]);
-        if (!below(seed, 6))
-            maybe_follow(seed, bodies, i);
-        for (int k = 0; k < 6 && !below(seed, 4); k++)
-            bodies[i].armature[k] = uniform(seed, 0, 0.5);
+        if (!below(seed, 6)) maybe_follow(seed, bodies, i);
+        for (int k = 0; k < 6 && !below(seed, 4); k++) bodies[i].armature[k] = uniform(seed, 0, 0.5);
         nv += tb_nv(&bodies[i]);
     }
     for (int i = 0; i < nb; i++)
@@ -298,32 +284,26 @@ void for_reference_states(reference_check *check) {
 
 double largest(const double *x, int n) {
     double size = 0;
-    for (int i = 0; i < n; i++)
-        size = isfinite(x[i]) ? fmax(size, fabs(x[i])) : HUGE_VAL;
+    for (int i = 0; i < n; i++) size = isfinite(x[i]) ? fmax(size, fabs(x[i])) : HUGE_VAL;
     return size;
 }
 
 double dot(const double *a, const double *b, int n) {
     double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * b[i];
+    for (int i = 0; i < n; i++) sum += a[i] * b[i];
     return sum;
 }
 
 void multiply(const double *M, const double *x, int rows, int columns, double *out) {
-    for (int i = 0; i < rows; i++)
-        out[i] = dot(M + i * columns, x, columns);
+    for (int i = 0; i < rows; i++) out[i] = dot(M + i * columns, x, columns);
 }
 
-double inverse_bound(double condition) {
-    return fmax(1e-12, 1e-15 * condition);
-}
+double inverse_bound(double condition) { return fmax(1e-12, 1e-15 * condition); }
 
 double relative_error(const double *found, const double *expected, int n) {
     double difference = 0;
     for (int i = 0; i < n; i++) {
-        if (!isfinite(found[i]) || !isfinite(expected[i]))
-            return HUGE_VAL;
+        if (!isfinite(found[i]) || !isfinite(expected[i])) return HUGE_VAL;
         difference = fmax(difference, fabs(found[i] - expected[i]));
     }
     return difference / fmax(largest(expected, n), 1e-3);
@@ -347,8 +327,7 @@ static void remember(const char *what, const char *name, double error, double bo
     while (r < records + record_count &&
            (strncmp(r->what, what, sizeof r->what - 1) != 0 || strcmp(r->robot, group) != 0))
         r++;
-    if (r == records + LENGTH(records))
-        return;
+    if (r == records + LENGTH(records)) return;
     if (r == records + record_count) {
         record_count++;
         snprintf(r->what, sizeof r->what, "%s", what);
@@ -375,8 +354,7 @@ void expect_close(const char *what, const robot *r, int number, const double *fo
     int worst = 0;
     const double error = relative_error(found, expected, n);
     for (int i = 1; i < n; i++)
-        if (!(fabs(found[i] - expected[i]) <= fabs(found[worst] - expected[worst])))
-            worst = i;
+        if (!(fabs(found[i] - expected[i]) <= fabs(found[worst] - expected[worst]))) worst = i;
     remember(what, r->name, error, bound);
     if (!(error <= bound))
         ck_abort_msg("%s: %s, state %d: error %.3g exceeds %.3g; entry %d of %d is %.17g instead of %.17g",
@@ -386,8 +364,7 @@ void expect_close(const char *what, const robot *r, int number, const double *fo
 void expect_close_tb(const char *what, const robot *r, int number, const double *found,
                      const tb_real *expected, int n, double bound) {
     static double rounded[MAX_V * MAX_V];
-    for (int i = 0; i < n; i++)
-        rounded[i] = (double)expected[i];
+    for (int i = 0; i < n; i++) rounded[i] = (double)expected[i];
     expect_close(what, r, number, found, rounded, n, bound);
 }
 

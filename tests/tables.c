@@ -56,8 +56,7 @@ typedef struct results {
 } results;
 
 static void draw(rbd_real *x, int n, rbd_real size) {
-    for (int i = 0; i < n; i++)
-        x[i] = size * ((rbd_real)(rand() % 20001 - 10000) / 10000);
+    for (int i = 0; i < n; i++) x[i] = size * ((rbd_real)(rand() % 20001 - 10000) / 10000);
 }
 
 #define RUN(call) ck_assert_msg((call) == RBD_OK, "%s: %s", robots[index].name, #call)
@@ -91,7 +90,7 @@ static void expect_same(int index, const char *what, const rbd_real *table, cons
                       "%s, %s: %.17g from the table, %.17g built", robots[index].name, what, (double)table[i],
                       (double)built[i]);
 }
-#define SAME(member)                                                                                         \
+#define SAME(member) \
     expect_same(index, #member, table.member, built.member, sizeof table.member / sizeof(rbd_real))
 
 START_TEST(tables_give_the_bits_of_the_build) {
@@ -142,10 +141,8 @@ START_TEST(tables_know_names_and_limits) {
         ck_assert_int_eq(info.type, b->type);
         ck_assert_double_eq(info.lower, (rbd_const)b->lower);
         ck_assert_double_eq(info.upper, (rbd_const)b->upper);
-        if (b->name)
-            ck_assert_int_eq(rbd_body_index(r->table, b->name), i);
-        if (b->joint)
-            ck_assert_int_eq(rbd_joint_index(r->table, b->joint), i);
+        if (b->name) ck_assert_int_eq(rbd_body_index(r->table, b->name), i);
+        if (b->joint) ck_assert_int_eq(rbd_joint_index(r->table, b->joint), i);
     }
 }
 END_TEST

@@ -15,18 +15,14 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     ck_assert_int_eq(rbd_singular_dof(r->w), -1);
 }
 
-START_TEST(forward_dynamics_match_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(forward_dynamics_match_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
     expect_textbook_forward("aba, textbook", rbd_aba, r, s, number);
 }
 
-START_TEST(forward_dynamics_match_the_textbook_on_random_trees) {
-    for_random_trees(300, check_textbook);
-}
+START_TEST(forward_dynamics_match_the_textbook_on_random_trees) { for_random_trees(300, check_textbook); }
 END_TEST
 
 static double condition_of(const robot *r, const state *s) {
@@ -41,9 +37,7 @@ static void check_round_trip(const robot *r, const state *s, int number) {
     expect_close("aba undoes rnea", r, number, a, s->a, r->nv, inverse_bound(condition_of(r, s)));
 }
 
-START_TEST(forward_undoes_inverse_dynamics) {
-    for_random_states(10, check_round_trip);
-}
+START_TEST(forward_undoes_inverse_dynamics) { for_random_states(10, check_round_trip); }
 END_TEST
 
 /* tau = M a + c, compared at the size of the largest term. */
@@ -54,14 +48,11 @@ static void check_equation(const robot *r, const state *s, int number) {
     RUN(rbd_crba(r->m, r->w, s->q, M));
     RUN(rbd_bias(r->m, r->w, s->q, s->v, s->f_ext, c));
     multiply(M, a, nv, nv, Ma);
-    for (int i = 0; i < nv; i++)
-        expected[i] = s->tau[i] - c[i];
+    for (int i = 0; i < nv; i++) expected[i] = s->tau[i] - c[i];
     expect_close("M a + c = tau", r, number, Ma, expected, nv, 1e-11);
 }
 
-START_TEST(acceleration_solves_the_equation_of_motion) {
-    for_random_states(20, check_equation);
-}
+START_TEST(acceleration_solves_the_equation_of_motion) { for_random_states(20, check_equation); }
 END_TEST
 
 static void check_agreement(const robot *r, const state *s, int number) {
@@ -72,9 +63,7 @@ static void check_agreement(const robot *r, const state *s, int number) {
                  inverse_bound(condition_of(r, s)));
 }
 
-START_TEST(both_forward_dynamics_agree) {
-    for_random_states(10, check_agreement);
-}
+START_TEST(both_forward_dynamics_agree) { for_random_states(10, check_agreement); }
 END_TEST
 
 static void check_in_place(const robot *r, const state *s, int number) {
@@ -96,9 +85,7 @@ static void check_in_place(const robot *r, const state *s, int number) {
     ck_assert_msg(memcmp(same, apart, size) == 0, "%s: a may be v, fd_cholesky", r->name);
 }
 
-START_TEST(output_may_be_an_input) {
-    for_random_states(3, check_in_place);
-}
+START_TEST(output_may_be_an_input) { for_random_states(3, check_in_place); }
 END_TEST
 
 typedef rbd_status forward_dynamics(const rbd_model *m, rbd_work *w, const double *q, const double *v,

@@ -40,8 +40,7 @@ typedef struct result {
 } result;
 
 static void round_to(const double *x, int n, rbd_real *y) {
-    for (int i = 0; i < n; i++)
-        y[i] = (rbd_real)x[i];
+    for (int i = 0; i < n; i++) y[i] = (rbd_real)x[i];
 }
 
 static result evaluate(const rbd_body *bodies, int nb, uint64_t seed) {
@@ -54,8 +53,7 @@ static result evaluate(const rbd_body *bodies, int nb, uint64_t seed) {
     RUN(rbd_work_init(m, work_memory, sizeof work_memory, &w));
     r.nq = rbd_nq(m);
     r.nv = rbd_nv(m);
-    for (int i = 0; i < r.nq; i++)
-        r.q[i] = uniform(&seed, -3, 3);
+    for (int i = 0; i < r.nq; i++) r.q[i] = uniform(&seed, -3, 3);
     for (int i = 0; i < r.nv; i++) {
         r.v[i] = uniform(&seed, -1, 1);
         r.a[i] = uniform(&seed, -1, 1);
@@ -104,8 +102,7 @@ static void compare(const rbd_body *bodies, int nb, const result *r) {
             judge("M",
                   fabsl((tb_real)r->M[i * nv + j] - M[i * nv + j]) / sqrtl(M[i * nv + i] * M[j * nv + j]));
     tb_rnea(bodies, nb, gravity, r->q, r->v, r->a, NULL, expected, NULL);
-    for (int i = 0; i < nv; i++)
-        found[i] = r->torque[i];
+    for (int i = 0; i < nv; i++) found[i] = r->torque[i];
     compare_torque("rnea", r, M, expected, r->a, found);
     for (int i = 0; i < nv; i++) { /* the torque of the acceleration that was found is the one given */
         a[i] = (double)r->acceleration[i];
@@ -143,8 +140,7 @@ static void chain(uint64_t seed, double twist, int small, rbd_body *b) {
         b->axis[2] = cos(twist);
         if (i == 3 && seed % 3 == 0) /* not by a right angle: within 1e-12 rad of one it is taken as one */
             b->axis[0] = 1, b->axis[1] = 0, b->axis[2] = 0.3;
-        for (int k = 0; k < 3; k++)
-            b->position[k] = uniform(&seed, -0.5, 0.5) * (i == small ? 1 : size);
+        for (int k = 0; k < 3; k++) b->position[k] = uniform(&seed, -0.5, 0.5) * (i == small ? 1 : size);
         set_mass(&seed, size, b);
     }
 }
@@ -211,8 +207,7 @@ static void check_beside(const rbd_body *bodies, uint64_t seed) {
     rbd_body b[2 * LINKS];
     memcpy(b, bodies, LINKS * sizeof *b);
     chain(seed + 100, 1, LINKS, b + LINKS);
-    for (int i = 1; i < LINKS; i++)
-        b[LINKS + i].parent += LINKS;
+    for (int i = 1; i < LINKS; i++) b[LINKS + i].parent += LINKS;
     b[LINKS].position[0] = 5e5;
     b[LINKS + 1].position[1] = 1e4;
     const result r = evaluate(b, 2 * LINKS, seed);
@@ -244,8 +239,7 @@ static void check_hub(double lean, double offset) {
          .position = {0, offset, 1000},
          .com = {0.1, 0.1, 0}}};
     angle = lean;
-    for (int i = 0; i < 3; i++)
-        b[i].inertia[0] = b[i].inertia[3] = b[i].inertia[5] = 1e-4 * b[i].mass;
+    for (int i = 0; i < 3; i++) b[i].inertia[0] = b[i].inertia[3] = b[i].inertia[5] = 1e-4 * b[i].mass;
     for (uint64_t seed = 1; seed <= 20; seed++) {
         const result r = evaluate(b, 3, seed);
         compare(b, 3, &r);
@@ -282,8 +276,7 @@ START_TEST(massless_links_keep_their_places) {
     RUN(rbd_kinematics(m, w, q_real, NULL, NULL));
     RUN(rbd_body_pose(m, w, 1, NULL, p));
     tb_rnea(b, 2, gravity, q, v, v, NULL, tau, &expected);
-    for (int k = 0; k < 3; k++)
-        judge("position", fabsl((tb_real)p[k] - expected.p[1][k]));
+    for (int k = 0; k < 3; k++) judge("position", fabsl((tb_real)p[k] - expected.p[1][k]));
 }
 END_TEST
 

@@ -71,13 +71,10 @@ static robot build(const char *name, const rbd_body *bodies, int nb) {
     return r;
 }
 
-static robot build_reference(const ref_model *model) {
-    return build(model->name, model->bodies, model->nb);
-}
+static robot build_reference(const ref_model *model) { return build(model->name, model->bodies, model->nb); }
 
 static void release(robot *r) {
-    for (int i = 0; i < LENGTH(r->memory); i++)
-        free(r->memory[i]);
+    for (int i = 0; i < LENGTH(r->memory); i++) free(r->memory[i]);
 }
 
 static void set_gravity(const robot *r, const double gravity[3]) {
@@ -197,8 +194,7 @@ static double expect_row(const char *what, const robot *r, int state, const RBD_
         const double x = (double)found[i], y = (double)expected[i];
         difference = isfinite(x) ? fmax(difference, fabs(x - y)) : HUGE_VAL;
         size = fmax(size, fabs(y));
-        if (!isfinite(difference))
-            break;
+        if (!isfinite(difference)) break;
     }
     if (!(difference <= bound * size))
         ck_abort_msg("%s: %s, state %d: error %.3g exceeds %.3g", what, r->name, state, difference / size,
@@ -221,8 +217,7 @@ static RBD_REAL *single_results(const robot *r, call c, const states *x, int n) 
 static void expect_batch(const robot *r, call c, const states *x, int n, const RBD_REAL *expected) {
     const int width = width_of(r, c), beyond = (n + 2) * width;
     RBD_REAL *out = numbers(n + 2, width);
-    for (int i = 0; i < beyond; i++)
-        out[i] = canary;
+    for (int i = 0; i < beyond; i++) out[i] = canary;
     ck_assert_msg(run_batch(r, c, n, x, out) == RBD_OK, "%s: %s, %d states", call_name[c], r->name, n);
     for (int s = 0; s < n; s++)
         largest_error[c] = fmax(largest_error[c], expect_row(call_name[c], r, s, out + s * width,
@@ -244,8 +239,13 @@ static void check_one(robot r, robot_check *check) {
 
 static rbd_body body_of_type(rbd_joint_type type, int parent) {
     const double length = type == RBD_FIXED ? 0 : 1;
-    const rbd_body b = {.parent = parent, .type = type, .axis = {0.6 * length, 0, 0.8 * length}, .axis2 = {0, 1, 0},
-                        .position = {0.3, -0.1, 0.2}, BOX, .pitch = type == RBD_HELICAL ? 0.3 : 0};
+    const rbd_body b = {.parent = parent,
+                        .type = type,
+                        .axis = {0.6 * length, 0, 0.8 * length},
+                        .axis2 = {0, 1, 0},
+                        .position = {0.3, -0.1, 0.2},
+                        BOX,
+                        .pitch = type == RBD_HELICAL ? 0.3 : 0};
     return b;
 }
 
@@ -268,8 +268,7 @@ static void check_every_joint(int mimic, robot_check *check) {
 
 static void for_robots(robot_check *check) {
     const rbd_body plate[1] = {{.parent = -1, .type = RBD_FIXED, BOX}};
-    for (int i = 0; i < reference_count; i++)
-        check_one(build_reference(reference_model(i)), check);
+    for (int i = 0; i < reference_count; i++) check_one(build_reference(reference_model(i)), check);
     check_every_joint(0, check);
     check_every_joint(1, check);
     check_one(build("no degree of freedom", plate, LENGTH(plate)), check);
@@ -277,9 +276,7 @@ static void for_robots(robot_check *check) {
 
 /* ---- tests ---- */
 
-START_TEST(lanes_are_as_compiled) {
-    ck_assert_int_eq(rbd_batch_lanes(), BATCH_LANES);
-}
+START_TEST(lanes_are_as_compiled) { ck_assert_int_eq(rbd_batch_lanes(), BATCH_LANES); }
 END_TEST
 
 static void check_counts(const robot *r, call c, const states *x) {
@@ -297,15 +294,12 @@ static void check_any_number(const robot *r) {
     alone.f_ext = NULL;
     for (call c = RNEA; c < CALLS; c++) {
         check_counts(r, c, &x);
-        if (c != CRBA && c != CRBA_PACKED)
-            check_counts(r, c, &alone);
+        if (c != CRBA && c != CRBA_PACKED) check_counts(r, c, &alone);
     }
     states_free(&x);
 }
 
-START_TEST(any_number_of_states_gives_the_single_results) {
-    for_robots(check_any_number);
-}
+START_TEST(any_number_of_states_gives_the_single_results) { for_robots(check_any_number); }
 END_TEST
 
 /* Angles beyond where the library computes sines itself: in one state of many, and in the first. */
@@ -337,9 +331,7 @@ static void check_gravity(const robot *r) {
     states_free(&x);
 }
 
-START_TEST(gravity_can_be_set) {
-    for_robots(check_gravity);
-}
+START_TEST(gravity_can_be_set) { for_robots(check_gravity); }
 END_TEST
 
 /* a may be tau or v, tau may be a or v, c may be v: the same bits as apart. */
@@ -364,9 +356,7 @@ static void check_in_place(const robot *r) {
     }
 }
 
-START_TEST(output_may_be_an_input) {
-    for_robots(check_in_place);
-}
+START_TEST(output_may_be_an_input) { for_robots(check_in_place); }
 END_TEST
 
 /* ---- singular states among good ones ---- */
@@ -423,8 +413,7 @@ static void expect_first_singular(const trap *t, const states *good, const int w
         states x = states_cut(r, good, FEW);
         int first = -1, first_dof = -1, dof = -2;
         for (int s = 0; s < FEW; s++)
-            if (way[s] >= 0)
-                x.q[s * r->nq + t->lock[way[s]]] = (RBD_REAL)t->value;
+            if (way[s] >= 0) x.q[s * r->nq + t->lock[way[s]]] = (RBD_REAL)t->value;
         const rbd_status status = run_batch(r, c, FEW, &x, found);
         for (int s = 0; s < FEW; s++) {
             const states one = states_from(r, &x, s);
@@ -434,8 +423,7 @@ static void expect_first_singular(const trap *t, const states *good, const int w
                 first = s;
                 first_dof = rbd_singular_dof(r->w);
             }
-            if (!single)
-                expect_row(call_name[c], r, s, found + s * nv, expected, nv, BOUND(c));
+            if (!single) expect_row(call_name[c], r, s, found + s * nv, expected, nv, BOUND(c));
             for (int k = 0; k < nv; k++)
                 ck_assert_msg(way[s] < 0 ? isfinite((double)found[s * nv + k]) : found[s * nv + k] == 0,
                               "%s, state %d: neither right nor zero", r->name, s);
@@ -453,8 +441,7 @@ static void expect_first_singular(const trap *t, const states *good, const int w
 static void check_trap(trap t) {
     states good = states_draw(&t.r, FEW);
     int way[FEW];
-    for (int s = 0; s < FEW; s++)
-        way[s] = -1;
+    for (int s = 0; s < FEW; s++) way[s] = -1;
     for (int i = 0; i < FEW; i++) {
         way[i] = i & 1;
         expect_first_singular(&t, &good, way);
@@ -490,8 +477,7 @@ START_TEST(singular_state_is_of_the_last_call) {
     for (call c = RNEA; c < CALLS; c++) {
         int dof = -2;
         RBD_REAL *q = copy_of(x.q, 1, t.r.nq);
-        for (int k = 0; k < LENGTH(locked); k++)
-            x.q[k] = (RBD_REAL)locked[k];
+        for (int k = 0; k < LENGTH(locked); k++) x.q[k] = (RBD_REAL)locked[k];
         ck_assert_int_eq(run_batch(&t.r, ABA, 1, &x, out), RBD_ERR_SINGULAR);
         ck_assert_int_eq(rbd_batch_singular(t.r.b, &dof), 0);
         ck_assert_int_eq(dof, 0);
@@ -522,8 +508,7 @@ START_TEST(null_arguments_are_refused) {
         ck_assert_int_eq(run_batch(&no_batch, c, 1, &x, out), RBD_ERR_NULL);
         ck_assert_int_eq(run_batch(&r, c, 1, &no_q, out), RBD_ERR_NULL);
         ck_assert_int_eq(run_batch(&r, c, 1, &x, NULL), RBD_ERR_NULL);
-        if (c != CRBA && c != CRBA_PACKED)
-            ck_assert_int_eq(run_batch(&r, c, 1, &no_v, out), RBD_ERR_NULL);
+        if (c != CRBA && c != CRBA_PACKED) ck_assert_int_eq(run_batch(&r, c, 1, &no_v, out), RBD_ERR_NULL);
         if (c == RNEA || c == ABA || c == FD_CHOLESKY)
             ck_assert_int_eq(run_batch(&r, c, 1, &no_third, out), RBD_ERR_NULL);
     }
@@ -560,8 +545,7 @@ START_TEST(batch_of_another_model_is_refused) {
     RBD_REAL out[1] = {0};
     robot mixed = r;
     mixed.b = small.b;
-    for (call c = RNEA; c < CALLS; c++)
-        ck_assert_int_eq(run_batch(&mixed, c, 1, &x, out), RBD_ERR_WORK);
+    for (call c = RNEA; c < CALLS; c++) ck_assert_int_eq(run_batch(&mixed, c, 1, &x, out), RBD_ERR_WORK);
     states_free(&x);
     release(&small);
     release(&r);
@@ -582,8 +566,7 @@ START_TEST(batch_of_a_model_built_over_is_refused) {
     r.nb = 2;
     states x = states_draw(&r, 1);
     RBD_REAL out[1] = {0};
-    for (call c = RNEA; c < CALLS; c++)
-        ck_assert_int_eq(run_batch(&r, c, 1, &x, out), RBD_ERR_WORK);
+    for (call c = RNEA; c < CALLS; c++) ck_assert_int_eq(run_batch(&r, c, 1, &x, out), RBD_ERR_WORK);
     states_free(&x);
     free(memory);
     release(&r);
@@ -608,16 +591,13 @@ static void check_memory(const robot *r) {
             expect_batch(&moved, c, &x, FEW, expected);
             free(expected);
         }
-        for (size_t k = 0; k < offset; k++)
-            ck_assert_uint_eq(memory[k], 0xff);
+        for (size_t k = 0; k < offset; k++) ck_assert_uint_eq(memory[k], 0xff);
         free(memory);
     }
     states_free(&x);
 }
 
-START_TEST(memory_of_the_stated_size_is_enough_and_less_is_refused) {
-    for_robots(check_memory);
-}
+START_TEST(memory_of_the_stated_size_is_enough_and_less_is_refused) { for_robots(check_memory); }
 END_TEST
 
 /* ---- the reference ---- */
@@ -629,8 +609,7 @@ static const ref_state *pick(const ref_model *model, int k, int lane) {
 }
 
 static void put(RBD_REAL *x, const double *values, int n) {
-    for (int i = 0; i < n; i++)
-        x[i] = (RBD_REAL)values[i];
+    for (int i = 0; i < n; i++) x[i] = (RBD_REAL)values[i];
 }
 
 static void compare(const robot *r, call c, const states *x, int row, const double *expected, double bound) {
@@ -676,8 +655,7 @@ START_TEST(results_match_the_reference) {
     for (int i = 0; i < reference_count; i++) {
         const ref_model *model = reference_model(i);
         robot r = build_reference(model);
-        for (int k = 0; k < model->nstates; k++)
-            check_reference(&r, model, k);
+        for (int k = 0; k < model->nstates; k++) check_reference(&r, model, k);
         release(&r);
     }
 }
@@ -703,12 +681,10 @@ int main(int argc, char **argv) {
     tcase_add_test(c, results_match_the_reference);
     suite_add_tcase(suite, c);
     SRunner *runner = srunner_create(suite);
-    if (errors)
-        srunner_set_fork_status(runner, CK_NOFORK); /* the errors are kept in this process */
+    if (errors) srunner_set_fork_status(runner, CK_NOFORK); /* the errors are kept in this process */
     srunner_run_all(runner, CK_NORMAL);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);
-    for (call i = RNEA; errors && i < CALLS; i++)
-        printf("%-12s %.1e\n", call_name[i], largest_error[i]);
+    for (call i = RNEA; errors && i < CALLS; i++) printf("%-12s %.1e\n", call_name[i], largest_error[i]);
     return failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }

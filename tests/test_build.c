@@ -66,20 +66,20 @@ static void check_refusal(const rbd_body b[NB], const char *change, rbd_status s
 }
 
 /* One change of the sound description, and what the build must say to it. */
-#define REFUSES(status, body, field, change)                                                                 \
-    do {                                                                                                     \
-        rbd_body b[NB];                                                                                      \
-        sound(b);                                                                                            \
-        change;                                                                                              \
-        check_refusal(b, #change, status, body, field);                                                      \
+#define REFUSES(status, body, field, change) \
+    do { \
+        rbd_body b[NB]; \
+        sound(b); \
+        change; \
+        check_refusal(b, #change, status, body, field); \
     } while (0)
 
 /* A number that must be finite: NaN and both infinities. */
-#define REFUSES_NONFINITE(status, body, field, number)                                                       \
-    do {                                                                                                     \
-        REFUSES(status, body, field, number = NAN);                                                          \
-        REFUSES(status, body, field, number = HUGE_VAL);                                                     \
-        REFUSES(status, body, field, number = -HUGE_VAL);                                                    \
+#define REFUSES_NONFINITE(status, body, field, number) \
+    do { \
+        REFUSES(status, body, field, number = NAN); \
+        REFUSES(status, body, field, number = HUGE_VAL); \
+        REFUSES(status, body, field, number = -HUGE_VAL); \
     } while (0)
 
 START_TEST(sound_description_is_built_without_finding) {
@@ -107,8 +107,7 @@ END_TEST
 START_TEST(nameless_bodies_are_welcome) {
     rbd_body b[NB];
     sound(b);
-    for (int i = 0; i < NB; i++)
-        b[i].name = b[i].joint = NULL;
+    for (int i = 0; i < NB; i++) b[i].name = b[i].joint = NULL;
     ck_assert_int_eq(build(b, NB, NULL), RBD_OK);
 }
 END_TEST
@@ -169,8 +168,7 @@ START_TEST(sentences_tell_causes_apart) {
     infinite[3].mimic_ratio = HUGE_VAL;
     for (int i = 0; i < 5; i++) {
         strcpy(texts[i], sentence(wrong[i]));
-        for (int j = 0; j < i; j++)
-            ck_assert_str_ne(texts[i], texts[j]);
+        for (int j = 0; j < i; j++) ck_assert_str_ne(texts[i], texts[j]);
     }
     ck_assert_ptr_nonnull(strstr(texts[1], "missing"));
     ck_assert_ptr_nonnull(strstr(texts[2], "fixed joint"));
@@ -245,8 +243,7 @@ START_TEST(negative_and_nonfinite_masses_are_refused) {
 END_TEST
 
 START_TEST(nonfinite_com_and_inertia_are_refused) {
-    for (int k = 0; k < 3; k++)
-        REFUSES_NONFINITE(RBD_ERR_COM, 1, "com", b[1].com[k]);
+    for (int k = 0; k < 3; k++) REFUSES_NONFINITE(RBD_ERR_COM, 1, "com", b[1].com[k]);
     for (int k = 0; k < 6; k++) {
         REFUSES_NONFINITE(RBD_ERR_INERTIA, 1, "inertia", b[1].inertia[k]);
         REFUSES_NONFINITE(RBD_ERR_INERTIA, 2, "inertia", b[2].inertia[k]);
@@ -349,7 +346,7 @@ START_TEST(wrong_mimic_joints_are_refused) {
     REFUSES(RBD_ERR_MIMIC, 0, "mimic", follow(&b[0], "elbow"));
     REFUSES(RBD_ERR_MIMIC, 1, "mimic", follow(&b[1], "lead"); follow(&b[3], "elbow"));
     REFUSES_NONFINITE(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio);
-    REFUSES(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio = 0); /* would stand still */
+    REFUSES(RBD_ERR_MIMIC, 3, "mimic_ratio", follow(&b[3], "elbow"); b[3].mimic_ratio = 0); /* stands still */
     REFUSES_NONFINITE(RBD_ERR_MIMIC, 3, "mimic_offset", follow(&b[3], "elbow"); b[3].mimic_offset);
 }
 END_TEST
@@ -379,16 +376,16 @@ static void check_warning(const rbd_body b[NB], const char *change, rbd_status s
                   report.warning[0].field);
 }
 
-#define WARNS(status, body, field, change)                                                                   \
-    do {                                                                                                     \
-        rbd_body b[NB];                                                                                      \
-        sound(b);                                                                                            \
-        change;                                                                                              \
-        check_warning(b, #change, status, body, field);                                                      \
+#define WARNS(status, body, field, change) \
+    do { \
+        rbd_body b[NB]; \
+        sound(b); \
+        change; \
+        check_warning(b, #change, status, body, field); \
     } while (0)
 
-#define INERTIA(i, xx, xy, xz, yy, yz, zz)                                                                   \
-    b[i].inertia[0] = xx, b[i].inertia[1] = xy, b[i].inertia[2] = xz, b[i].inertia[3] = yy,                  \
+#define INERTIA(i, xx, xy, xz, yy, yz, zz) \
+    b[i].inertia[0] = xx, b[i].inertia[1] = xy, b[i].inertia[2] = xz, b[i].inertia[3] = yy, \
     b[i].inertia[4] = yz, b[i].inertia[5] = zz
 
 START_TEST(impossible_inertias_are_warned_of) {

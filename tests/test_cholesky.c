@@ -20,24 +20,19 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
         unit[k] = 1;
         RUN(rbd_cholesky_solve(r->m, r->w, L, unit, x));
         unit[k] = 0;
-        for (int i = 0; i < nv; i++)
-            inverse[i * nv + k] = x[i];
+        for (int i = 0; i < nv; i++) inverse[i * nv + k] = x[i];
     }
     expect_close("factor, solve", r, number, inverse, s->Minv, nv * nv, inverse_bound(s->cond_M));
 }
 
-START_TEST(factor_and_forward_dynamics_match_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(factor_and_forward_dynamics_match_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
     expect_textbook_forward("fd_cholesky, textbook", rbd_fd_cholesky, r, s, number);
 }
 
-START_TEST(forward_dynamics_match_the_textbook_on_random_trees) {
-    for_random_trees(300, check_textbook);
-}
+START_TEST(forward_dynamics_match_the_textbook_on_random_trees) { for_random_trees(300, check_textbook); }
 END_TEST
 
 /* Unpacks L (unit diagonal) and D, and multiplies. */
@@ -49,22 +44,18 @@ static void check_product(const robot *r, const state *s, int number) {
     for (int i = 0; i < nv; i++)
         for (int j = 0; j <= i; j++) {
             const int index = rbd_packed_index(r->m, i, j);
-            if (i == j)
-                D[i] = 1 / packed[index];
+            if (i == j) D[i] = 1 / packed[index];
             L[i * nv + j] = i == j ? 1 : index < 0 ? 0 : packed[index];
         }
     for (int i = 0; i < nv; i++)
         for (int j = 0; j < nv; j++) {
             product[i * nv + j] = 0;
-            for (int k = 0; k < nv; k++)
-                product[i * nv + j] += L[k * nv + i] * D[k] * L[k * nv + j];
+            for (int k = 0; k < nv; k++) product[i * nv + j] += L[k * nv + i] * D[k] * L[k * nv + j];
         }
     expect_close("L' D L = M", r, number, product, M, nv * nv, 1e-13);
 }
 
-START_TEST(factors_multiply_to_the_matrix) {
-    for_random_states(5, check_product);
-}
+START_TEST(factors_multiply_to_the_matrix) { for_random_states(5, check_product); }
 END_TEST
 
 static void check_variants(const robot *r, const state *s, int number) {
@@ -83,9 +74,7 @@ static void check_variants(const robot *r, const state *s, int number) {
     ck_assert_msg(memcmp(x, same, (size_t)r->nv * sizeof(double)) == 0, "%s: x may be b", r->name);
 }
 
-START_TEST(packed_and_in_place_variants_agree) {
-    for_random_states(5, check_variants);
-}
+START_TEST(packed_and_in_place_variants_agree) { for_random_states(5, check_variants); }
 END_TEST
 
 static void check_lower_triangle(const robot *r, const state *s, int number) {
@@ -94,15 +83,12 @@ static void check_lower_triangle(const robot *r, const state *s, int number) {
     RUN(rbd_crba(r->m, r->w, s->q, M));
     RUN(rbd_cholesky_factor(r->m, r->w, M, L));
     for (int i = 0; i < nv; i++)
-        for (int j = i + 1; j < nv; j++)
-            M[i * nv + j] = NAN;
+        for (int j = i + 1; j < nv; j++) M[i * nv + j] = NAN;
     RUN(rbd_cholesky_factor(r->m, r->w, M, from_lower));
     expect_close("factor of the lower triangle", r, number, from_lower, L, rbd_packed_size(r->m), 0);
 }
 
-START_TEST(only_the_lower_triangle_is_read) {
-    for_random_states(2, check_lower_triangle);
-}
+START_TEST(only_the_lower_triangle_is_read) { for_random_states(2, check_lower_triangle); }
 END_TEST
 
 START_TEST(null_arguments_are_refused) {

@@ -9,21 +9,13 @@ class dual {
   public:
     double value, slope;
     dual() = default; // trivial: the library's memory is raw
-    dual(double constant) : value(constant), slope(0) {
-    }
-    dual(double value_, double slope_) : value(value_), slope(slope_) {
-    }
+    dual(double constant) : value(constant), slope(0) {}
+    dual(double value_, double slope_) : value(value_), slope(slope_) {}
 };
 
-inline dual operator+(dual a, dual b) {
-    return dual(a.value + b.value, a.slope + b.slope);
-}
-inline dual operator-(dual a, dual b) {
-    return dual(a.value - b.value, a.slope - b.slope);
-}
-inline dual operator-(dual a) {
-    return dual(-a.value, -a.slope);
-}
+inline dual operator+(dual a, dual b) { return dual(a.value + b.value, a.slope + b.slope); }
+inline dual operator-(dual a, dual b) { return dual(a.value - b.value, a.slope - b.slope); }
+inline dual operator-(dual a) { return dual(-a.value, -a.slope); }
 inline dual operator*(dual a, dual b) {
     return dual(a.value * b.value, a.slope * b.value + a.value * b.slope);
 }
@@ -31,15 +23,9 @@ inline dual operator/(dual a, dual b) {
     const double ratio = a.value / b.value;
     return dual(ratio, (a.slope - ratio * b.slope) / b.value);
 }
-inline bool operator<(dual a, dual b) {
-    return a.value < b.value;
-}
-inline dual sin(dual a) {
-    return dual(std::sin(a.value), std::cos(a.value) * a.slope);
-}
-inline dual cos(dual a) {
-    return dual(std::cos(a.value), -std::sin(a.value) * a.slope);
-}
+inline bool operator<(dual a, dual b) { return a.value < b.value; }
+inline dual sin(dual a) { return dual(std::sin(a.value), std::cos(a.value) * a.slope); }
+inline dual cos(dual a) { return dual(std::cos(a.value), -std::sin(a.value) * a.slope); }
 inline dual sqrt(dual a) {
     const double root = std::sqrt(a.value);
     return dual(root, a.slope > 0 || a.slope < 0 ? a.slope / (2 * root) : 0);
@@ -62,19 +48,15 @@ static void check_velocity_derivatives() {
     for (int k = 0; k < nv; k++) {
         v[k].slope = 1;
         RUN(rbd_rnea(model, work, q, v, a, NULL, found));
-        for (int i = 0; i < nv; i++)
-            dtau[i * nv + k] = found[i].slope;
+        for (int i = 0; i < nv; i++) dtau[i * nv + k] = found[i].slope;
         RUN(rbd_aba(model, work, q, v, tau, NULL, found));
-        for (int i = 0; i < nv; i++)
-            dqdd[i * nv + k] = found[i].slope;
+        for (int i = 0; i < nv; i++) dqdd[i * nv + k] = found[i].slope;
         v[k].slope = 0;
     }
     static rbd_real x[MAX_M];
-    for (int i = 0; i < nv * nv; i++)
-        x[i] = dtau[i];
+    for (int i = 0; i < nv * nv; i++) x[i] = dtau[i];
     compare("d tau / dv", 0, x, s->dtau_dv, nv * nv, CANCELLED);
-    for (int i = 0; i < nv * nv; i++)
-        x[i] = dqdd[i];
+    for (int i = 0; i < nv * nv; i++) x[i] = dqdd[i];
     compare("d qdd / dv", 0, x, s->dqdd_dv, nv * nv, INVERSE(s->cond_M));
 }
 
@@ -82,27 +64,21 @@ static void check_velocity_derivatives() {
 static void check_configuration_derivatives() {
     const int nv = reference->nv;
     static rbd_real step[MAX_V], moved[MAX_Q], x[MAX_M];
-    for (int k = 0; k < nv; k++)
-        step[k] = 0;
+    for (int k = 0; k < nv; k++) step[k] = 0;
     for (int k = 0; k < nv; k++) {
         step[k].slope = 1;
         RUN(rbd_integrate(model, q, step, 1, moved));
         step[k].slope = 0;
         RUN(rbd_rnea(model, work, moved, v, a, NULL, found));
-        for (int i = 0; i < nv; i++)
-            x[i * nv + k] = found[i].slope;
+        for (int i = 0; i < nv; i++) x[i * nv + k] = found[i].slope;
     }
     compare("d tau / dq", 0, x, lane_state[0]->dtau_dq, nv * nv, DIRECT);
 }
 
-START_TEST(derivatives_by_velocity_match_the_reference) {
-    for_models(check_velocity_derivatives);
-}
+START_TEST(derivatives_by_velocity_match_the_reference) { for_models(check_velocity_derivatives); }
 END_TEST
 
-START_TEST(derivatives_by_configuration_match_the_reference) {
-    for_models(check_configuration_derivatives);
-}
+START_TEST(derivatives_by_configuration_match_the_reference) { for_models(check_configuration_derivatives); }
 END_TEST
 
 static void add_more_tests(TCase *c) {

@@ -12,9 +12,7 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     expect_close("crba", r, number, M, s->M, model->nv * model->nv, 1e-14);
 }
 
-START_TEST(mass_matrix_matches_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(mass_matrix_matches_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
@@ -25,9 +23,7 @@ static void check_textbook(const robot *r, const state *s, int number) {
     expect_close_tb("crba, textbook", r, number, M, expected, r->nv * r->nv, 1e-13);
 }
 
-START_TEST(mass_matrix_matches_the_textbook_on_random_trees) {
-    for_random_trees(200, check_textbook);
-}
+START_TEST(mass_matrix_matches_the_textbook_on_random_trees) { for_random_trees(200, check_textbook); }
 END_TEST
 
 static void check_columns(const robot *r, const state *s, int number) {
@@ -40,15 +36,12 @@ static void check_columns(const robot *r, const state *s, int number) {
         unit[k] = 1;
         RUN(rbd_rnea(r->m, r->w, s->q, rest, unit, NULL, tau));
         unit[k] = 0;
-        for (int i = 0; i < nv; i++)
-            columns[i * nv + k] = tau[i];
+        for (int i = 0; i < nv; i++) columns[i * nv + k] = tau[i];
     }
     expect_close("crba = columns of rnea", r, number, M, columns, nv * nv, 1e-13);
 }
 
-START_TEST(columns_are_torques_of_unit_accelerations) {
-    for_random_states(5, check_columns);
-}
+START_TEST(columns_are_torques_of_unit_accelerations) { for_random_states(5, check_columns); }
 END_TEST
 
 static void check_definite(const robot *r, const state *s, int number) {
@@ -65,21 +58,17 @@ static void check_definite(const robot *r, const state *s, int number) {
     ck_assert_msg(tb_invert(copy, nv, inverse), "%s, state %d: M is not positive definite", r->name, number);
 }
 
-START_TEST(mass_matrix_is_symmetric_and_positive_definite) {
-    for_random_states(20, check_definite);
-}
+START_TEST(mass_matrix_is_symmetric_and_positive_definite) { for_random_states(20, check_definite); }
 END_TEST
 
 static int is_ancestor_body(const robot *r, int ancestor, int body) {
-    while (body > ancestor)
-        body = r->bodies[body].parent;
+    while (body > ancestor) body = r->bodies[body].parent;
     return body == ancestor;
 }
 
 static int has_mimic(const robot *r) {
     for (int i = 0; i < r->nb; i++)
-        if (r->bodies[i].mimic)
-            return 1;
+        if (r->bodies[i].mimic) return 1;
     return 0;
 }
 

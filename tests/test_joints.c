@@ -8,10 +8,8 @@
 
 #define BOX .mass = 1.5, .com = {0.1, -0.2, 0.15}, .inertia = {0.2, 0.01, -0.02, 0.25, 0.03, 0.3}
 #define PLACE .position = {0.3, -0.4, 0.5}, .rotation = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6}
-#define ARM                                                                                                  \
-    { .joint = "arm", .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, BOX }
-#define HAND(on)                                                                                             \
-    { .joint = "hand", .parent = on, .type = RBD_REVOLUTE, .axis = {1, 0, 0}, PLACE, BOX }
+#define ARM {.joint = "arm", .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, BOX}
+#define HAND(on) {.joint = "hand", .parent = on, .type = RBD_REVOLUTE, .axis = {1, 0, 0}, PLACE, BOX}
 
 /* Both descriptions have the same q and v; body_of[i] is the body of b that body i of a is. */
 static void expect_same_dynamics(const char *what, const robot *a, const robot *b, const int *body_of) {
@@ -22,8 +20,7 @@ static void expect_same_dynamics(const char *what, const robot *a, const robot *
         double f_ext[6 * MAX_BODIES] = {0}, x[MAX_V], y[MAX_V], M[MAX_V * MAX_V], N[MAX_V * MAX_V];
         draw_state(a, &seed, &s);
         expect_ok(what, b, number, rbd_set_gravity(b->w, s.gravity));
-        for (int i = 0; i < a->nb; i++)
-            memcpy(f_ext + 6 * body_of[i], s.f_ext + 6 * i, 6 * sizeof(double));
+        for (int i = 0; i < a->nb; i++) memcpy(f_ext + 6 * body_of[i], s.f_ext + 6 * i, 6 * sizeof(double));
         expect_ok(what, a, number, rbd_rnea(a->m, a->w, s.q, s.v, s.a, s.f_ext, x));
         expect_ok(what, b, number, rbd_rnea(b->m, b->w, s.q, s.v, s.a, f_ext, y));
         expect_close(what, a, number, x, y, a->nv, 1e-13);
@@ -71,18 +68,9 @@ static void expect_chain(const char *what, rbd_body joint, const rbd_body *links
     robot_free(&b);
 }
 
-#define TURN_X                                                                                               \
-    {                                                                                                        \
-        .type = RBD_REVOLUTE, .axis = { 1, 0, 0 }                                                            \
-    }
-#define TURN_Y                                                                                               \
-    {                                                                                                        \
-        .type = RBD_REVOLUTE, .axis = { 0, 1, 0 }                                                            \
-    }
-#define TURN_Z                                                                                               \
-    {                                                                                                        \
-        .type = RBD_REVOLUTE, .axis = { 0, 0, 1 }                                                            \
-    }
+#define TURN_X {.type = RBD_REVOLUTE, .axis = {1, 0, 0}}
+#define TURN_Y {.type = RBD_REVOLUTE, .axis = {0, 1, 0}}
+#define TURN_Z {.type = RBD_REVOLUTE, .axis = {0, 0, 1}}
 
 START_TEST(cylindrical_is_a_revolute_and_a_prismatic) {
     const rbd_body links[2] = {{.type = RBD_REVOLUTE, .axis = {1, 2, -2}},
@@ -200,14 +188,12 @@ static const double offset[5] = {0, 0.3, -1, 0, 0};
 static void project(const double *x, double *out) {
     for (int k = 0; k < 2; k++) {
         out[k] = 0;
-        for (int i = 0; i < 5; i++)
-            out[k] += G[i][k] * x[i];
+        for (int i = 0; i < 5; i++) out[k] += G[i][k] * x[i];
     }
 }
 
 static void expand(const double *q, const double *add, double *out) {
-    for (int i = 0; i < 5; i++)
-        out[i] = G[i][0] * q[0] + G[i][1] * q[1] + (add ? add[i] : 0);
+    for (int i = 0; i < 5; i++) out[i] = G[i][0] * q[0] + G[i][1] * q[1] + (add ? add[i] : 0);
 }
 
 static void check_mimic(const robot *r, const robot *freed, const state *s, int number) {
@@ -246,8 +232,7 @@ START_TEST(mimic_joints_are_a_constraint_on_the_free_model) {
     uint64_t seed = 21;
     state s;
     memcpy(unbound, followed, sizeof followed);
-    for (int i = 0; i < LENGTH(followed); i++)
-        unbound[i].mimic = NULL;
+    for (int i = 0; i < LENGTH(followed); i++) unbound[i].mimic = NULL;
     robot r = BUILD(followed), freed = BUILD(unbound);
     ck_assert_int_eq(r.nv, 2);
     ck_assert_int_eq(freed.nv, 5);
@@ -352,8 +337,7 @@ START_TEST(several_roots_are_several_robots) {
     memcpy(both, first->bodies, (size_t)first->nb * sizeof *both);
     for (int i = 0; i < second->nb; i++) {
         both[first->nb + i] = second->bodies[i];
-        if (second->bodies[i].parent >= 0)
-            both[first->nb + i].parent += first->nb;
+        if (second->bodies[i].parent >= 0) both[first->nb + i].parent += first->nb;
     }
     robot r = robot_build("two robots", both, first->nb + second->nb);
     robot a = robot_build(first->name, first->bodies, first->nb);
@@ -372,8 +356,7 @@ START_TEST(several_roots_are_several_robots) {
         expect_close("two robots: rnea", &r, number, tau, expected, r.nv, 1e-13);
         ck_assert_int_eq(rbd_aba(r.m, r.w, s.q, s.v, tau, s.f_ext, tau), RBD_OK);
         expect_close("two robots: aba", &r, number, tau, s.a, r.nv, 1e-10);
-        for (int i = 0; i < a.nv; i++)
-            ck_assert_int_eq(rbd_packed_index(r.m, a.nv + i, i), -1);
+        for (int i = 0; i < a.nv; i++) ck_assert_int_eq(rbd_packed_index(r.m, a.nv + i, i), -1);
     }
     robot_free(&r);
     robot_free(&a);
@@ -386,16 +369,14 @@ static void check_order(const rbd_body *bodies, int nb, uint64_t *seed) {
     rbd_body sorted[MAX_BODIES];
     int order[MAX_BODIES], place[MAX_BODIES], count = 0, stack[MAX_BODIES], depth = 0;
     for (int root = 0; root < nb; root++) {
-        if (bodies[root].parent >= 0)
-            continue;
+        if (bodies[root].parent >= 0) continue;
         stack[depth++] = root;
         while (depth > 0) {
             const int body = stack[--depth];
             place[body] = count;
             order[count++] = body;
             for (int i = body + 1; i < nb; i++)
-                if (bodies[i].parent == body)
-                    stack[depth++] = i;
+                if (bodies[i].parent == body) stack[depth++] = i;
         }
     }
     for (int i = 0; i < nb; i++) {
@@ -476,8 +457,7 @@ START_TEST(every_type_may_stand_anywhere) {
                 b[i].parent = i - 1;
                 random_mass(&seed, &b[i]);
             }
-            if (type == RBD_FIXED && at == 5)
-                continue;
+            if (type == RBD_FIXED && at == 5) continue;
             snprintf(name, sizeof name, "type %d at %d", type, at);
             robot r = robot_build(name, b, 5);
             draw_state(&r, &seed, &s);
@@ -506,8 +486,7 @@ START_TEST(nearly_parallel_axes_lose_no_accuracy) {
                 memcpy(b[k].axis, axis, sizeof axis);
                 b[k].parent = k - 1;
                 b[k].pitch = variant & 1 ? 0.1 : 0;
-                for (int j = 0; j < 3; j++)
-                    b[k].position[j] = uniform(&seed, 0.2, 0.5);
+                for (int j = 0; j < 3; j++) b[k].position[j] = uniform(&seed, 0.2, 0.5);
             }
             if (variant & 4) {
                 b[0].type = RBD_FLOATING;
@@ -606,8 +585,7 @@ END_TEST
 
 static int quaternion_of(const robot *r, int body, rbd_joint_info *info) {
     ck_assert_int_eq(rbd_joint(r->m, body, info), RBD_OK);
-    if (info->type == RBD_SPHERICAL)
-        return info->iq;
+    if (info->type == RBD_SPHERICAL) return info->iq;
     return info->type == RBD_FLOATING ? info->iq + 3 : -1;
 }
 
@@ -622,8 +600,7 @@ static void check_scaled(const robot *r, const state *s, int number) {
         for (int body = 0; body < r->nb; body++) {
             rbd_joint_info info;
             const int at = quaternion_of(r, body, &info);
-            for (int k = 0; k < 4 && at >= 0; k++)
-                q[at + k] *= scales[i];
+            for (int k = 0; k < 4 && at >= 0; k++) q[at + k] *= scales[i];
         }
         RUN(rbd_rnea(r->m, r->w, q, s->v, s->a, s->f_ext, scaled));
         expect_close("scaled quaternion: rnea", r, number, scaled, plain, r->nv, 1e-13);
@@ -635,16 +612,13 @@ static void check_scaled(const robot *r, const state *s, int number) {
     }
 }
 
-START_TEST(only_the_direction_of_a_quaternion_counts) {
-    for_random_states(2, check_scaled);
-}
+START_TEST(only_the_direction_of_a_quaternion_counts) { for_random_states(2, check_scaled); }
 END_TEST
 
 START_TEST(zero_quaternion_is_the_identity) {
     robot r = robot_build("hyq", reference_model(1)->bodies, reference_model(1)->nb);
     double q[MAX_Q], plain[MAX_V], zero[MAX_V], v[MAX_V];
-    for (int k = 0; k < r.nv; k++)
-        v[k] = 0.1 * k;
+    for (int k = 0; k < r.nv; k++) v[k] = 0.1 * k;
     ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
     ck_assert_int_eq(rbd_rnea(r.m, r.w, q, v, v, NULL, plain), RBD_OK);
     q[6] = 0;

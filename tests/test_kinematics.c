@@ -36,9 +36,7 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     }
 }
 
-START_TEST(motion_of_bodies_matches_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(motion_of_bodies_matches_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 static void check_reference_totals(const robot *r, const ref_model *model, const ref_state *s, int number) {
@@ -56,9 +54,7 @@ static void check_reference_totals(const robot *r, const ref_model *model, const
     expect_close("com acceleration", r, number, acceleration, s->com_acc, 3, 1e-14);
 }
 
-START_TEST(energy_and_com_match_the_reference) {
-    for_reference_states(check_reference_totals);
-}
+START_TEST(energy_and_com_match_the_reference) { for_reference_states(check_reference_totals); }
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
@@ -87,9 +83,7 @@ static void check_textbook(const robot *r, const state *s, int number) {
     expect_close_tb("com acceleration, textbook", r, number, acceleration, m.com_acceleration, 3, 1e-12);
 }
 
-START_TEST(motion_matches_the_textbook_on_random_trees) {
-    for_random_trees(300, check_textbook);
-}
+START_TEST(motion_matches_the_textbook_on_random_trees) { for_random_trees(300, check_textbook); }
 END_TEST
 
 /* The configuration that the motion (v, a) reaches after t, up to third order in t. */
@@ -117,15 +111,12 @@ static void differentiate(const robot *r, const state *s, int number, double *R,
             RUN(rbd_kinematics(r->m, r->w, q, v, NULL));
             read_bodies(r, number, &b[side]);
         }
-        for (int i = 0; i < 9 * nb; i++)
-            rate[half][i] = (b[1].R[i] - b[0].R[i]) / (2 * h);
-        for (int i = 0; i < 3 * nb; i++)
-            rate[half][9 * nb + i] = (b[1].p[i] - b[0].p[i]) / (2 * h);
+        for (int i = 0; i < 9 * nb; i++) rate[half][i] = (b[1].R[i] - b[0].R[i]) / (2 * h);
+        for (int i = 0; i < 3 * nb; i++) rate[half][9 * nb + i] = (b[1].p[i] - b[0].p[i]) / (2 * h);
         for (int i = 0; i < 6 * nb; i++)
             rate[half][12 * nb + i] = (b[1].velocity[i] - b[0].velocity[i]) / (2 * h);
     }
-    for (int i = 0; i < 18 * nb; i++)
-        rate[1][i] += (rate[1][i] - rate[0][i]) / 3;
+    for (int i = 0; i < 18 * nb; i++) rate[1][i] += (rate[1][i] - rate[0][i]) / 3;
     memcpy(R, rate[1], 9 * (size_t)nb * sizeof *R);
     memcpy(p, rate[1] + 9 * nb, 3 * (size_t)nb * sizeof *p);
     memcpy(velocity, rate[1] + 12 * nb, 6 * (size_t)nb * sizeof *velocity);
@@ -154,9 +145,7 @@ static void check_derivatives(const robot *r, const state *s, int number) {
     expect_close("d velocity/dt by difference", r, number, velocity, b.acceleration, 6 * r->nb, 1e-7);
 }
 
-START_TEST(velocities_and_accelerations_are_time_derivatives) {
-    for_random_states(4, check_derivatives);
-}
+START_TEST(velocities_and_accelerations_are_time_derivatives) { for_random_states(4, check_derivatives); }
 END_TEST
 
 /* classical = spatial + (0; omega x v) */
@@ -176,9 +165,7 @@ static void check_classical(const robot *r, const state *s, int number) {
     expect_close("classical = spatial + w x v", r, number, b.classical, expected, 6 * r->nb, 1e-13);
 }
 
-START_TEST(classical_acceleration_is_the_origin_s) {
-    for_random_states(5, check_classical);
-}
+START_TEST(classical_acceleration_is_the_origin_s) { for_random_states(5, check_classical); }
 END_TEST
 
 static void compare_kinetic(const robot *r, const state *s, int number, double bound) {
@@ -206,8 +193,7 @@ END_TEST
 static double from_orthonormal(const double R[9]) {
     double error = 0;
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            error = fmax(error, fabs(dot(R + 3 * i, R + 3 * j, 3) - (i == j)));
+        for (int j = 0; j < 3; j++) error = fmax(error, fabs(dot(R + 3 * i, R + 3 * j, 3) - (i == j)));
     return error;
 }
 
@@ -257,8 +243,7 @@ START_TEST(rounded_rotations_become_exact) {
         check_rounded("six digits of 45 degrees", b, &seed);
         for (int k = 0; k < ROUNDED_NB; k++) {
             random_rotation(&seed, turned[k]);
-            for (int j = 0; j < 9; j++)
-                turned[k][j] = floor(turned[k][j] * 1e7 + 0.5) / 1e7;
+            for (int j = 0; j < 9; j++) turned[k][j] = floor(turned[k][j] * 1e7 + 0.5) / 1e7;
         }
         rounded_bodies(&seed, turned, ROUNDED_NB, b);
         check_rounded("seven decimals", b, &seed);
@@ -276,15 +261,13 @@ START_TEST(exact_rotations_stay_as_they_are) {
         b->rotation[3 + y] = sign & 2 ? -1 : 1;
         b->rotation[6 + z] = sign & 4 ? -1 : 1;
         const int even = y == (x + 1) % 3;
-        if ((b->rotation[x] * b->rotation[3 + y] * b->rotation[6 + z] > 0) != even)
-            continue; /* a mirror */
+        if ((b->rotation[x] * b->rotation[3 + y] * b->rotation[6 + z] > 0) != even) continue; /* a mirror */
         robot r = BUILD(b);
         const double none[1] = {0};
         double R[9];
         ck_assert_int_eq(rbd_kinematics(r.m, r.w, none, NULL, NULL), RBD_OK);
         ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, R, NULL), RBD_OK);
-        for (int k = 0; k < 9; k++)
-            ck_assert_double_eq(R[k], b->rotation[k]);
+        for (int k = 0; k < 9; k++) ck_assert_double_eq(R[k], b->rotation[k]);
         robot_free(&r);
         rotations++;
     }
@@ -314,9 +297,7 @@ static void check_null(const robot *r, const state *s, int number) {
     same("acceleration for a NULL alone", missing.acceleration, given.acceleration, 6 * r->nb);
 }
 
-START_TEST(missing_rates_are_zero) {
-    for_random_states(2, check_null);
-}
+START_TEST(missing_rates_are_zero) { for_random_states(2, check_null); }
 END_TEST
 
 /* The results stay until the next rbd_kinematics, whatever runs between. */
@@ -343,14 +324,10 @@ static void check_kept(const robot *r, const state *s, int number) {
     same("com is kept", com[1], com[0], 9);
 }
 
-START_TEST(results_stay_until_the_next_kinematics) {
-    for_random_states(2, check_kept);
-}
+START_TEST(results_stay_until_the_next_kinematics) { for_random_states(2, check_kept); }
 END_TEST
 
-static robot iiwa(void) {
-    return robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb);
-}
+static robot iiwa(void) { return robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb); }
 
 START_TEST(reading_before_kinematics_is_refused) {
     robot r = iiwa();

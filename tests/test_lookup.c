@@ -130,8 +130,7 @@ END_TEST
 START_TEST(degrees_of_freedom_lead_to_bodies) {
     const int body[ARM_NV] = {0, 0, 0, 0, 0, 0, 1, 3, 5, 5};
     robot r = BUILD(arm);
-    for (int k = 0; k < ARM_NV; k++)
-        ck_assert_int_eq(rbd_dof_body(r.m, k), body[k]);
+    for (int k = 0; k < ARM_NV; k++) ck_assert_int_eq(rbd_dof_body(r.m, k), body[k]);
     ck_assert_int_eq(rbd_dof_body(r.m, -1), -1);
     ck_assert_int_eq(rbd_dof_body(r.m, ARM_NV), -1);
     ck_assert_int_eq(rbd_dof_body(NULL, 0), -1);

@@ -12,14 +12,11 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     RUN(rbd_integrate(r->m, s->q, s->v, s->dt, q));
     expect_close("integrate", r, number, q, s->q_next, model->nq, 1e-14);
     RUN(rbd_difference(r->m, s->q, s->q_next, d));
-    for (int k = 0; k < model->nv; k++)
-        expected[k] = s->v[k] * s->dt;
+    for (int k = 0; k < model->nv; k++) expected[k] = s->v[k] * s->dt;
     expect_close("difference", r, number, d, expected, model->nv, 1e-13);
 }
 
-START_TEST(integrate_and_difference_match_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(integrate_and_difference_match_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 /* Steps of all sizes below half a turn, down to those that rounding nearly swallows. */
@@ -110,15 +107,12 @@ static void check_pose(const robot *r, const state *s, int number) {
         RUN(rbd_body_pose(r->m, r->w, i, R, NULL));
         RUN(rbd_body_velocity(r->m, r->w, i, velocity));
         multiply(R, velocity + 3, 3, 3, expected);
-        for (int k = 0; k < 3; k++)
-            rate[k] = (p[0][k] - p[1][k]) / (2 * h) - expected[k];
+        for (int k = 0; k < 3; k++) rate[k] = (p[0][k] - p[1][k]) / (2 * h) - expected[k];
         expect_small("origin velocity after a step", r, number, largest(rate, 3), 1e-7);
     }
 }
 
-START_TEST(integrate_moves_bodies_by_their_velocity) {
-    for_random_states(2, check_pose);
-}
+START_TEST(integrate_moves_bodies_by_their_velocity) { for_random_states(2, check_pose); }
 END_TEST
 
 static const rbd_body one_of_each[] = {
@@ -180,12 +174,10 @@ START_TEST(difference_holds_up_to_half_a_turn) {
     const double angles[6] = {3.14, 3.1415926, 3.14159265358979, 0.1, 1e-8, 1e-160};
     for (int i = 0; i < 6; i++) {
         double step[3], q[4], d[3];
-        for (int k = 0; k < 3; k++)
-            step[k] = angles[i] * u[k];
+        for (int k = 0; k < 3; k++) step[k] = angles[i] * u[k];
         ck_assert_int_eq(rbd_integrate(r.m, identity, step, 1, q), RBD_OK);
         ck_assert_int_eq(rbd_difference(r.m, identity, q, d), RBD_OK);
-        for (int k = 0; k < 3; k++)
-            d[k] /= angles[i];
+        for (int k = 0; k < 3; k++) d[k] /= angles[i];
         expect_close("difference near half a turn", &r, i, d, u, 3, 1e-13);
     }
     const double half_turn[4] = {2. / 3, -1. / 3, 2. / 3, 0};
@@ -203,8 +195,7 @@ START_TEST(integrate_keeps_quaternions_of_unit_length) {
     robot r = BUILD(one_of_each);
     ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
     for (int i = 0; i < 10000; i++) {
-        for (int k = 0; k < 15; k++)
-            v[k] = uniform(&seed, -5, 5);
+        for (int k = 0; k < 15; k++) v[k] = uniform(&seed, -5, 5);
         ck_assert_int_eq(rbd_integrate(r.m, q, v, 0.01, q), RBD_OK);
     }
     ck_assert(fabs(dot(q + FLOATING_Q + 3, q + FLOATING_Q + 3, 4) - 1) < 1e-12);
@@ -333,8 +324,7 @@ START_TEST(random_is_repeatable_from_any_seed) {
         ck_assert_int_eq(rbd_random(r.m, &a, next), RBD_OK);
         ck_assert(memcmp(first, next, sizeof first) != 0);
         memcpy(other[i], first, sizeof first);
-        for (int k = 0; k < i; k++)
-            ck_assert(memcmp(other[k], first, sizeof first) != 0);
+        for (int k = 0; k < i; k++) ck_assert(memcmp(other[k], first, sizeof first) != 0);
     }
     robot_free(&r);
 }

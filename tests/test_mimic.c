@@ -18,8 +18,7 @@ static int can_follow(const rbd_body *b) {
 /* Every second joint that can follows another, wherever that is. */
 static void let_follow(uint64_t *seed, rbd_body *bodies, int nb) {
     int leads[MAX_BODIES] = {0};
-    for (int i = 0; i < nb; i++)
-        bodies[i].mimic = NULL;
+    for (int i = 0; i < nb; i++) bodies[i].mimic = NULL;
     for (int i = 0; i < nb; i++) {
         const int leader = below(seed, nb);
         if (leader == i || leads[i] || below(seed, 2) || bodies[leader].mimic || !can_follow(&bodies[i]) ||
@@ -57,9 +56,7 @@ static void check_inverse(const robot *r, const state *s, int number) {
     expect_close_tb("mimic: rnea", r, number, found, expected, r->nv, 1e-11);
 }
 
-START_TEST(inverse_dynamics) {
-    for_mimic_trees(check_inverse);
-}
+START_TEST(inverse_dynamics) { for_mimic_trees(check_inverse); }
 END_TEST
 
 /* The full matrix, and the packed one wherever it has an entry; where it has none the entry is zero. */
@@ -81,9 +78,7 @@ static void check_matrix(const robot *r, const state *s, int number) {
     expect_close_tb("mimic: crba packed", r, number, unpacked, expected, nv * nv, 1e-11);
 }
 
-START_TEST(mass_matrix) {
-    for_mimic_trees(check_matrix);
-}
+START_TEST(mass_matrix) { for_mimic_trees(check_matrix); }
 END_TEST
 
 static void check_forward(const robot *r, const state *s, int number) {
@@ -91,9 +86,7 @@ static void check_forward(const robot *r, const state *s, int number) {
     expect_textbook_forward("mimic: fd_cholesky", rbd_fd_cholesky, r, s, number);
 }
 
-START_TEST(forward_dynamics_by_both_ways) {
-    for_mimic_trees(check_forward);
-}
+START_TEST(forward_dynamics_by_both_ways) { for_mimic_trees(check_forward); }
 END_TEST
 
 /* M x is what solve is given. */
@@ -103,8 +96,7 @@ static void check_solve(const robot *r, const state *s, int number) {
     tb_real a[TB_MAX_DOFS];
     const int nv = r->nv;
     const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, a);
-    if (!(condition > 0 && condition < 1e12L))
-        return;
+    if (!(condition > 0 && condition < 1e12L)) return;
     RUN(rbd_crba(r->m, r->w, s->q, M));
     multiply(M, s->a, nv, nv, b);
     RUN(rbd_cholesky_factor(r->m, r->w, M, L));
@@ -112,17 +104,14 @@ static void check_solve(const robot *r, const state *s, int number) {
     expect_close("mimic: solve", r, number, x, s->a, nv, inverse_bound((double)condition));
 }
 
-START_TEST(factor_and_solve) {
-    for_mimic_trees(check_solve);
-}
+START_TEST(factor_and_solve) { for_mimic_trees(check_solve); }
 END_TEST
 
 /* ---- the packed matrix's tree is that of elimination, and no larger ---- */
 
 static int joint_of(const rbd_body *bodies, int nb, const char *name) {
     int i = 0;
-    while (i < nb && strcmp(bodies[i].joint, name) != 0)
-        i++;
+    while (i < nb && strcmp(bodies[i].joint, name) != 0) i++;
     return i;
 }
 
@@ -150,21 +139,17 @@ static void check_tree(const robot *r, const state *s, int number) {
         nv += tb_nv(&r->bodies[i]);
     }
     for (int i = 0; i < r->nb; i++)
-        for (int j = i; j >= 0; j = r->bodies[j].parent)
-            couple(r, iv, i, j, full);
+        for (int j = i; j >= 0; j = r->bodies[j].parent) couple(r, iv, i, j, full);
     for (int k = nv - 1; k >= 0; k--) {
         lambda[k] = -1;
         for (int i = 0; i < k; i++)
-            for (int j = 0; full[k][i] && j < k; j++)
-                full[i][j] |= full[k][j];
+            for (int j = 0; full[k][i] && j < k; j++) full[i][j] |= full[k][j];
         for (int i = 0; i < k; i++)
-            if (full[k][i])
-                lambda[k] = i;
+            if (full[k][i]) lambda[k] = i;
     }
     for (int k = 0; k < nv; k++) {
         char column[MAX_V] = {0};
-        for (int i = k; i >= 0; i = lambda[i], entries++)
-            column[i] = 1;
+        for (int i = k; i >= 0; i = lambda[i], entries++) column[i] = 1;
         for (int i = 0; i <= k; i++)
             ck_assert_msg((rbd_packed_index(r->m, k, i) >= 0) == column[i] && column[i] >= full[k][i],
                           "%s: entry (%d, %d)", r->name, k, i);
@@ -172,9 +157,7 @@ static void check_tree(const robot *r, const state *s, int number) {
     ck_assert_msg(entries == rbd_packed_size(r->m), "%s: %d entries", r->name, entries);
 }
 
-START_TEST(the_tree_is_that_of_elimination) {
-    for_mimic_trees(check_tree);
-}
+START_TEST(the_tree_is_that_of_elimination) { for_mimic_trees(check_tree); }
 END_TEST
 
 /* A gripper: fingers that follow one of them couple nothing but themselves with the arm. */

@@ -60,9 +60,7 @@ static void check_frictionless(const robot *r, const state *s, int number) {
     ck_assert_msg(!(largest(tau, r->nv) > 0), "%s", r->name);
 }
 
-START_TEST(joints_without_friction_have_none) {
-    for_random_states(1, check_frictionless);
-}
+START_TEST(joints_without_friction_have_none) { for_random_states(1, check_frictionless); }
 END_TEST
 
 /* No algorithm applies them by itself. */
@@ -70,8 +68,7 @@ START_TEST(dynamics_leave_damping_and_friction_out) {
     rbd_body slippery[LENGTH(chain)];
     for (int i = 0; i < LENGTH(chain); i++) {
         slippery[i] = chain[i];
-        for (int k = 0; k < 6; k++)
-            slippery[i].damping[k] = slippery[i].friction[k] = 0;
+        for (int k = 0; k < 6; k++) slippery[i].damping[k] = slippery[i].friction[k] = 0;
     }
     robot with = BUILD(chain), without = BUILD(slippery);
     const double q[5] = {0.3, 0, 0, 0.6, 0.8}, v[4] = {1, -2, 3, 4}, zero[4] = {0};

@@ -17,9 +17,7 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     expect_close("gravity", r, number, tau, s->g, nv, 1e-12);
 }
 
-START_TEST(inverse_dynamics_match_the_reference) {
-    for_reference_states(check_reference);
-}
+START_TEST(inverse_dynamics_match_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
 static void check_textbook(const robot *r, const state *s, int number) {
@@ -37,9 +35,7 @@ static void check_textbook(const robot *r, const state *s, int number) {
     expect_close_tb("gravity, textbook", r, number, tau, expected, r->nv, 1e-13);
 }
 
-START_TEST(inverse_dynamics_match_the_textbook_on_random_trees) {
-    for_random_trees(400, check_textbook);
-}
+START_TEST(inverse_dynamics_match_the_textbook_on_random_trees) { for_random_trees(400, check_textbook); }
 END_TEST
 
 static void check_bias(const robot *r, const state *s, int number) {
@@ -53,9 +49,7 @@ static void check_bias(const robot *r, const state *s, int number) {
     expect_close("gravity = rnea at rest", r, number, g, tau, r->nv, 1e-13);
 }
 
-START_TEST(bias_and_gravity_are_inverse_dynamics_at_rest) {
-    for_random_states(20, check_bias);
-}
+START_TEST(bias_and_gravity_are_inverse_dynamics_at_rest) { for_random_states(20, check_bias); }
 END_TEST
 
 /* tau(no wrench) - tau(wrench) = sum J' f: component k is the power of the wrenches at v = e_k. */
@@ -91,9 +85,7 @@ static void check_null_wrench(const robot *r, const state *s, int number) {
     expect_close("rnea, zero wrench", r, number, with, without, r->nv, 1e-15);
 }
 
-START_TEST(null_wrench_is_zero_wrench) {
-    for_random_states(3, check_null_wrench);
-}
+START_TEST(null_wrench_is_zero_wrench) { for_random_states(3, check_null_wrench); }
 END_TEST
 
 static void check_in_place(const robot *r, const state *s, int number) {
@@ -112,9 +104,7 @@ static void check_in_place(const robot *r, const state *s, int number) {
     ck_assert_msg(memcmp(same, apart, size) == 0, "%s: c may be v", r->name);
 }
 
-START_TEST(output_may_be_an_input) {
-    for_random_states(3, check_in_place);
-}
+START_TEST(output_may_be_an_input) { for_random_states(3, check_in_place); }
 END_TEST
 
 /* The same call gives the same bits, whatever ran between. */
@@ -128,9 +118,7 @@ static void check_repeatable(const robot *r, const state *s, int number) {
     ck_assert_msg(memcmp(first, again, (size_t)r->nv * sizeof(double)) == 0, "%s: other bits", r->name);
 }
 
-START_TEST(same_call_gives_same_bits) {
-    for_random_states(3, check_repeatable);
-}
+START_TEST(same_call_gives_same_bits) { for_random_states(3, check_repeatable); }
 END_TEST
 
 START_TEST(null_arguments_are_refused) {

@@ -114,8 +114,7 @@ static void coordinate_rates(const rbd_body *bodies, int nb, const double *q, co
             rate[2] = v[0];
             break;
         default:
-            for (int k = 0; k < nq; k++)
-                rate[k] = v[k];
+            for (int k = 0; k < nq; k++) rate[k] = v[k];
         }
         q += nq;
         v += nv;
@@ -137,12 +136,10 @@ static void runge_kutta(const robot *r, double h, double *x) {
     double k[4][MAX_Q + MAX_V], y[MAX_Q + MAX_V];
     state_rates(r, x, k[0]);
     for (int stage = 1; stage < 4; stage++) {
-        for (int i = 0; i < n; i++)
-            y[i] = x[i] + at[stage - 1] * k[stage - 1][i];
+        for (int i = 0; i < n; i++) y[i] = x[i] + at[stage - 1] * k[stage - 1][i];
         state_rates(r, y, k[stage]);
     }
-    for (int i = 0; i < n; i++)
-        x[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
+    for (int i = 0; i < n; i++) x[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
 }
 
 /* Swings freely for one second; energy is constant, speed is not. */
@@ -175,8 +172,7 @@ START_TEST(trees_keep_their_energy_over_a_swing) {
         robot r = robot_build(model->name, model->bodies, model->nb);
         double x[MAX_Q + MAX_V];
         memcpy(x, model->states[0].q, (size_t)r.nq * sizeof *x);
-        for (int k = 0; k < r.nv; k++)
-            x[r.nq + k] = model->states[0].v[k] / 4;
+        for (int k = 0; k < r.nv; k++) x[r.nq + k] = model->states[0].v[k] / 4;
         check_swing(&r, x, 5e-4, 1e-6);
         robot_free(&r);
     }
@@ -195,8 +191,7 @@ static void check_power(const robot *r, const state *s, int number) {
             double q[MAX_Q], v[MAX_V];
             const double t = side ? h : -h;
             RUN(rbd_integrate(r->m, s->q, s->v, t, q));
-            for (int k = 0; k < r->nv; k++)
-                v[k] = s->v[k] + t * a[k];
+            for (int k = 0; k < r->nv; k++) v[k] = s->v[k] + t * a[k];
             E[side] = energy(r, q, v);
         }
         rate[half] = (E[1] - E[0]) / (2 * h);

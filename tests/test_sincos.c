@@ -30,9 +30,7 @@
 #ifdef HAVE_QUADMATH
 __extension__ typedef __float128 wide;
 void sincosq(wide x, wide *sine, wide *cosine);
-static void wide_sincos(wide x, wide *s, wide *c) {
-    sincosq(x, s, c);
-}
+static void wide_sincos(wide x, wide *s, wide *c) { sincosq(x, s, c); }
 #else
 typedef long double wide;
 static void wide_sincos(wide x, wide *s, wide *c) {
@@ -47,12 +45,8 @@ typedef RBD_REAL number; /* a scalar, or what a lane holds */
 
 #ifdef RBD_LANES
 enum { LANES = RBD_LANES };
-static void put(rbd_real *x, int lane, number value) {
-    (*x)[lane] = value;
-}
-static number get(rbd_real x, int lane) {
-    return x[lane];
-}
+static void put(rbd_real *x, int lane, number value) { (*x)[lane] = value; }
+static number get(rbd_real x, int lane) { return x[lane]; }
 #else
 enum { LANES = 1 };
 static void put(rbd_real *x, int lane, number value) {
@@ -104,16 +98,13 @@ static void print_worst(const struct worst *w) {
 enum { LONGEST = 40, ROOM = LONGEST + 3 * RBDI_CHUNK };
 static rbd_real angle[ROOM], sine[ROOM], cosine[ROOM];
 
-static int padded(int n) {
-    return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-}
+static int padded(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
 
 /* Fills angles behind the first n, and all results. */
 static void prepare(int n, number padding) {
     for (int i = 0; i < ROOM; i++)
         for (int lane = 0; lane < LANES; lane++) {
-            if (i >= n)
-                put(&angle[i], lane, padding);
+            if (i >= n) put(&angle[i], lane, padding);
             put(&sine[i], lane, 7);
             put(&cosine[i], lane, 7);
         }
@@ -142,17 +133,14 @@ static int waiting; /* numbers in the array, all lanes counted */
 
 static void flush(void) {
     const int n = (waiting + LANES - 1) / LANES;
-    for (int i = waiting; i < n * LANES; i++)
-        put(&angle[i / LANES], i % LANES, 0);
+    for (int i = waiting; i < n * LANES; i++) put(&angle[i / LANES], i % LANES, 0);
     waiting = 0; /* first: a test that fails does not come back */
-    if (n > 0)
-        judge_array(n, 0);
+    if (n > 0) judge_array(n, 0);
 }
 
 static void feed(number x) {
     put(&angle[waiting / LANES], waiting % LANES, x);
-    if (++waiting == LONGEST * LANES)
-        flush();
+    if (++waiting == LONGEST * LANES) flush();
 }
 
 /* x and its neighbours, and their negatives. */
@@ -198,10 +186,8 @@ END_TEST
    with neighbours, then every seventh up to the limit: all places in a turn in turn. */
 START_TEST(multiples_of_an_eighth_of_a_turn_are_within_the_bound) {
     const double step = 0.78539816339744830962;
-    for (int k = 0; k < 2000; k++)
-        feed_around((number)(k * step), 5);
-    for (int k = 2000; k * step < LIMIT; k += 7)
-        feed_around((number)(k * step), 0);
+    for (int k = 0; k < 2000; k++) feed_around((number)(k * step), 5);
+    for (int k = 2000; k * step < LIMIT; k += 7) feed_around((number)(k * step), 0);
     flush();
 }
 END_TEST
@@ -210,10 +196,8 @@ END_TEST
 START_TEST(the_limit_and_what_lies_beyond_are_within_the_bound) {
     feed_around((number)LIMIT, 100);
     flush();
-    for (int i = 0; i < count; i++)
-        feed((number)(LIMIT * exp(20.0 * i / count)));
-    for (int i = 0; i < count; i++)
-        feed((number)(LIMIT * exp(log(LARGEST / LIMIT) * i / count)));
+    for (int i = 0; i < count; i++) feed((number)(LIMIT * exp(20.0 * i / count)));
+    for (int i = 0; i < count; i++) feed((number)(LIMIT * exp(log(LARGEST / LIMIT) * i / count)));
     feed_around((number)1e22, 10);
     feed_around((number)LARGEST, 0);
     flush();
@@ -227,8 +211,7 @@ START_TEST(a_tiny_angle_is_its_own_sine) {
                            STEP((number)0, 1), STEP((number)0, -1), (number)SMALLEST / 2};
     for (size_t i = 0; i < sizeof tiny / sizeof *tiny; i++) {
         rbd_real x = angle[0], s, c;
-        for (int lane = 0; lane < LANES; lane++)
-            put(&x, lane, tiny[i]);
+        for (int lane = 0; lane < LANES; lane++) put(&x, lane, tiny[i]);
         rbdi_sincos(x, &s, &c);
         for (int lane = 0; lane < LANES; lane++) {
             ck_assert_msg(get(s, lane) == tiny[i], "sine of %g is %g", (double)tiny[i], (double)get(s, lane));
@@ -262,10 +245,8 @@ static void judge_length(int n, int at) {
     const number padding[] = {(number)0, (number)1, (number)LARGEST, (number)HUGE_VAL, (number)NAN};
     for (size_t p = 0; p < sizeof padding / sizeof *padding; p++) {
         for (int i = 0; i < n; i++)
-            for (int lane = 0; lane < LANES; lane++)
-                put(&angle[i], lane, (number)(200 * uniform() - 100));
-        if (at >= 0)
-            put(&angle[at], at % LANES, (number)(1e6 * LIMIT));
+            for (int lane = 0; lane < LANES; lane++) put(&angle[i], lane, (number)(200 * uniform() - 100));
+        if (at >= 0) put(&angle[at], at % LANES, (number)(1e6 * LIMIT));
         judge_array(n, padding[p]);
     }
 }
@@ -273,16 +254,14 @@ static void judge_length(int n, int at) {
 START_TEST(arrays_of_every_length_are_within_the_bound) {
     for (int n = 1; n <= LONGEST; n++) {
         const int places[] = {-1, 0, n / 2, n - 1};
-        for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-            judge_length(n, places[i]);
+        for (size_t i = 0; i < sizeof places / sizeof *places; i++) judge_length(n, places[i]);
     }
 }
 END_TEST
 
 START_TEST(a_single_angle_gives_the_bits_of_an_array) {
     for (int i = 0; i < LONGEST; i++)
-        for (int lane = 0; lane < LANES; lane++)
-            put(&angle[i], lane, (number)(200 * uniform() - 100));
+        for (int lane = 0; lane < LANES; lane++) put(&angle[i], lane, (number)(200 * uniform() - 100));
     judge_array(LONGEST, 0);
     for (int i = 0; i < LONGEST; i++) {
         rbd_real s, c;

@@ -33,8 +33,7 @@ static void expect_singular(const char *what, const robot *r, const double *q, i
         ck_assert_msg(status[i] == RBD_ERR_SINGULAR, "%s: call %d gives %d", what, i, status[i]);
         ck_assert_msg(first <= dof[i] && dof[i] <= last, "%s: call %d names dof %d", what, i, dof[i]);
     }
-    for (int i = 0; i < 2; i++)
-        ck_assert_msg(largest(a[i], r->nv) == 0, "%s: call %d is not zero", what, i);
+    for (int i = 0; i < 2; i++) ck_assert_msg(largest(a[i], r->nv) == 0, "%s: call %d is not zero", what, i);
 }
 
 START_TEST(point_mass_on_the_axis_is_singular) {
@@ -61,8 +60,7 @@ START_TEST(point_mass_on_a_skew_axis_is_singular) {
         }
         const double along = uniform(&seed, -1, 1) / sqrt(dot(b[2].axis, b[2].axis, 3));
         memset(b[2].inertia, 0, sizeof b[2].inertia);
-        for (int k = 0; k < 3; k++)
-            b[2].com[k] = along * b[2].axis[k];
+        for (int k = 0; k < 3; k++) b[2].com[k] = along * b[2].axis[k];
         robot r = robot_build("point mass on a skew axis", b, 3);
         draw_state(&r, &seed, &s);
         expect_singular(r.name, &r, s.q, 2, 2);
@@ -187,8 +185,13 @@ START_TEST(denormal_masses_give_finite_numbers) {
         for (rbd_joint_type type = RBD_REVOLUTE; type <= RBD_FLOATING; type++) {
             const double m = masses[i], q[7] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
             const double x[6] = {1, 2, 3, 4, 5, 6};
-            const rbd_body b[1] = {{.parent = -1, .type = type, .axis = {0, 0.6, 0.8}, .axis2 = {1, 0, 0},
-                                    .pitch = 0.1, .mass = m, .com = {0.1, 0, 0.2},
+            const rbd_body b[1] = {{.parent = -1,
+                                    .type = type,
+                                    .axis = {0, 0.6, 0.8},
+                                    .axis2 = {1, 0, 0},
+                                    .pitch = 0.1,
+                                    .mass = m,
+                                    .com = {0.1, 0, 0.2},
                                     .inertia = {m, 0, 0, m, 0, m}}};
             double a[2][6];
             robot r = BUILD(b);
@@ -280,8 +283,7 @@ START_TEST(small_and_large_robots_are_not_singular) {
         memcpy(b, model->bodies, (size_t)model->nb * sizeof *b);
         for (int k = 0; k < model->nb; k++) {
             b[k].mass *= scales[i];
-            for (int j = 0; j < 6; j++)
-                b[k].inertia[j] *= scales[i];
+            for (int j = 0; j < 6; j++) b[k].inertia[j] *= scales[i];
         }
         robot r = robot_build("scaled iiwa", b, model->nb);
         const ref_state *s = &model->states[1];

@@ -47,8 +47,7 @@ START_TEST(straight_line_calls_give_the_results_of_the_generic_ones) {
             v[k] = uniform(&seed);
             a[k] = uniform(&seed);
         }
-        for (int k = 0; k < 6 * nb; k++)
-            f[k] = uniform(&seed);
+        for (int k = 0; k < 6 * nb; k++) f[k] = uniform(&seed);
         ck_assert_int_eq(special_rnea(q, v, a, f_ext, x), RBD_OK);
         ck_assert_int_eq(rbd_rnea(m, w, q, v, a, f_ext, y), RBD_OK);
         expect_close("rnea", s, x, y, nv, 1e-14);

@@ -9,8 +9,7 @@ enum { MAX_M = MAX_V * MAX_V };
 static void textbook(const char *what, const robot *r, int number, const tb_real *found,
                      const double *expected, int n, double bound) {
     double rounded[MAX_M];
-    for (int i = 0; i < n; i++)
-        rounded[i] = (double)found[i];
+    for (int i = 0; i < n; i++) rounded[i] = (double)found[i];
     expect_close(what, r, number, rounded, expected, n, bound);
 }
 
@@ -32,9 +31,7 @@ static void check_dynamics(const robot *r, const ref_model *model, const ref_sta
     textbook("textbook qdd", r, number, tau, s->qdd, nv, 2e-14);
 }
 
-START_TEST(textbook_dynamics_match_the_reference) {
-    for_reference_states(check_dynamics);
-}
+START_TEST(textbook_dynamics_match_the_reference) { for_reference_states(check_dynamics); }
 END_TEST
 
 static void check_motion(const robot *r, const ref_model *model, const ref_state *s, int number) {
@@ -57,9 +54,7 @@ static void check_motion(const robot *r, const ref_model *model, const ref_state
     textbook("textbook com acceleration", r, number, m.com_acceleration, s->com_acc, 3, 5e-15);
 }
 
-START_TEST(textbook_motion_matches_the_reference) {
-    for_reference_states(check_motion);
-}
+START_TEST(textbook_motion_matches_the_reference) { for_reference_states(check_motion); }
 END_TEST
 
 /* Two ways from one book; and rbd's, whose passes are the table's. */
@@ -71,14 +66,12 @@ static void check_articulated(const robot *r, const state *s, int number) {
     const tb_real condition =
         tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
     for (int i = 0; i < r->nb; i++)
-        if (r->bodies[i].mimic)
-            return;
+        if (r->bodies[i].mimic) return;
     if (!(condition > 0 && condition < 1e12L)) /* long double keeps seven digits of the inverse */
         return;
     articulated_trees++;
     ck_assert(tb_aba(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, found));
-    for (int i = 0; i < r->nv; i++)
-        rounded[i] = (double)found[i];
+    for (int i = 0; i < r->nv; i++) rounded[i] = (double)found[i];
     expect_close_tb("textbook aba", r, number, rounded, expected, r->nv,
                     fmax(1e-15, 1e-18 * (double)condition));
     RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, a));

@@ -26,8 +26,7 @@ END_TEST
 static void expect_bounds(const robot *r) {
     const size_t nb = (size_t)r->nb, nv = (size_t)r->nv, work = rbd_work_size(r->m);
     int mimics = 0;
-    for (int i = 0; i < r->nb; i++)
-        mimics += r->bodies[i].mimic != NULL;
+    for (int i = 0; i < r->nb; i++) mimics += r->bodies[i].mimic != NULL;
     const size_t bound = mimics ? RBD_WORK_SIZE_MIMIC(nb, nv) : RBD_WORK_SIZE(nb, nv);
     ck_assert_msg(work <= bound, "%s: work of %zu bytes, %zu promised", r->name, work, bound);
     ck_assert_uint_le(work, RBD_WORK_SIZE_MIMIC(nb, nv));
@@ -383,13 +382,13 @@ START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
         int mimics; /* the last body follows the first */
     } trees[] = {
         {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},
-        {4, {-1, 0, 1, 2}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},      /* nb */
-        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_CONTINUOUS_CS}, 0},               /* nq */
-        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},                       /* nv, nl, nh */
-        {3, {-1, 0, 0}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},                    /* nslot, nh */
-        {3, {-1, -1, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},                   /* nh */
-        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 1},                    /* nmimic */
-        {3, {-1, 0, 1}, {RBD_TRANSLATION, RBD_FIXED, RBD_FIXED}, 0},                       /* nblock, nl */
+        {4, {-1, 0, 1, 2}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0}, /* nb */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_CONTINUOUS_CS}, 0},          /* nq */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},                  /* nv, nl, nh */
+        {3, {-1, 0, 0}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},               /* nslot, nh */
+        {3, {-1, -1, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},              /* nh */
+        {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 1},               /* nmimic */
+        {3, {-1, 0, 1}, {RBD_TRANSLATION, RBD_FIXED, RBD_FIXED}, 0},                  /* nblock, nl */
     };
     enum { TREES = sizeof trees / sizeof *trees };
     void *memory[TREES];
@@ -401,12 +400,10 @@ START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
             b[i] = rod;
             b[i].parent = trees[t].parent[i];
             b[i].type = trees[t].type[i];
-            if (b[i].type == RBD_FIXED || b[i].type == RBD_TRANSLATION)
-                b[i].axis[1] = 0;
+            if (b[i].type == RBD_FIXED || b[i].type == RBD_TRANSLATION) b[i].axis[1] = 0;
         }
         b[0].joint = "first";
-        if (trees[t].mimics)
-            b[trees[t].nb - 1].mimic = "first", b[trees[t].nb - 1].mimic_ratio = 1;
+        if (trees[t].mimics) b[trees[t].nb - 1].mimic = "first", b[trees[t].nb - 1].mimic_ratio = 1;
         memory[t] = malloc(RBD_MODEL_SIZE(NB));
         ck_assert_int_eq(rbd_model_build(b, trees[t].nb, memory[t], RBD_MODEL_SIZE(NB), &m[t], NULL), RBD_OK);
     }
@@ -418,8 +415,7 @@ START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
             ck_assert_msg(rbd_gravity(m[t], w, x, y) == (s == t ? RBD_OK : RBD_ERR_WORK), "%d, %d", s, t);
             free(work);
         }
-    for (int t = 0; t < TREES; t++)
-        free(memory[t]);
+    for (int t = 0; t < TREES; t++) free(memory[t]);
 }
 END_TEST
 

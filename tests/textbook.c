@@ -26,21 +26,17 @@ static void multiply3(const tb_real A[9], const tb_real B[9], tb_real out[9]) {
 
 static void transpose3(const tb_real A[9], tb_real out[9]) {
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[3 * i + j] = A[3 * j + i];
+        for (int j = 0; j < 3; j++) out[3 * i + j] = A[3 * j + i];
 }
 
 static void apply3(const tb_real A[9], const tb_real x[3], tb_real out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+    for (int i = 0; i < 3; i++) out[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
 }
 
 static void normalise(tb_real *x, int n) {
     tb_real square = 0;
-    for (int i = 0; i < n; i++)
-        square += x[i] * x[i];
-    for (int i = 0; i < n; i++)
-        x[i] /= sqrtl(square);
+    for (int i = 0; i < n; i++) square += x[i] * x[i];
+    for (int i = 0; i < n; i++) x[i] /= sqrtl(square);
 }
 
 /* Rotation by angle about a unit axis: 1 + sin [a]x + (1 - cos) [a]x^2 (Rodrigues). */
@@ -48,20 +44,17 @@ static void rotation_about(const tb_real axis[3], tb_real sine, tb_real cosine, 
     tb_real K[9], K2[9];
     cross_matrix(axis, K);
     multiply3(K, K, K2);
-    for (int i = 0; i < 9; i++)
-        R[i] = (i % 4 == 0 ? 1 : 0) + sine * K[i] + (1 - cosine) * K2[i];
+    for (int i = 0; i < 9; i++) R[i] = (i % 4 == 0 ? 1 : 0) + sine * K[i] + (1 - cosine) * K2[i];
 }
 
 /* Rotation of the unit quaternion (x, y, z, w): 1 + 2 w [u]x + 2 [u]x^2. */
 static void rotation_of_quaternion(const double *quaternion, tb_real R[9]) {
     tb_real u[4], K[9], K2[9];
-    for (int i = 0; i < 4; i++)
-        u[i] = quaternion[i];
+    for (int i = 0; i < 4; i++) u[i] = quaternion[i];
     normalise(u, 4);
     cross_matrix(u, K);
     multiply3(K, K, K2);
-    for (int i = 0; i < 9; i++)
-        R[i] = (i % 4 == 0 ? 1 : 0) + 2 * u[3] * K[i] + 2 * K2[i];
+    for (int i = 0; i < 9; i++) R[i] = (i % 4 == 0 ? 1 : 0) + 2 * u[3] * K[i] + 2 * K2[i];
 }
 
 /* ---- spatial algebra, RBDA chapter 2 ---- */
@@ -72,8 +65,7 @@ typedef struct matrix6 {
 
 static void set_block(matrix6 *m, int row, int column, const tb_real block[9], tb_real factor) {
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            m->e[row + i][column + j] = factor * block[3 * i + j];
+        for (int j = 0; j < 3; j++) m->e[row + i][column + j] = factor * block[3 * i + j];
 }
 
 /* Motion vectors from frame A to frame B, whose axes (columns of R) and origin p are given in A:
@@ -112,36 +104,31 @@ static matrix6 spatial_inertia(const rbd_body *body) {
     cross_matrix(c, C);
     transpose3(C, Ct);
     multiply3(C, Ct, CCt);
-    for (int k = 0; k < 9; k++)
-        about[k] = central[k] + body->mass * CCt[k];
+    for (int k = 0; k < 9; k++) about[k] = central[k] + body->mass * CCt[k];
     set_block(&I, 0, 0, about, 1);
     set_block(&I, 0, 3, C, body->mass);
     set_block(&I, 3, 0, Ct, body->mass);
-    for (int k = 3; k < 6; k++)
-        I.e[k][k] = body->mass;
+    for (int k = 3; k < 6; k++) I.e[k][k] = body->mass;
     return I;
 }
 
 static void apply6(const matrix6 *A, const tb_real x[6], tb_real out[6]) {
     for (int i = 0; i < 6; i++) {
         out[i] = 0;
-        for (int j = 0; j < 6; j++)
-            out[i] += A->e[i][j] * x[j];
+        for (int j = 0; j < 6; j++) out[i] += A->e[i][j] * x[j];
     }
 }
 
 static void apply6_transposed(const matrix6 *A, const tb_real x[6], tb_real out[6]) {
     for (int i = 0; i < 6; i++) {
         out[i] = 0;
-        for (int j = 0; j < 6; j++)
-            out[i] += A->e[j][i] * x[j];
+        for (int j = 0; j < 6; j++) out[i] += A->e[j][i] * x[j];
     }
 }
 
 static tb_real dot6(const tb_real a[6], const tb_real b[6]) {
     tb_real sum = 0;
-    for (int i = 0; i < 6; i++)
-        sum += a[i] * b[i];
+    for (int i = 0; i < 6; i++) sum += a[i] * b[i];
     return sum;
 }
 
@@ -172,8 +159,7 @@ static const tb_real identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, zero[3] = {0, 0,
 static const tb_real unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 int tb_nv(const rbd_body *body) {
-    if (body->mimic)
-        return 0;
+    if (body->mimic) return 0;
     switch (body->type) {
     case RBD_FIXED: return 0;
     case RBD_CYLINDRICAL:
@@ -221,8 +207,7 @@ static void add_screw(tree *t, const drive *d, int k, const tb_real axis[3], tb_
     memcpy(a, axis, sizeof a);
     normalise(a, 3);
     rotation_about(a, sinl(turn * x), cosl(turn * x), R);
-    for (int i = 0; i < 3; i++)
-        p[i] = pitch * x * a[i];
+    for (int i = 0; i < 3; i++) p[i] = pitch * x * a[i];
     link *l = add_link(t, R, p);
     l->dofs = 1;
     l->iv = d->iv + k;
@@ -293,8 +278,7 @@ static void add_joint(tree *t, const rbd_body *b, const drive *d) {
         break;
     }
     case RBD_TRANSLATION:
-        for (int k = 0; k < 3; k++)
-            add_screw(t, d, k, unit[k], 0, 1);
+        for (int k = 0; k < 3; k++) add_screw(t, d, k, unit[k], 0, 1);
         break;
     case RBD_FLOATING: {
         const tb_real p[3] = {d->q[0], d->q[1], d->q[2]};
@@ -308,8 +292,7 @@ static void add_joint(tree *t, const rbd_body *b, const drive *d) {
 
 static int leader_of(const rbd_body *bodies, int nb, const char *joint) {
     for (int i = 0; i < nb; i++)
-        if (bodies[i].joint && strcmp(bodies[i].joint, joint) == 0)
-            return i;
+        if (bodies[i].joint && strcmp(bodies[i].joint, joint) == 0) return i;
     return -1;
 }
 
@@ -333,8 +316,7 @@ static void expand(const rbd_body *bodies, int nb, const double *q, tree *t) {
             R[k] = b->rotation[k];
             given |= b->rotation[k] < 0 || b->rotation[k] > 0;
         }
-        for (int k = 0; k < 3; k++)
-            p[k] = b->position[k];
+        for (int k = 0; k < 3; k++) p[k] = b->position[k];
         add_link(t, given ? R : identity, p)->parent = b->parent < 0 ? -1 : t->link_of_body[b->parent];
         add_joint(t, b, &d);
         t->link_of_body[i] = t->links - 1;
@@ -359,17 +341,14 @@ static void move_link(const link *l, const link_motion *parent, const double *qd
             joint_a[i] += l->subspace[k][i] * l->ratio * qdd[l->iv + k];
         }
     apply6(&X, parent->v, out->v);
-    for (int i = 0; i < 6; i++)
-        out->v[i] += joint[i];
+    for (int i = 0; i < 6; i++) out->v[i] += joint[i];
     const matrix6 vx = motion_cross(out->v);
     apply6(&vx, joint, carried);
     apply6(&X, parent->a, out->a);
-    for (int i = 0; i < 6; i++)
-        out->a[i] += joint_a[i] + carried[i];
+    for (int i = 0; i < 6; i++) out->a[i] += joint_a[i] + carried[i];
     multiply3(parent->R, l->R, out->R);
     apply3(parent->R, l->p, p);
-    for (int i = 0; i < 3; i++)
-        out->p[i] = parent->p[i] + p[i];
+    for (int i = 0; i < 3; i++) out->p[i] = parent->p[i] + p[i];
 }
 
 /* f = I a + v x* I v, with v x* = -(v x)' (RBDA 2.33) */
@@ -379,8 +358,7 @@ static void add_wrench(const rbd_body *body, const link_motion *m, tb_real f[6])
     apply6(&I, m->a, Ia);
     apply6(&I, m->v, Iv);
     apply6_transposed(&vx, Iv, gyroscopic);
-    for (int i = 0; i < 6; i++)
-        f[i] += Ia[i] - gyroscopic[i];
+    for (int i = 0; i < 6; i++) f[i] += Ia[i] - gyroscopic[i];
 }
 
 static void move_all(const tree *t, const double gravity[3], const double *v, const double *a,
@@ -395,8 +373,7 @@ static void move_all(const tree *t, const double gravity[3], const double *v, co
 }
 
 static void torques(const tree *t, const double *a, tb_real (*f)[6], tb_real *tau) {
-    for (int k = 0; k < t->nv; k++)
-        tau[k] = 0;
+    for (int k = 0; k < t->nv; k++) tau[k] = 0;
     for (int i = t->links - 1; i >= 0; i--) {
         const link *l = &t->link[i];
         for (int k = 0; k < l->dofs; k++) {
@@ -407,8 +384,7 @@ static void torques(const tree *t, const double *a, tb_real (*f)[6], tb_real *ta
             const matrix6 X = motion_transform(l->R, l->p);
             tb_real up[6];
             apply6_transposed(&X, f[i], up);
-            for (int k = 0; k < 6; k++)
-                f[l->parent][k] += up[k];
+            for (int k = 0; k < 6; k++) f[l->parent][k] += up[k];
         }
     }
 }
@@ -456,10 +432,8 @@ static void report_motion(const rbd_body *bodies, int nb, const tree *t, const d
         memcpy(out->acceleration[i], m->a, sizeof m->a);
         memcpy(out->classical[i], m->a, sizeof m->a);
         cross(m->v, m->v + 3, wv);
-        for (int k = 0; k < 3; k++)
-            out->classical[i][3 + k] += wv[k];
-        if (t->moved[i])
-            add_to_totals(&bodies[i], m, out->classical[i] + 3, gravity, out);
+        for (int k = 0; k < 3; k++) out->classical[i][3 + k] += wv[k];
+        if (t->moved[i]) add_to_totals(&bodies[i], m, out->classical[i] + 3, gravity, out);
     }
     for (int i = 0; i < t->links; i++)
         for (int k = 0; k < t->link[i].dofs; k++) {
@@ -483,20 +457,17 @@ void tb_rnea(const rbd_body *bodies, int nb, const double gravity[3], const doub
     for (int i = 0; i < nb; i++) {
         const int l = t.link_of_body[i];
         add_wrench(&bodies[i], &motion[l], f[l]);
-        for (int k = 0; f_ext && k < 6; k++)
-            f[l][k] -= f_ext[6 * i + k];
+        for (int k = 0; f_ext && k < 6; k++) f[l][k] -= f_ext[6 * i + k];
     }
     torques(&t, a, f, tau);
-    if (out)
-        report_motion(bodies, nb, &t, gravity, v, a, out);
+    if (out) report_motion(bodies, nb, &t, gravity, v, a, out);
 }
 
 /* ---- mass matrix and forward dynamics ---- */
 
 static int count_dofs(const rbd_body *bodies, int nb) {
     int nv = 0;
-    for (int i = 0; i < nb; i++)
-        nv += tb_nv(&bodies[i]);
+    for (int i = 0; i < nb; i++) nv += tb_nv(&bodies[i]);
     return nv;
 }
 
@@ -509,8 +480,7 @@ void tb_mass_matrix(const rbd_body *bodies, int nb, const double *q, tb_real *M)
         a[k] = 1;
         tb_rnea(bodies, nb, none, q, rest, a, NULL, column, NULL);
         a[k] = 0;
-        for (int i = 0; i < nv; i++)
-            M[i * nv + k] = column[i];
+        for (int i = 0; i < nv; i++) M[i * nv + k] = column[i];
     }
 }
 
@@ -520,23 +490,19 @@ int tb_invert(const tb_real *M, int n, tb_real *inverse) {
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) {
             tb_real sum = M[i * n + j];
-            for (int k = 0; k < j; k++)
-                sum -= L[i * n + k] * L[j * n + k];
-            if (i == j && !(sum > 0))
-                return 0;
+            for (int k = 0; k < j; k++) sum -= L[i * n + k] * L[j * n + k];
+            if (i == j && !(sum > 0)) return 0;
             L[i * n + j] = i == j ? sqrtl(sum) : sum / L[j * n + j];
         }
     for (int column = 0; column < n; column++) {
         tb_real x[TB_MAX_DOFS];
         for (int i = 0; i < n; i++) {
             x[i] = i == column;
-            for (int k = 0; k < i; k++)
-                x[i] -= L[i * n + k] * x[k];
+            for (int k = 0; k < i; k++) x[i] -= L[i * n + k] * x[k];
             x[i] /= L[i * n + i];
         }
         for (int i = n - 1; i >= 0; i--) {
-            for (int k = i + 1; k < n; k++)
-                x[i] -= L[k * n + i] * x[k];
+            for (int k = i + 1; k < n; k++) x[i] -= L[k * n + i] * x[k];
             x[i] /= L[i * n + i];
             inverse[i * n + column] = x[i];
         }
@@ -548,10 +514,8 @@ static tb_real norm1(const tb_real *M, int n) {
     tb_real largest = 0;
     for (int j = 0; j < n; j++) {
         tb_real sum = 0;
-        for (int i = 0; i < n; i++)
-            sum += fabsl(M[i * n + j]);
-        if (sum > largest)
-            largest = sum;
+        for (int i = 0; i < n; i++) sum += fabsl(M[i * n + j]);
+        if (sum > largest) largest = sum;
     }
     return largest;
 }
@@ -563,13 +527,11 @@ tb_real tb_forward(const rbd_body *bodies, int nb, const double gravity[3], cons
     const double none[TB_MAX_DOFS] = {0};
     tb_real c[TB_MAX_DOFS];
     tb_mass_matrix(bodies, nb, q, M);
-    if (!tb_invert(M, nv, inverse))
-        return -1;
+    if (!tb_invert(M, nv, inverse)) return -1;
     tb_rnea(bodies, nb, gravity, q, v, none, f_ext, c, NULL);
     for (int i = 0; i < nv; i++) {
         a[i] = 0;
-        for (int k = 0; k < nv; k++)
-            a[i] += inverse[i * nv + k] * (tau[k] - c[k]);
+        for (int k = 0; k < nv; k++) a[i] += inverse[i * nv + k] * (tau[k] - c[k]);
     }
     return norm1(M, nv) * norm1(inverse, nv);
 }
@@ -592,10 +554,8 @@ static void aba_velocity(const link *l, const articulated *lambda, const double 
     x->X = motion_transform(l->R, l->p);
     apply6(&x->X, lambda->v, x->v);
     for (int k = 0; k < l->dofs; k++)
-        for (int i = 0; i < 6; i++)
-            vJ[i] += l->subspace[k][i] * qd[l->iv + k];
-    for (int i = 0; i < 6; i++)
-        x->v[i] += vJ[i];
+        for (int i = 0; i < 6; i++) vJ[i] += l->subspace[k][i] * qd[l->iv + k];
+    for (int i = 0; i < 6; i++) x->v[i] += vJ[i];
     const matrix6 vx = motion_cross(x->v);
     apply6(&vx, vJ, x->c);
 }
@@ -608,8 +568,7 @@ static void aba_body(const rbd_body *body, const double *f_ext, articulated *x) 
     x->IA = spatial_inertia(body);
     apply6(&x->IA, x->v, Iv);
     apply6_transposed(&vx, Iv, minus);
-    for (int i = 0; i < 6; i++)
-        x->pA[i] = -minus[i] - (f_ext ? f_ext[i] : 0);
+    for (int i = 0; i < 6; i++) x->pA[i] = -minus[i] - (f_ext ? f_ext[i] : 0);
 }
 
 /* Pass 2, leaves to root: U = IA S, D = S' U, u = tau - S' pA. Returns 0 if D is not positive definite. */
@@ -636,38 +595,29 @@ static void aba_to_parent(const link *l, const articulated *x, articulated *lamb
             for (int k = 0; k < l->dofs; k++) {
                 const tb_real U_Dinv = x->U[j][i] * x->Dinv[j * l->dofs + k];
                 pa[i] += U_Dinv * x->u[k];
-                for (int column = 0; column < 6; column++)
-                    Ia.e[i][column] -= U_Dinv * x->U[k][column];
+                for (int column = 0; column < 6; column++) Ia.e[i][column] -= U_Dinv * x->U[k][column];
             }
     }
-    for (int i = 0; i < 6; i++)
-        pa[i] += dot6(Ia.e[i], x->c);
-    for (int i = 0; i < 6; i++)
-        apply6_transposed(&x->X, Ia.e[i], IaX.e[i]); /* row i of Ia X */
+    for (int i = 0; i < 6; i++) pa[i] += dot6(Ia.e[i], x->c);
+    for (int i = 0; i < 6; i++) apply6_transposed(&x->X, Ia.e[i], IaX.e[i]); /* row i of Ia X */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++)
-            for (int k = 0; k < 6; k++)
-                lambda->IA.e[i][j] += x->X.e[k][i] * IaX.e[k][j];
+            for (int k = 0; k < 6; k++) lambda->IA.e[i][j] += x->X.e[k][i] * IaX.e[k][j];
     apply6_transposed(&x->X, pa, up);
-    for (int i = 0; i < 6; i++)
-        lambda->pA[i] += up[i];
+    for (int i = 0; i < 6; i++) lambda->pA[i] += up[i];
 }
 
 /* Pass 3, root to leaves: a' = X a_lambda + c, qdd = D^-1 (u - U' a'), a_i = a' + S qdd. */
 static void aba_acceleration(const link *l, const articulated *lambda, articulated *x, tb_real *qdd) {
     apply6(&x->X, lambda->a, x->a);
-    for (int i = 0; i < 6; i++)
-        x->a[i] += x->c[i];
+    for (int i = 0; i < 6; i++) x->a[i] += x->c[i];
     tb_real rest[6];
-    for (int k = 0; k < l->dofs; k++)
-        rest[k] = x->u[k] - dot6(x->U[k], x->a);
+    for (int k = 0; k < l->dofs; k++) rest[k] = x->u[k] - dot6(x->U[k], x->a);
     for (int j = 0; j < l->dofs; j++) {
         tb_real *found = &qdd[l->iv + j];
         *found = 0;
-        for (int k = 0; k < l->dofs; k++)
-            *found += x->Dinv[j * l->dofs + k] * rest[k];
-        for (int i = 0; i < 6; i++)
-            x->a[i] += l->subspace[j][i] * *found;
+        for (int k = 0; k < l->dofs; k++) *found += x->Dinv[j * l->dofs + k] * rest[k];
+        for (int i = 0; i < 6; i++) x->a[i] += l->subspace[j][i] * *found;
     }
 }
 
@@ -677,18 +627,15 @@ int tb_aba(const rbd_body *bodies, int nb, const double gravity[3], const double
     static articulated links[MAX_LINKS + 1]; /* the first is the world */
     memset(links, 0, sizeof links);
     expand(bodies, nb, q, &t);
-    for (int i = 0; i < 3; i++)
-        links[0].a[3 + i] = -(tb_real)gravity[i]; /* a_0 = -a_g */
+    for (int i = 0; i < 3; i++) links[0].a[3 + i] = -(tb_real)gravity[i]; /* a_0 = -a_g */
     for (int i = 0; i < t.links; i++)
         aba_velocity(&t.link[i], &links[t.link[i].parent + 1], v, &links[i + 1]);
     for (int i = 0; i < nb; i++) {
-        if (bodies[i].mimic)
-            return 0;
+        if (bodies[i].mimic) return 0;
         aba_body(&bodies[i], f_ext ? f_ext + 6 * i : NULL, &links[t.link_of_body[i] + 1]);
     }
     for (int i = t.links - 1; i >= 0; i--) {
-        if (!aba_joint(&t.link[i], tau, &links[i + 1]))
-            return 0;
+        if (!aba_joint(&t.link[i], tau, &links[i + 1])) return 0;
         aba_to_parent(&t.link[i], &links[i + 1], &links[t.link[i].parent + 1]);
     }
     for (int i = 0; i < t.links; i++)

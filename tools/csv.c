@@ -22,27 +22,21 @@ static int read_line(csv *c) {
     size_t length = 0;
     int character;
     for (;;) {
-        if (length + 1 >= c->room)
-            c->text = grown(c->text, c->room = 2 * c->room + 1000);
+        if (length + 1 >= c->room) c->text = grown(c->text, c->room = 2 * c->room + 1000);
         character = getchar();
-        if (character == EOF || character == '\n')
-            break;
+        if (character == EOF || character == '\n') break;
         c->text[length++] = (char)character;
     }
     c->line++;
     c->text[length] = 0;
-    if (ferror(stdin))
-        return csv_error(c, "it cannot be read: %s", strerror(errno));
-    if (strlen(c->text) != length)
-        return csv_error(c, "it has a zero byte");
+    if (ferror(stdin)) return csv_error(c, "it cannot be read: %s", strerror(errno));
+    if (strlen(c->text) != length) return csv_error(c, "it has a zero byte");
     return character != EOF || length > 0;
 }
 
 static char *trimmed(char *start, char *end) {
-    while (start < end && strchr(" \t\r", *start))
-        start++;
-    while (end > start && strchr(" \t\r", end[-1]))
-        end--;
+    while (start < end && strchr(" \t\r", *start)) start++;
+    while (end > start && strchr(" \t\r", end[-1])) end--;
     *end = 0;
     return start;
 }
@@ -80,18 +74,15 @@ int csv_read(csv *c) {
     char *next;
     do {
         const int status = read_line(c);
-        if (status <= 0)
-            return status;
+        if (status <= 0) return status;
         next = c->text;
-        if (c->line == 1 && strncmp(next, "\xef\xbb\xbf", 3) == 0)
-            next += 3;
+        if (c->line == 1 && strncmp(next, "\xef\xbb\xbf", 3) == 0) next += 3;
     } while (next[strspn(next, " \t\r")] == 0);
     for (c->n = 0; next; c->n++) {
         if (c->n == c->max)
             c->cells = grown(c->cells, (size_t)(c->max = 2 * c->max + 100) * sizeof *c->cells);
         c->cells[c->n] = take_cell(c, next, &next);
-        if (!c->cells[c->n])
-            return -1;
+        if (!c->cells[c->n]) return -1;
     }
     return 1;
 }
@@ -102,16 +93,14 @@ void csv_free(csv *c) {
 }
 
 void csv_print(const char *cell, int first) {
-    if (!first)
-        putchar(',');
+    if (!first) putchar(',');
     if (!cell[strcspn(cell, ",\"")]) {
         fputs(cell, stdout);
         return;
     }
     putchar('"');
     for (; *cell; cell++) {
-        if (*cell == '"')
-            putchar('"');
+        if (*cell == '"') putchar('"');
         putchar(*cell);
     }
     putchar('"');

@@ -12,8 +12,7 @@ const char *number_text(double x, char text[NUMBER_SIZE]) {
     }
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(text, NUMBER_SIZE, "%.*g", digits, x);
-        if (strtod(text, NULL) == x)
-            break;
+        if (strtod(text, NULL) == x) break;
     }
     return text;
 }
@@ -37,8 +36,7 @@ void print_c_string(const char *s) {
 }
 
 void print_upper(const char *s) {
-    for (; *s; s++)
-        putchar(toupper((unsigned char)*s));
+    for (; *s; s++) putchar(toupper((unsigned char)*s));
 }
 
 void print_in_comment(const char *s) {
@@ -60,12 +58,8 @@ static const char *const types[RBD_JOINT_TYPES][2] = {
     {"", "RBD_EULER_ZXY"},        {"planar", "RBD_PLANAR"},       {"", "RBD_TRANSLATION"},
     {"floating", "RBD_FLOATING"},
 };
-const char *joint_type_name(rbd_joint_type type) {
-    return types[type][0];
-}
-const char *joint_type_constant(rbd_joint_type type) {
-    return types[type][1];
-}
+const char *joint_type_name(rbd_joint_type type) { return types[type][0]; }
+const char *joint_type_constant(rbd_joint_type type) { return types[type][1]; }
 
 const char *const *coordinate_names(rbd_joint_type type) {
     static const char *const one[] = {""}, *const planar[] = {"x", "y", "angle"};

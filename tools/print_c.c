@@ -10,8 +10,7 @@ static void number(double x) {
 static void numbers(const double *x, int n) {
     printf("{");
     for (int i = 0; i < n; i++) {
-        if (i)
-            printf(", ");
+        if (i) printf(", ");
         number(x[i]);
     }
     printf("}");
@@ -20,8 +19,7 @@ static void numbers(const double *x, int n) {
 /* Of six numbers, those up to the last that is not zero, one at least. */
 static void leading_numbers(const double x[6]) {
     int n = 6;
-    while (n > 1 && x[n - 1] == 0)
-        n--;
+    while (n > 1 && x[n - 1] == 0) n--;
     numbers(x, n);
 }
 
@@ -101,7 +99,6 @@ void print_c(const robot *r, const char *name) {
            name);
     print_upper(name);
     printf("_NB] = {\n");
-    for (int i = 0; i < r->urdf.nb; i++)
-        print_body(&r->urdf.bodies[i], i, r->urdf.bodies);
+    for (int i = 0; i < r->urdf.nb; i++) print_body(&r->urdf.bodies[i], i, r->urdf.bodies);
     printf("};\n/* clang-format on */\n\n#endif\n");
 }

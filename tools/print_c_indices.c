@@ -28,16 +28,13 @@ static char *identifier_of(const char *name, int index) {
         else if (end > text && end[-1] != '_')
             *end++ = '_';
     }
-    if (end > text && end[-1] == '_')
-        end[-1] = 0;
-    if (!*text)
-        snprintf(text, room, "%d", index);
+    if (end > text && end[-1] == '_') end[-1] = 0;
+    if (!*text) snprintf(text, room, "%d", index);
     return text;
 }
 
 static int says(const char *identifier, const char *name) {
-    while (*name && toupper((unsigned char)*name) == *identifier)
-        name++, identifier++;
+    while (*name && toupper((unsigned char)*name) == *identifier) name++, identifier++;
     return *name == *identifier;
 }
 
@@ -46,10 +43,8 @@ static void add(constants *c, const char *name, const char *part, int value) {
     constant k = {identifier_of(name, value), name, value, 0};
     char *end = k.identifier + strlen(k.identifier);
     k.odd = !says(k.identifier, name);
-    if (*part)
-        *end++ = '_';
-    while (*part)
-        *end++ = (char)toupper((unsigned char)*part++);
+    if (*part) *end++ = '_';
+    while (*part) *end++ = (char)toupper((unsigned char)*part++);
     c->list = grown(c->list, (size_t)(c->n + 1) * sizeof *c->list);
     c->list[c->n++] = k;
 }
@@ -57,8 +52,7 @@ static void add(constants *c, const char *name, const char *part, int value) {
 /* By one of the first n. */
 static int is_taken(const constants *c, int n, const char *identifier) {
     for (int i = 0; i < n; i++)
-        if (strcmp(c->list[i].identifier, identifier) == 0)
-            return 1;
+        if (strcmp(c->list[i].identifier, identifier) == 0) return 1;
     return 0;
 }
 
@@ -68,11 +62,9 @@ static void make_unique(constants *c) {
     for (int i = 0; i < c->n; i++) {
         char *base = c->list[i].identifier, *other;
         const size_t room = strlen(base) + 16;
-        if (!is_taken(c, i, base))
-            continue;
+        if (!is_taken(c, i, base)) continue;
         other = allocate(room, 1);
-        for (int k = 2; k == 2 || is_taken(c, c->n, other); k++)
-            snprintf(other, room, "%s_%d", base, k);
+        for (int k = 2; k == 2 || is_taken(c, c->n, other); k++) snprintf(other, room, "%s_%d", base, k);
         c->list[i].identifier = other;
         c->list[i].odd = 1;
         free(base);
@@ -99,8 +91,7 @@ static void print_constants(const char *robot, const char *kind, constants *c) {
 static void print_bodies(const char *robot, const rbd_model *m) {
     constants c = {0};
     for (int b = 0; b < rbd_nb(m); b++)
-        if (rbd_body_name(m, b))
-            add(&c, rbd_body_name(m, b), "", b);
+        if (rbd_body_name(m, b)) add(&c, rbd_body_name(m, b), "", b);
     print_constants(robot, "BODY", &c);
 }
 

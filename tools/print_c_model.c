@@ -11,8 +11,7 @@ static void number(double x) {
 static void numbers(const double *x, int n) {
     printf("{");
     for (int k = 0; k < n; ++k) {
-        if (k)
-            printf(", ");
+        if (k) printf(", ");
         number(x[k]);
     }
     printf("}");
@@ -30,8 +29,7 @@ static void symmetric(rbdi_csym s) {
 
 static void list(const double *x, int n) {
     for (int k = 0; k < n; ++k) {
-        if (k)
-            putchar(' ');
+        if (k) putchar(' ');
         number(x[k]);
         putchar(',');
     }
@@ -44,8 +42,7 @@ static const char *kind_name(int kind) {
 
 static const char *body_of_link(const rbd_model *m, int link) {
     for (int b = 0; b < m->nb; ++b) /* the body whose own joint moves the link comes first */
-        if (m->frame[b].link == link && m->frame[b].name)
-            return m->frame[b].name;
+        if (m->frame[b].link == link && m->frame[b].name) return m->frame[b].name;
     return "part of a joint";
 }
 
@@ -103,8 +100,7 @@ static void write_links(const char *name, const rbd_model *m) {
 }
 
 static void write_blocks(const char *name, const rbd_model *m) {
-    if (m->nblock == 0)
-        return;
+    if (m->nblock == 0) return;
     printf("/* joint type, first axis, axes, identity | E */\n");
     printf("static const rbdi_block %s_blocks[%d] = {\n", name, m->nblock);
     for (int i = 0; i < m->nblock; ++i) {
@@ -141,8 +137,7 @@ static void write_order(const char *name, const rbd_model *m) {
 }
 
 static void write_mimics(const char *name, const rbd_model *m) {
-    if (m->nmimic == 0)
-        return;
+    if (m->nmimic == 0) return;
     printf("/* q and v of what is followed | ratio, offset */\n");
     printf("static const rbdi_mimic %s_mimics[%d] = {\n", name, m->nmimic);
     for (int i = 0; i < m->nmimic; ++i) {
@@ -225,9 +220,9 @@ void print_c_model(const robot *r, const char *name) {
     write_frames(name, m);
     printf("static const rbd_model %s_model = {\n"
            "    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), %d, %d, %d, /* nb, nq, nv */\n"
-           "    %d, %d, %d, %d, %d, %d, /* links, blocks, slots, mimics, packed entries, those behind */\n    ",
-           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh,
-           (int)m->nhx);
+           "    %d, %d, %d, %d, %d, %d, "
+           "/* links, blocks, slots, mimics, packed entries, those behind */\n    ",
+           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh, (int)m->nhx);
     vector(m->gravity);
     printf(",\n    %s_links, ", name);
     if (m->nblock)

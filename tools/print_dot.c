@@ -4,8 +4,7 @@
 
 static void quoted(const char *s) {
     for (; *s; s++) {
-        if (*s == '"' || *s == '\\')
-            putchar('\\');
+        if (*s == '"' || *s == '\\') putchar('\\');
         putchar(*s);
     }
 }
@@ -20,11 +19,9 @@ void print_dot(const robot *r) {
         const int body = rbd_urdf_joint(u, f->joint);
         printf("  n%d [label=\"", i);
         quoted(f->link);
-        if (body >= 0 && u->bodies[body].mass > 0)
-            printf("\\n%.4g kg", u->bodies[body].mass);
+        if (body >= 0 && u->bodies[body].mass > 0) printf("\\n%.4g kg", u->bodies[body].mass);
         printf("\"%s];\n", body < 0 && f->parent >= 0 ? ", style=dashed" : "");
-        if (f->parent < 0)
-            continue;
+        if (f->parent < 0) continue;
         printf("  n%d -> n%d [label=\"", f->parent, i);
         quoted(f->joint);
         printf("\\n%s\"];\n", joint_type_name(body < 0 ? RBD_FIXED : u->bodies[body].type));

@@ -22,8 +22,7 @@ static void depth_first(const rbd_urdf *u, int *order, int *depth) {
     stack[top++] = 0;
     while (top > 0) {
         const int i = order[rows++] = stack[--top];
-        for (int child = last_child[i]; child; child = before[child - 1])
-            stack[top++] = child - 1;
+        for (int child = last_child[i]; child; child = before[child - 1]) stack[top++] = child - 1;
     }
     free(last_child);
     free(before);
@@ -50,19 +49,15 @@ static void axis_cell(const rbd_body *b, char cell[CELL]) {
 
 static void limits_cell(const rbd_body *b, char cell[CELL]) {
     int n = 0;
-    if (b->lower < b->upper)
-        n += snprintf(cell, CELL, "%.4g .. %.4g", b->lower, b->upper);
-    if (b->velocity > 0)
-        n += snprintf(cell + n, (size_t)(CELL - n), "%sv %.4g", n ? ", " : "", b->velocity);
-    if (b->effort > 0)
-        snprintf(cell + n, (size_t)(CELL - n), "%seffort %.4g", n ? ", " : "", b->effort);
+    if (b->lower < b->upper) n += snprintf(cell, CELL, "%.4g .. %.4g", b->lower, b->upper);
+    if (b->velocity > 0) n += snprintf(cell + n, (size_t)(CELL - n), "%sv %.4g", n ? ", " : "", b->velocity);
+    if (b->effort > 0) snprintf(cell + n, (size_t)(CELL - n), "%seffort %.4g", n ? ", " : "", b->effort);
 }
 
 /* "= -2 other + 0.1", the 1 and the 0 left out. */
 static void mimic_text(const rbd_body *b, char text[CELL]) {
     char ratio[32] = "", offset[32] = "";
-    if (b->mimic_ratio != 1)
-        snprintf(ratio, sizeof ratio, "%.4g ", b->mimic_ratio);
+    if (b->mimic_ratio != 1) snprintf(ratio, sizeof ratio, "%.4g ", b->mimic_ratio);
     if (b->mimic_offset != 0)
         snprintf(offset, sizeof offset, " %c %.4g", b->mimic_offset < 0 ? '-' : '+', fabs(b->mimic_offset));
     snprintf(text, CELL, " = %s%s%s", ratio, b->mimic, offset);
@@ -70,11 +65,9 @@ static void mimic_text(const rbd_body *b, char text[CELL]) {
 
 static void joint_cells(const rbd_body *b, row cells) {
     char mimic[CELL] = "";
-    if (b->mimic)
-        mimic_text(b, mimic);
+    if (b->mimic) mimic_text(b, mimic);
     snprintf(cells[2], CELL, "%s%.120s", joint_type_name(b->type), mimic);
-    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR)
-        axis_cell(b, cells[3]);
+    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR) axis_cell(b, cells[3]);
     limits_cell(b, cells[4]);
 }
 
@@ -89,8 +82,7 @@ static void fill_row(const rbd_urdf *u, int i, int depth, row cells) {
     const int own = own_body(u, f), moving = rbd_urdf_joint(u, f->joint);
     memset(cells, 0, sizeof(row));
     snprintf(cells[0], CELL, "%*s%s", depth > 20 ? 40 : 2 * depth, "", f->link);
-    if (f->joint)
-        snprintf(cells[1], CELL, "%s", f->joint);
+    if (f->joint) snprintf(cells[1], CELL, "%s", f->joint);
     if (moving >= 0)
         joint_cells(&u->bodies[moving], cells);
     else if (f->joint)
@@ -98,15 +90,13 @@ static void fill_row(const rbd_urdf *u, int i, int depth, row cells) {
     else
         snprintf(cells[2], CELL, "%s",
                  f->body < 0 ? "(the world)" : joint_type_name(u->bodies[f->body].type));
-    if (own >= 0 && u->bodies[own].mass > 0)
-        snprintf(cells[5], CELL, "%.4g kg", u->bodies[own].mass);
+    if (own >= 0 && u->bodies[own].mass > 0) snprintf(cells[5], CELL, "%.4g kg", u->bodies[own].mass);
 }
 
 /* Characters, not bytes: those that continue one in UTF-8 do not count. */
 static int width(const char *text) {
     int n = 0;
-    for (; *text; text++)
-        n += ((unsigned char)*text & 0xc0) != 0x80;
+    for (; *text; text++) n += ((unsigned char)*text & 0xc0) != 0x80;
     return n;
 }
 
@@ -130,8 +120,7 @@ static void print_table(const rbd_urdf *u) {
     row *rows = allocate(n, sizeof *rows);
     int widths[COLUMNS];
     depth_first(u, order, depth);
-    for (int k = 0; k < COLUMNS; k++)
-        widths[k] = width(heads[k]);
+    for (int k = 0; k < COLUMNS; k++) widths[k] = width(heads[k]);
     for (size_t i = 0; i < n; i++) {
         fill_row(u, order[i], depth[order[i]], rows[i]);
         for (int k = 0; k < COLUMNS; k++)
@@ -142,10 +131,8 @@ static void print_table(const rbd_urdf *u) {
         const int body = own_body(u, &u->frames[order[i]]);
         const char *cells[COLUMNS];
         char index[16] = "";
-        for (int k = 0; k < COLUMNS; k++)
-            cells[k] = rows[i][k];
-        if (body >= 0)
-            snprintf(index, sizeof index, "%d", body);
+        for (int k = 0; k < COLUMNS; k++) cells[k] = rows[i][k];
+        if (body >= 0) snprintf(index, sizeof index, "%d", body);
         print_row(index, cells, widths);
     }
     free(order);
@@ -155,9 +142,7 @@ static void print_table(const rbd_urdf *u) {
 
 /* ---- all ---- */
 
-static const char *plural(int n) {
-    return n == 1 ? "" : "s";
-}
+static const char *plural(int n) { return n == 1 ? "" : "s"; }
 
 void print_summary(const robot *r) {
     const rbd_urdf *u = &r->urdf;
@@ -171,6 +156,5 @@ void print_summary(const robot *r) {
     printf("\n\n");
     print_table(u);
     printf("\n%d warning%s\n", u->nwarnings, plural(u->nwarnings));
-    for (int i = 0; i < u->nwarnings; i++)
-        printf("line %d: %s\n", u->warnings[i].line, u->warnings[i].text);
+    for (int i = 0; i < u->nwarnings; i++) printf("line %d: %s\n", u->warnings[i].line, u->warnings[i].text);
 }

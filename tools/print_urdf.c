@@ -20,8 +20,7 @@ static void escaped(const char *s) {
 static void attribute(const char *name, const double *x, int n) {
     char text[NUMBER_SIZE];
     printf(" %s=\"", name);
-    for (int i = 0; i < n; i++)
-        printf("%s%s", i ? " " : "", number_text(x[i], text));
+    for (int i = 0; i < n; i++) printf("%s%s", i ? " " : "", number_text(x[i], text));
     putchar('"');
 }
 
@@ -69,8 +68,7 @@ static void new_name(const rbd_urdf *u, const char *base, const char *suffix) {
     }
     escaped(base);
     printf("%s", suffix);
-    while (underscores-- > 0)
-        putchar('_');
+    while (underscores-- > 0) putchar('_');
 }
 
 static void link_name(const robot *r, const rbd_body *b) {
@@ -102,8 +100,7 @@ static void print_link(const robot *r, const rbd_body *b) {
     printf("      <mass");
     attribute("value", &b->mass, 1);
     printf("/>\n      <inertia");
-    for (int i = 0; i < 6; i++)
-        attribute(entries[i], &b->inertia[i], 1);
+    for (int i = 0; i < 6; i++) attribute(entries[i], &b->inertia[i], 1);
     printf("/>\n    </inertial>\n  </link>\n");
 }
 
@@ -119,13 +116,11 @@ static void print_limit(const rbd_body *b) {
 }
 
 static void print_dynamics(const rbd_body *b) {
-    if (b->damping[0] == 0 && b->friction[0] == 0 && b->armature[0] == 0)
-        return;
+    if (b->damping[0] == 0 && b->friction[0] == 0 && b->armature[0] == 0) return;
     printf("    <dynamics");
     attribute("damping", b->damping, 1);
     attribute("friction", b->friction, 1);
-    if (b->armature[0] != 0)
-        attribute("armature", b->armature, 1);
+    if (b->armature[0] != 0) attribute("armature", b->armature, 1);
     printf("/>\n");
 }
 
@@ -148,8 +143,7 @@ static void print_joint(const robot *r, const rbd_body *b) {
         attribute("xyz", one_dof ? b->axis : z, 3);
         printf("/>\n");
     }
-    if (one_dof)
-        print_limit(b);
+    if (one_dof) print_limit(b);
     print_dynamics(b);
     if (b->mimic) {
         printf("    <mimic joint=\"");

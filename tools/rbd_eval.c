@@ -59,9 +59,7 @@ typedef struct state {
 static rbd_status run_id(const state *s, double *out) {
     return rbd_rnea(s->m, s->w, s->q, s->v, s->a, NULL, out);
 }
-static rbd_status run_mm(const state *s, double *out) {
-    return rbd_crba(s->m, s->w, s->q, out);
-}
+static rbd_status run_mm(const state *s, double *out) { return rbd_crba(s->m, s->w, s->q, out); }
 static rbd_status run_fd(const state *s, double *out) {
     return rbd_aba(s->m, s->w, s->q, s->v, s->tau, NULL, out);
 }
@@ -71,15 +69,12 @@ static rbd_status run_fd_cholesky(const state *s, double *out) {
 static rbd_status run_bias(const state *s, double *out) {
     return rbd_bias(s->m, s->w, s->q, s->v, NULL, out);
 }
-static rbd_status run_gravity(const state *s, double *out) {
-    return rbd_gravity(s->m, s->w, s->q, out);
-}
+static rbd_status run_gravity(const state *s, double *out) { return rbd_gravity(s->m, s->w, s->q, out); }
 
 static rbd_status run_pose(const state *s, double *out) {
     rbd_status status = rbd_kinematics(s->m, s->w, s->q, NULL, NULL);
     for (int i = 0; i < rbd_nb(s->m); i++) {
-        if (!rbd_body_name(s->m, i))
-            continue;
+        if (!rbd_body_name(s->m, i)) continue;
         rbd_body_pose(s->m, s->w, i, out + 3, out);
         out += 12;
     }
@@ -116,11 +111,9 @@ static const algorithm algorithms[] = {
 static const algorithm *find_algorithm(const char *name) {
     static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        if (strcmp(others[i][0], name) == 0)
-            name = others[i][1];
+        if (strcmp(others[i][0], name) == 0) name = others[i][1];
     for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; i++)
-        if (strcmp(algorithms[i].name, name) == 0)
-            return &algorithms[i];
+        if (strcmp(algorithms[i].name, name) == 0) return &algorithms[i];
     return NULL;
 }
 
@@ -137,18 +130,15 @@ static void add_name(columns *c, const char *first, const char *second, const ch
     const char *const parts[] = {first, second, third, fourth};
     size_t length = 1;
     char *name;
-    for (int i = 0; i < 4; i++)
-        length += strlen(parts[i]) + 1;
+    for (int i = 0; i < 4; i++) length += strlen(parts[i]) + 1;
     name = allocate(length, 1);
     for (int i = 0; i < 4; i++) {
-        if (*parts[i] && *name)
-            strcat(name, ".");
+        if (*parts[i] && *name) strcat(name, ".");
         strcat(name, parts[i]);
     }
     if (c->n == c->max) {
         char **larger = allocate((size_t)(c->max = 2 * c->max + 64), sizeof *larger);
-        if (c->n)
-            memcpy(larger, c->name, (size_t)c->n * sizeof *larger);
+        if (c->n) memcpy(larger, c->name, (size_t)c->n * sizeof *larger);
         free(c->name);
         c->name = larger;
     }
@@ -156,8 +146,7 @@ static void add_name(columns *c, const char *first, const char *second, const ch
 }
 
 static void free_columns(columns *c) {
-    for (int i = 0; i < c->n; i++)
-        free(c->name[i]);
+    for (int i = 0; i < c->n; i++) free(c->name[i]);
     free(c->name);
 }
 
@@ -183,8 +172,7 @@ static void add_dofs(columns *c, const rbd_model *m, const char *before, const c
 static void add_matrix(columns *c, const rbd_model *m) {
     columns rows = {0};
     add_dofs(&rows, m, "", "");
-    for (int i = 0; i < rows.n; i++)
-        add_dofs(c, m, "M", rows.name[i]);
+    for (int i = 0; i < rows.n; i++) add_dofs(c, m, "M", rows.name[i]);
     free_columns(&rows);
 }
 
@@ -193,21 +181,16 @@ static void add_poses(columns *c, const rbd_model *m) {
     static const char *const R[] = {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
     for (int b = 0; b < rbd_nb(m); b++) {
         const char *link = rbd_body_name(m, b);
-        for (int k = 0; link && k < 3; k++)
-            add_name(c, "p", link, p[k], "");
-        for (int k = 0; link && k < 9; k++)
-            add_name(c, "R", link, R[k], "");
+        for (int k = 0; link && k < 3; k++) add_name(c, "p", link, p[k], "");
+        for (int k = 0; link && k < 9; k++) add_name(c, "R", link, R[k], "");
     }
 }
 
 static void add_inputs(columns *c, const rbd_model *m, const algorithm *a) {
     add_coordinates(c, m);
-    if (a->takes & TAKES_V)
-        add_dofs(c, m, "v", "");
-    if (a->takes & TAKES_A)
-        add_dofs(c, m, "a", "");
-    if (a->takes & TAKES_TAU)
-        add_dofs(c, m, "tau", "");
+    if (a->takes & TAKES_V) add_dofs(c, m, "v", "");
+    if (a->takes & TAKES_A) add_dofs(c, m, "a", "");
+    if (a->takes & TAKES_TAU) add_dofs(c, m, "tau", "");
 }
 
 static void add_outputs(columns *c, const rbd_model *m, const algorithm *a) {
@@ -219,8 +202,7 @@ static void add_outputs(columns *c, const rbd_model *m, const algorithm *a) {
     case GIVES_POSE: add_poses(c, m); break;
     case GIVES_ENERGY: add_name(c, "kinetic", "", "", ""), add_name(c, "potential", "", "", ""); break;
     case GIVES_COM:
-        for (int k = 0; k < 6; k++)
-            add_name(c, com[k], "", "", "");
+        for (int k = 0; k < 6; k++) add_name(c, com[k], "", "", "");
     }
 }
 
@@ -251,14 +233,11 @@ static int find_columns(const csv *header, const columns *names, int *where) {
     for (int i = 0; i < names->n; i++) {
         where[i] = -1;
         for (int k = 0; k < header->n; k++) {
-            if (strcmp(header->cells[k], names->name[i]) != 0)
-                continue;
-            if (where[i] >= 0)
-                return csv_error(header, "column '%s' stands twice", names->name[i]);
+            if (strcmp(header->cells[k], names->name[i]) != 0) continue;
+            if (where[i] >= 0) return csv_error(header, "column '%s' stands twice", names->name[i]);
             where[i] = k;
         }
-        if (where[i] < 0)
-            return report_missing(header, names->name[i]);
+        if (where[i] < 0) return report_missing(header, names->name[i]);
     }
     return 0;
 }
@@ -276,8 +255,7 @@ static int read_numbers(const csv *row, const columns *names, const int *where, 
 }
 
 static int report_failure(const csv *row, const state *s, const columns *outputs, rbd_status status) {
-    const int dof =
-        status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN ? rbd_singular_dof(s->w) : -1;
+    const int dof = status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN ? rbd_singular_dof(s->w) : -1;
     if (dof >= 0 && dof < outputs->n)
         return csv_error(row, "%s, at %s", rbd_status_string(status),
                          outputs->name[dof] + 2); /* without "a." */
@@ -285,14 +263,12 @@ static int report_failure(const csv *row, const state *s, const columns *outputs
 }
 
 static void print_names(const columns *c) {
-    for (int i = 0; i < c->n; i++)
-        csv_print(c->name[i], i == 0);
+    for (int i = 0; i < c->n; i++) csv_print(c->name[i], i == 0);
     printf("\n");
 }
 
 static void print_numbers(const double *x, int n) {
-    for (int i = 0; i < n; i++)
-        printf("%s%.17g", i ? "," : "", x[i]);
+    for (int i = 0; i < n; i++) printf("%s%.17g", i ? "," : "", x[i]);
     printf("\n");
 }
 
@@ -304,8 +280,7 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
     int status = find_columns(table, in, where), named = 0;
     s->q = x;
     s->v = s->a = s->tau = x + rbd_nq(s->m);
-    if (a->takes & TAKES_V)
-        s->a = s->tau = s->v + nv;
+    if (a->takes & TAKES_V) s->a = s->tau = s->v + nv;
     while (status == 0 && (status = csv_read(table)) > 0) {
         rbd_status result;
         if (table->n != width)
@@ -313,8 +288,7 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
                                width);
         else
             status = read_numbers(table, in, where, x);
-        if (status != 0)
-            break;
+        if (status != 0) break;
         result = a->run(s, y);
         if (result != RBD_OK) {
             status = report_failure(table, s, out, result);
@@ -324,8 +298,7 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
             print_names(out);
         print_numbers(y, out->n);
     }
-    if (status == 0 && !named)
-        print_names(out);
+    if (status == 0 && !named) print_names(out);
     free(where);
     free(x);
     free(y);
@@ -360,13 +333,10 @@ static int read_own(options *o, char **argv, int *i) {
         o->layout = 1;
         return 0;
     }
-    if (option_is(argv[*i], "--model"))
-        return (o->model = option_value(argv, i)) ? 0 : EXIT_USAGE;
-    if (!option_is(argv[*i], "--algorithm"))
-        return -1;
+    if (option_is(argv[*i], "--model")) return (o->model = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (!option_is(argv[*i], "--algorithm")) return -1;
     value = option_value(argv, i);
-    if (!value)
-        return EXIT_USAGE;
+    if (!value) return EXIT_USAGE;
     o->algorithm = find_algorithm(value);
     return o->algorithm ? 0 : usage_error("--algorithm: there is no '%s'", value);
 }
@@ -384,25 +354,19 @@ static int read_options(options *o, char **argv) {
             return 1 + EXIT_SUCCESS;
         }
         status = read_own(o, argv, &i);
-        if (status < 0)
-            status = settings_read(&o->settings, argv, &i);
-        if (status < 0)
-            status = usage_error("unknown argument '%s'", argv[i]);
-        if (status > 0)
-            return 1 + status;
+        if (status < 0) status = settings_read(&o->settings, argv, &i);
+        if (status < 0) status = usage_error("unknown argument '%s'", argv[i]);
+        if (status > 0) return 1 + status;
     }
-    if (!o->model)
-        return 1 + usage_error("--model is missing");
+    if (!o->model) return 1 + usage_error("--model is missing");
     if (!o->layout && strcmp(o->model, "-") == 0)
         return 1 + usage_error("--model: standard input has the table, so it cannot have the robot");
     return o->algorithm ? 0 : 1 + usage_error("--algorithm is missing");
 }
 
 static void print_layout(const columns *in, const columns *out) {
-    for (int i = 0; i < in->n; i++)
-        printf("takes %s\n", in->name[i]);
-    for (int i = 0; i < out->n; i++)
-        printf("gives %s\n", out->name[i]);
+    for (int i = 0; i < in->n; i++) printf("takes %s\n", in->name[i]);
+    for (int i = 0; i < out->n; i++) printf("gives %s\n", out->name[i]);
 }
 
 static int run_on(const options *o, const robot *r) {
@@ -427,8 +391,7 @@ static int run_on(const options *o, const robot *r) {
 static int run(options *o) {
     robot r;
     int status;
-    if (o->algorithm->gives == GIVES_POSE)
-        o->settings.urdf.keep_all = 1;
+    if (o->algorithm->gives == GIVES_POSE) o->settings.urdf.keep_all = 1;
     status = robot_open(&r, o->model, &o->settings);
     if (status == 0) {
         robot_print_warnings(&r);

@@ -32,18 +32,15 @@ typedef struct options {
 } options;
 
 static int is_identifier(const char *s) {
-    if (!isalpha((unsigned char)*s) && *s != '_')
-        return 0;
-    while (isalnum((unsigned char)*s) || *s == '_')
-        s++;
+    if (!isalpha((unsigned char)*s) && *s != '_') return 0;
+    while (isalnum((unsigned char)*s) || *s == '_') s++;
     return *s == 0;
 }
 
 static int read_name(options *o, char **argv, int *i) {
     const char *option = argv[*i];
     o->name = option_value(argv, i);
-    if (!o->name)
-        return EXIT_USAGE;
+    if (!o->name) return EXIT_USAGE;
     return is_identifier(o->name) ? 0 : usage_error("%s: '%s' is not a C identifier", option, o->name);
 }
 
@@ -55,10 +52,8 @@ static int read_output(options *o, char **argv, int *i) {
     } outputs[] = {{"--c", C}, {"--c-model", C_MODEL}, {"--urdf", URDF}, {"--dot", DOT}, {"--check", CHECK}};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
         const int named = outputs[k].output == C || outputs[k].output == C_MODEL;
-        if (named ? !option_is(argv[*i], outputs[k].name) : strcmp(argv[*i], outputs[k].name) != 0)
-            continue;
-        if (o->output != SUMMARY)
-            return usage_error("%s: there is only one output", argv[*i]);
+        if (named ? !option_is(argv[*i], outputs[k].name) : strcmp(argv[*i], outputs[k].name) != 0) continue;
+        if (o->output != SUMMARY) return usage_error("%s: there is only one output", argv[*i]);
         o->output = outputs[k].output;
         return named ? read_name(o, argv, i) : 0;
     }
@@ -78,16 +73,14 @@ static int read_options(options *o, char **argv) {
             return 1 + EXIT_SUCCESS;
         }
         status = read_output(o, argv, &i);
-        if (status < 0)
-            status = settings_read(&o->settings, argv, &i);
+        if (status < 0) status = settings_read(&o->settings, argv, &i);
         if (status < 0 && argv[i][0] == '-' && argv[i][1])
             status = usage_error("unknown option '%s'", argv[i]);
         if (status < 0) {
             status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;
             o->path = argv[i];
         }
-        if (status > 0)
-            return 1 + status;
+        if (status > 0) return 1 + status;
     }
     if (o->settings.urdf.gravity && (o->output == C || o->output == URDF || o->output == DOT))
         return 1 + usage_error("--gravity: only the built model has gravity (--c-model)");
@@ -111,8 +104,7 @@ static int run(const options *o) {
     robot r;
     int status = robot_open(&r, o->path, &o->settings);
     if (status == 0) {
-        if (o->output != SUMMARY)
-            robot_print_warnings(&r);
+        if (o->output != SUMMARY) robot_print_warnings(&r);
         print_output(o, &r);
         if (fflush(stdout) != 0 || ferror(stdout)) {
             fprintf(stderr, "%s: cannot write the output\n", program);

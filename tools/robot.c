@@ -42,8 +42,7 @@ int option_is(const char *argument, const char *name) {
 
 const char *option_value(char **argv, int *i) {
     const char *equals = strchr(argv[*i], '=');
-    if (equals)
-        return equals + 1;
+    if (equals) return equals + 1;
     if (!argv[*i + 1]) {
         usage_error("%s: its value is missing", argv[*i]);
         return NULL;
@@ -93,8 +92,7 @@ static int read_lock(settings *s, char *text) {
     char *equals = strrchr(text, '='), *end;
     rbd_urdf_lock *lock = &s->lock[s->nlock++];
     lock->joint = text;
-    if (!equals)
-        return 0;
+    if (!equals) return 0;
     lock->value = strtod(equals + 1, &end);
     if (end == equals + 1 || *end != 0)
         return usage_error("--lock: '%s' in '%s' is not a number", equals + 1, text);
@@ -141,14 +139,12 @@ int settings_read(settings *s, char **argv, int *i) {
 
 static void print_finding(const char *path, const char *what, const rbd_urdf_finding *f) {
     fprintf(stderr, "%s:", path);
-    if (f->line)
-        fprintf(stderr, "%d:", f->line);
+    if (f->line) fprintf(stderr, "%d:", f->line);
     fprintf(stderr, " %s: %s\n", what, f->text);
 }
 
 void robot_print_warnings(const robot *r) {
-    for (int i = 0; i < r->urdf.nwarnings; i++)
-        print_finding(r->path, "warning", &r->urdf.warnings[i]);
+    for (int i = 0; i < r->urdf.nwarnings; i++) print_finding(r->path, "warning", &r->urdf.warnings[i]);
 }
 
 /* The whole of a file, or of standard input for "-"; NULL if it cannot be read. */
@@ -157,26 +153,22 @@ static char *read_file(const char *path, size_t *length) {
     char *text = NULL;
     size_t room = 0, n;
     *length = 0;
-    if (!file)
-        return NULL;
+    if (!file) return NULL;
     do {
-        if (*length == room)
-            text = grown(text, room = 2 * room + 65536);
+        if (*length == room) text = grown(text, room = 2 * room + 65536);
         *length += n = fread(text + *length, 1, room - *length, file);
     } while (n > 0);
     if (ferror(file)) {
         free(text);
         text = NULL;
     }
-    if (file != stdin)
-        fclose(file);
+    if (file != stdin) fclose(file);
     return text;
 }
 
 /* Loads twice: to count, and to fill. */
 static int load_text(rbd_urdf *u, const char *text, size_t length, const settings *s) {
-    if (rbd_urdf_parse(text, length, &s->urdf, u) != RBD_URDF_OK)
-        return EXIT_BAD;
+    if (rbd_urdf_parse(text, length, &s->urdf, u) != RBD_URDF_OK) return EXIT_BAD;
     u->bodies = allocate((size_t)(u->bodies_max = u->nb), sizeof *u->bodies);
     u->names = allocate(u->names_max = u->names_size, 1);
     u->frames = allocate((size_t)(u->frames_max = u->nframes), sizeof *u->frames);
@@ -193,8 +185,7 @@ static int load(robot *r, const settings *s) {
         return EXIT_BAD;
     }
     status = load_text(&r->urdf, text, length, s);
-    if (status != 0)
-        print_finding(r->path, "error", &r->urdf.error);
+    if (status != 0) print_finding(r->path, "error", &r->urdf.error);
     free(text);
     return status;
 }

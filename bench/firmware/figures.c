@@ -53,10 +53,8 @@ static double instructions(uint32_t from, uint32_t to) {
 
 /* ---- algorithms: each one call, not inlined, from the state above ---- */
 
-#define CALL(name, call)                                                                                     \
-    static __attribute__((noinline)) rbd_status name(const rbd_model *m) {                                   \
-        return call;                                                                                         \
-    }
+#define CALL(name, call) \
+    static __attribute__((noinline)) rbd_status name(const rbd_model *m) { return call; }
 CALL(nothing, m ? RBD_OK : RBD_ERR_NULL)
 CALL(id, rbd_rnea(m, w, q, v, a, NULL, out))
 CALL(mm, rbd_crba(m, w, q, out))
@@ -85,12 +83,10 @@ static __attribute__((noinline)) int stack_of(rbd_status (*call)(const rbd_model
     enum { PAINT = 0xa5 };
     volatile unsigned char *sp;
     STACK_POINTER(sp);
-    for (int i = 1; i <= PAINTED; i++)
-        sp[-i] = PAINT;
+    for (int i = 1; i <= PAINTED; i++) sp[-i] = PAINT;
     const rbd_status status = call(m);
     int depth = PAINTED;
-    while (depth > 0 && sp[-depth] == PAINT)
-        depth--;
+    while (depth > 0 && sp[-depth] == PAINT) depth--;
     return status == RBD_OK && depth < PAINTED ? depth : -1;
 }
 
@@ -122,14 +118,11 @@ static rbd_status draw_state(const rbd_model *m, uint64_t *seed_q, uint32_t *see
 /* The calls agree: forward dynamics of the torque that inverse dynamics gives is the acceleration. */
 static int is_right(const rbd_model *m) {
     const rbd_real bound = sizeof(rbd_real) == sizeof(float) ? (rbd_real)2e-2 : (rbd_real)1e-9;
-    if (rbd_rnea(m, w, q, v, a, NULL, tau) != RBD_OK)
-        return 0;
+    if (rbd_rnea(m, w, q, v, a, NULL, tau) != RBD_OK) return 0;
     for (int way = 0; way < 2; way++) {
-        if ((way ? fd_cholesky(m) : fd(m)) != RBD_OK)
-            return 0;
+        if ((way ? fd_cholesky(m) : fd(m)) != RBD_OK) return 0;
         for (int i = 0; i < rbd_nv(m); i++)
-            if (!(out[i] - a[i] < bound && a[i] - out[i] < bound))
-                return 0;
+            if (!(out[i] - a[i] < bound && a[i] - out[i] < bound)) return 0;
     }
     return 1;
 }
@@ -140,20 +133,17 @@ static int print_row(const robot *r, const algorithm *g) {
     double sum = 0;
     int stack = 0;
     for (int i = 0; i < STATES; i++) {
-        if (draw_state(r->model, &seed_q, &seed) != RBD_OK)
-            return 0;
+        if (draw_state(r->model, &seed_q, &seed) != RBD_OK) return 0;
         const uint32_t start = now();
         const rbd_status status = nothing(r->model);
         const uint32_t middle = now();
         const rbd_status again = g->call(r->model);
         const uint32_t end = now();
         const int depth = stack_of(g->call, r->model);
-        if (status != RBD_OK || again != RBD_OK || depth < 0)
-            return 0;
+        if (status != RBD_OK || again != RBD_OK || depth < 0) return 0;
         sum += instructions(middle, end) - instructions(start, middle);
         stack = depth > stack ? depth : stack;
-        if (!is_right(r->model))
-            return 0;
+        if (!is_right(r->model)) return 0;
     }
     printf("%s,%s,%lu,%d,%lu\n", r->name, g->name, (unsigned long)rbd_work_size(r->model), stack,
            (unsigned long)(sum / STATES + 0.5));

@@ -13,18 +13,10 @@ struct mat3 {
     double m[9];
 };
 
-inline vec3 get(const double *p) {
-    return {p[0], p[1], p[2]};
-}
-inline void put(double *p, vec3 v) {
-    p[0] = v.x, p[1] = v.y, p[2] = v.z;
-}
-inline vec3 operator+(vec3 a, vec3 b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline vec3 operator-(vec3 a, vec3 b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
+inline vec3 get(const double *p) { return {p[0], p[1], p[2]}; }
+inline void put(double *p, vec3 v) { p[0] = v.x, p[1] = v.y, p[2] = v.z; }
+inline vec3 operator+(vec3 a, vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline vec3 operator-(vec3 a, vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline vec3 cross(vec3 a, vec3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -54,8 +46,7 @@ inline mat3 rotation_given(const double r[9]) {
     mat3 R = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
     for (int i = 0; i < 9; i++)
         if (r[i] != 0) {
-            for (int k = 0; k < 9; k++)
-                R.m[k] = r[k];
+            for (int k = 0; k < 9; k++) R.m[k] = r[k];
             break;
         }
     return R;
@@ -68,8 +59,7 @@ inline void principal(const double I[6], double moments[3], mat3 *axes) {
     for (int sweep = 0; sweep < 30; sweep++)
         for (int p = 0; p < 2; p++)
             for (int q = p + 1; q < 3; q++) {
-                if (A[p][q] == 0)
-                    continue;
+                if (A[p][q] == 0) continue;
                 const double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]);
                 const double t = (theta < 0 ? -1 : 1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
                 const double c = 1 / std::sqrt(t * t + 1), s = t * c;
@@ -84,8 +74,7 @@ inline void principal(const double I[6], double moments[3], mat3 *axes) {
                 }
                 A[p][q] = A[q][p] = 0;
             }
-    for (int k = 0; k < 3; k++)
-        moments[k] = A[k][k];
+    for (int k = 0; k < 3; k++) moments[k] = A[k][k];
     *axes = V;
 }
 

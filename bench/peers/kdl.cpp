@@ -28,13 +28,9 @@ struct model {
 
 // ---- model ----
 
-KDL::Vector vector_of(const double x[3]) {
-    return KDL::Vector(x[0], x[1], x[2]);
-}
+KDL::Vector vector_of(const double x[3]) { return KDL::Vector(x[0], x[1], x[2]); }
 
-std::string name_of(int body) {
-    return body < 0 ? "world" : "body" + std::to_string(body);
-}
+std::string name_of(int body) { return body < 0 ? "world" : "body" + std::to_string(body); }
 
 KDL::RigidBodyInertia inertia_of(const rbd_body &b) {
     const double *I = b.inertia;
@@ -43,8 +39,7 @@ KDL::RigidBodyInertia inertia_of(const rbd_body &b) {
 }
 
 KDL::Joint joint_of(const rbd_body &b, const KDL::Frame &F, const std::string &name) {
-    if (b.type == RBD_FIXED)
-        return KDL::Joint(name, KDL::Joint::Fixed);
+    if (b.type == RBD_FIXED) return KDL::Joint(name, KDL::Joint::Fixed);
     return KDL::Joint(name, F.p, F.M * vector_of(b.axis),
                       turns(b) ? KDL::Joint::RotAxis : KDL::Joint::TransAxis, 1, 0, b.armature[0]);
 }
@@ -80,33 +75,25 @@ bool add_floating_base(model *p) {
 // Whether each body is carried by the one before.
 bool is_chain(const tree &t) {
     for (size_t i = 0; i < t.bodies.size(); i++)
-        if (t.bodies[i].parent != (int)i - 1)
-            return false;
+        if (t.bodies[i].parent != (int)i - 1) return false;
     return true;
 }
 
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
     model *p = new (memory) model;
     *out = p;
-    if (!read_tree(bodies, nb, &p->t, text))
-        return RBD_ERR_TYPE;
+    if (!read_tree(bodies, nb, &p->t, text)) return RBD_ERR_TYPE;
     p->n = p->t.nv;
     bool added = !p->t.floating || add_floating_base(p);
-    for (int i = p->t.floating ? 1 : 0; i < nb; i++)
-        added = added && add_body(p, i);
-    if (added && is_chain(p->t))
-        added = p->kdl.getChain("world", name_of(nb - 1), p->chain);
+    for (int i = p->t.floating ? 1 : 0; i < nb; i++) added = added && add_body(p, i);
+    if (added && is_chain(p->t)) added = p->kdl.getChain("world", name_of(nb - 1), p->chain);
     std::snprintf(text, 160, "KDL refused a segment");
     return added ? RBD_OK : RBD_ERR_TYPE;
 }
 
-size_t model_size(const rbd_body *, int) {
-    return sizeof(model);
-}
+size_t model_size(const rbd_body *, int) { return sizeof(model); }
 
-void model_free(const void *p) {
-    static_cast<model *>(const_cast<void *>(p))->~model();
-}
+void model_free(const void *p) { static_cast<model *>(const_cast<void *>(p))->~model(); }
 
 // ---- work: solvers keep gravity and a reference to the tree or chain ----
 
@@ -122,8 +109,7 @@ struct work {
     KDL::ChainFdSolver_RNE *fd = nullptr;
     explicit work(const model *m)
         : p(m), q((unsigned)m->n), v((unsigned)m->n), x((unsigned)m->n), out((unsigned)m->n),
-          M((unsigned)m->n), zero_wrenches(m->chain.getNrOfSegments(), KDL::Wrench::Zero()) {
-    }
+          M((unsigned)m->n), zero_wrenches(m->chain.getNrOfSegments(), KDL::Wrench::Zero()) {}
 };
 
 void drop_solvers(work *w) {
@@ -150,9 +136,7 @@ rbd_status work_init(const void *p, void *memory, size_t, void **out) {
     return set_gravity(*out, gravity);
 }
 
-size_t work_size(const void *) {
-    return sizeof(work);
-}
+size_t work_size(const void *) { return sizeof(work); }
 
 void work_free(void *w) {
     drop_solvers(static_cast<work *>(w));
@@ -163,19 +147,15 @@ void work_free(void *w) {
 
 void take(KDL::JntArray &x, const void *from) {
     const double *y = static_cast<const double *>(from);
-    for (unsigned i = 0; i < x.rows(); i++)
-        x(i) = y[i];
+    for (unsigned i = 0; i < x.rows(); i++) x(i) = y[i];
 }
 
 void give(const KDL::JntArray &x, void *to) {
     double *y = static_cast<double *>(to);
-    for (unsigned i = 0; i < x.rows(); i++)
-        y[i] = x(i);
+    for (unsigned i = 0; i < x.rows(); i++) y[i] = x(i);
 }
 
-rbd_status status_of(int code) {
-    return code < 0 ? RBD_ERR_SINGULAR : RBD_OK;
-}
+rbd_status status_of(int code) { return code < 0 ? RBD_ERR_SINGULAR : RBD_OK; }
 
 rbd_status call_id(const void *, void *work_, int, const void *q, const void *v, const void *a, void *tau) {
     work *w = static_cast<work *>(work_);
@@ -195,8 +175,7 @@ rbd_status call_mm(const void *, void *work_, int, const void *q, const void *, 
     take(w->q, q);
     const int code = w->dynamics->JntToMass(w->q, w->M);
     for (unsigned i = 0; i < w->M.rows(); i++)
-        for (unsigned j = 0; j < w->M.rows(); j++)
-            *out++ = w->M(i, j);
+        for (unsigned j = 0; j < w->M.rows(); j++) *out++ = w->M(i, j);
     return status_of(code);
 }
 
@@ -216,9 +195,7 @@ int can(const void *p, int algorithm) {
 
 // ---- conventions ----
 
-void size(const void *p, int *nq, int *nv) {
-    *nq = *nv = static_cast<const model *>(p)->n;
-}
+void size(const void *p, int *nq, int *nv) { *nq = *nv = static_cast<const model *>(p)->n; }
 
 // The base turns by R = Rz(yaw) Ry(pitch) Rx(roll); omega in body axes is B (yaw', pitch', roll').
 struct base {
@@ -263,8 +240,7 @@ void convert_base(const struct state *rbd, const struct state *its) {
 void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
     const model *p = static_cast<const model *>(model_);
     const int first = p->t.floating ? ROOT_DOFS : 0, shift = p->t.nq - p->t.nv;
-    if (p->t.floating)
-        convert_base(rbd, its);
+    if (p->t.floating) convert_base(rbd, its);
     for (int i = first; i < p->n; i++) {
         its->q[i] = rbd->q[i + shift];
         its->v[i] = rbd->v[i];
@@ -278,10 +254,8 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
                     double *x) {
     const model *p = static_cast<const model *>(model_);
     const int n = algorithm == MM ? p->n * p->n : p->n;
-    for (int i = 0; i < n; i++)
-        x[i] = its[i];
-    if (!p->t.floating)
-        return;
+    for (int i = 0; i < n; i++) x[i] = its[i];
+    if (!p->t.floating) return;
     const base b = base_at(rbd->q);
     put(x, transpose(b.inverse) * get(its + 3));
     put(x + 3, transpose(b.R) * get(its));

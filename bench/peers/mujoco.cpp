@@ -38,8 +38,7 @@ std::string attribute(const char *name, const double *x, int n) {
 std::string inertial(const rbd_body &b) {
     double moments[3];
     mat3 axes;
-    if (b.mass == 0)
-        return "";
+    if (b.mass == 0) return "";
     principal(b.inertia, moments, &axes);
     return "<inertial" + attribute("mass", &b.mass, 1) + attribute("pos", b.com, 3) +
            attribute("diaginertia", moments, 3) + attribute("xyaxes", transpose(axes).m, 6) + "/>";
@@ -47,10 +46,8 @@ std::string inertial(const rbd_body &b) {
 
 std::string joint(const rbd_body &b, int index) {
     const std::string name = " name=\"j" + std::to_string(index) + "\"";
-    if (b.type == RBD_FLOATING)
-        return "<freejoint" + name + "/>";
-    if (b.type == RBD_FIXED)
-        return "";
+    if (b.type == RBD_FLOATING) return "<freejoint" + name + "/>";
+    if (b.type == RBD_FIXED) return "";
     return "<joint" + name + " type=\"" + (turns(b) ? "hinge" : "slide") + "\"" +
            attribute("axis", b.axis, 3) + attribute("armature", b.armature, 1) + "/>";
 }
@@ -59,8 +56,7 @@ std::string children(const tree &t, int parent) {
     std::string s;
     for (int i = 0; i < (int)t.bodies.size(); i++) {
         const rbd_body &b = t.bodies[(size_t)i];
-        if (b.parent != parent)
-            continue;
+        if (b.parent != parent) continue;
         const mat3 C = transpose(rotation_given(b.rotation)); // its rows: the axes
         s += "<body" + attribute("pos", b.position, 3) + attribute("xyaxes", C.m, 6) + ">" + inertial(b) +
              joint(b, i) + children(t, i) + "</body>\n";
@@ -95,33 +91,26 @@ void find_places(model *p) {
         p->qpos.push_back(j < 0 ? -1 : p->m->jnt_qposadr[j]);
         p->dof.push_back(j < 0 ? -1 : p->m->jnt_dofadr[j]);
         const int n = j < 0 ? 0 : p->t.bodies[i].type == RBD_FLOATING ? 6 : 1;
-        for (int k = 0; k < n; k++)
-            p->place.push_back(p->dof[i] + k);
+        for (int k = 0; k < n; k++) p->place.push_back(p->dof[i] + k);
     }
-    for (int i = 0; i < p->m->nv; i++)
-        p->armature[i] = p->m->dof_armature[i];
+    for (int i = 0; i < p->m->nv; i++) p->armature[i] = p->m->dof_armature[i];
 }
 
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
     model *p = new (memory) model;
     *out = p;
-    if (!read_tree(bodies, nb, &p->t, text) || p->t.nv > 256)
-        return RBD_ERR_TYPE;
+    if (!read_tree(bodies, nb, &p->t, text) || p->t.nv > 256) return RBD_ERR_TYPE;
     p->m = compile(mjcf(p->t), text);
-    if (!p->m)
-        return RBD_ERR_MEMORY;
+    if (!p->m) return RBD_ERR_MEMORY;
     find_places(p);
     return RBD_OK;
 }
 
-size_t model_size(const rbd_body *, int) {
-    return sizeof(model);
-}
+size_t model_size(const rbd_body *, int) { return sizeof(model); }
 
 void model_free(const void *out) {
     model *p = static_cast<model *>(const_cast<void *>(out));
-    if (p->m)
-        mj_deleteModel(p->m);
+    if (p->m) mj_deleteModel(p->m);
     p->~model();
 }
 
@@ -138,12 +127,8 @@ rbd_status work_init(const void *p, void *memory, size_t, void **out) {
     return w->d ? RBD_OK : RBD_ERR_MEMORY;
 }
 
-size_t work_size(const void *) {
-    return sizeof(work);
-}
-void work_free(void *w) {
-    mj_deleteData(static_cast<work *>(w)->d);
-}
+size_t work_size(const void *) { return sizeof(work); }
+void work_free(void *w) { mj_deleteData(static_cast<work *>(w)->d); }
 
 rbd_status set_gravity(void *w, const double gravity[3]) {
     mju_copy3(static_cast<work *>(w)->m->opt.gravity, gravity);
@@ -198,8 +183,7 @@ rbd_status call_fd(const void *model_, void *work_, int, const void *q, const vo
     mj_factorM(p->m, w->d);
     mj_comVel(p->m, w->d);
     mj_rne(p->m, w->d, 0, w->d->qfrc_bias);
-    for (int i = 0; i < p->m->nv; i++)
-        rest[i] = force[i] - w->d->qfrc_bias[i];
+    for (int i = 0; i < p->m->nv; i++) rest[i] = force[i] - w->d->qfrc_bias[i];
     mj_solveM(p->m, w->d, out, rest, 1);
     return RBD_OK;
 }
@@ -222,9 +206,7 @@ void base_from(const mat3 &R, const double *x, double *w_u) {
     put(w_u + 3, transpose(R) * get(x));
 }
 
-vec3 turned(const double *v) {
-    return cross(get(v), get(v + 3));
-} // omega x u
+vec3 turned(const double *v) { return cross(get(v), get(v + 3)); } // omega x u
 
 void convert_base(const model *p, const struct state *rbd, const struct state *its) {
     const mat3 R = rotation_of(rbd->q + 3);
@@ -244,11 +226,9 @@ void convert_base(const model *p, const struct state *rbd, const struct state *i
 
 void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
     const model *p = static_cast<const model *>(model_);
-    if (p->t.floating)
-        convert_base(p, rbd, its);
+    if (p->t.floating) convert_base(p, rbd, its);
     for (size_t i = p->t.floating ? 1 : 0; i < p->t.bodies.size(); i++) {
-        if (p->t.iv[i] < 0)
-            continue;
+        if (p->t.iv[i] < 0) continue;
         its->q[p->qpos[i]] = rbd->q[p->t.iq[i]];
         its->v[p->dof[i]] = rbd->v[p->t.iv[i]];
         its->a[p->dof[i]] = rbd->a[p->t.iv[i]];
@@ -260,15 +240,13 @@ void convert_state(const void *model_, const struct state *rbd, const struct sta
 void reorder(const model *p, const mat3 &R, const double *its, int stride, double *x) {
     const int nv = p->m->nv;
     std::vector<double> y((size_t)nv);
-    for (int i = 0; i < nv; i++)
-        y[(size_t)i] = its[p->place[(size_t)i] * stride];
+    for (int i = 0; i < nv; i++) y[(size_t)i] = its[p->place[(size_t)i] * stride];
     if (p->t.floating) {
         double base[6];
         base_from(R, y.data(), base);
         std::memcpy(y.data(), base, sizeof base);
     }
-    for (int i = 0; i < nv; i++)
-        x[i * stride] = y[(size_t)i];
+    for (int i = 0; i < nv; i++) x[i * stride] = y[(size_t)i];
 }
 
 void convert_result(const void *model_, int algorithm, const struct state *rbd, const double *its,
@@ -276,12 +254,10 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     const model *p = static_cast<const model *>(model_);
     const int nv = p->m->nv;
     mat3 R = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    if (p->t.floating)
-        R = rotation_of(rbd->q + 3);
+    if (p->t.floating) R = rotation_of(rbd->q + 3);
     if (algorithm == MM) { // columns, then rows
         std::vector<double> y((size_t)(nv * nv));
-        for (int j = 0; j < nv; j++)
-            reorder(p, R, its + p->place[(size_t)j], nv, x + j);
+        for (int j = 0; j < nv; j++) reorder(p, R, its + p->place[(size_t)j], nv, x + j);
         // the columns of the base are still MuJoCo's: they are turned as the rows are
         for (int i = 0; i < nv && p->t.floating; i++) {
             double base[6];
@@ -291,8 +267,7 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
         return;
     }
     reorder(p, R, its, 1, x);
-    if (algorithm != ID && p->t.floating)
-        put(x + 3, get(x + 3) - turned(rbd->v));
+    if (algorithm != ID && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
 }
 
 const conventions others = {

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 #include <vector>
-#include "../library.h"
+#include "../calls/library.h"
 #include "algebra.hpp"
 
 struct tree {
@@ -16,12 +16,8 @@ struct tree {
     int nq = 0, nv = 0;
 };
 
-inline bool turns(const rbd_body &b) {
-    return b.type == RBD_REVOLUTE || b.type == RBD_CONTINUOUS;
-}
-inline bool has_one_axis(const rbd_body &b) {
-    return turns(b) || b.type == RBD_PRISMATIC;
-}
+inline bool turns(const rbd_body &b) { return b.type == RBD_REVOLUTE || b.type == RBD_CONTINUOUS; }
+inline bool has_one_axis(const rbd_body &b) { return turns(b) || b.type == RBD_PRISMATIC; }
 
 // Whether the base floats freely, its joint frame being the world's.
 inline bool is_floating_base(const rbd_body &b, int index) {

@@ -75,16 +75,23 @@ def default_compilers():
 
 # ---- the folder, and what it has from before ----
 
+def sources():
+    """The files that results depend on."""
+    found = [os.path.join(ROOT, folder, name) for folder in ("", "models")
+             for name in os.listdir(os.path.join(ROOT, folder)) if name.endswith(".h")]
+    for folder, folders, names in os.walk(os.path.join(ROOT, "bench")):
+        folders[:] = [f for f in folders if f not in ("firmware", "results", "tests", "__pycache__")]
+        found += [os.path.join(folder, name) for name in names
+                  if name.endswith((".c", ".h", ".cpp", ".hpp", ".build")) or name == "callgrind.py"]
+    return sorted(found)
+
+
 def fingerprint(o, machine):
     """Of the sources and options that results depend on, and of the machine as machine_of has it."""
     h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters, machine]).encode())
-    for folder, ending in (("", ".h"), ("bench", (".c", ".h", ".cpp", ".build")), ("bench/peers", (".cpp", ".hpp")),
-                           ("bench/workload", "callgrind.py"), ("models", ".h")):
-        path = os.path.join(ROOT, folder)
-        for name in sorted(os.listdir(path)):
-            if name.endswith(ending) and not name.startswith("test_") and os.path.isfile(os.path.join(path, name)):
-                with open(os.path.join(path, name), "rb") as f:
-                    h.update(name.encode() + f.read())
+    for path in sources():
+        with open(path, "rb") as f:
+            h.update(os.path.relpath(path, ROOT).encode() + f.read())
     return h.hexdigest()
 
 

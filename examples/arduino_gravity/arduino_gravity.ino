@@ -16,8 +16,7 @@ static float angle(int pin) { // -pi .. pi
 void setup() {
     Serial.begin(115200);
     const rbd_status status = rbd_work_init(&double_pendulum_model, memory, sizeof memory, &work);
-    if (status != RBD_OK)
-        Serial.println(rbd_status_string(status));
+    if (status != RBD_OK) Serial.println(rbd_status_string(status));
 }
 
 void loop() {

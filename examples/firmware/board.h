@@ -11,7 +11,7 @@
 #else
 #define BOARD_TICK_MASK 0xffffffu
 #endif
-#define BOARD_TICKS(microseconds) ((uint32_t)((microseconds)*1000000ull / BOARD_TICK_PS))
+#define BOARD_TICKS(microseconds) ((uint32_t)((microseconds) * 1000000ull / BOARD_TICK_PS))
 
 void board_start(void);   /* starts the timer */
 uint32_t board_now(void); /* counts ticks up, modulo BOARD_TICK_MASK + 1 */

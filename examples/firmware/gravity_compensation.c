@@ -17,8 +17,7 @@ static const rbd_real push = 0.5f; /* rad/s, of the first leg joint */
  */
 static rbd_status control(rbd_work *w, const rbd_real *q, const rbd_real *v, rbd_real *g, rbd_real *tau) {
     rbd_status status = rbd_gravity(&hyq_model, w, q, g);
-    for (int i = 0; i < NV; i++)
-        tau[i] = g[i] - (i < TRUNK ? gantry_damping : damping) * v[i];
+    for (int i = 0; i < NV; i++) tau[i] = g[i] - (i < TRUNK ? gantry_damping : damping) * v[i];
     return status;
 }
 
@@ -48,12 +47,10 @@ int main(void) {
     for (int step = 0; step < STEPS && status == RBD_OK; step++) {
         status = control(w, q, v, g, tau);
         weight = fmaxf(weight, weight_error(g));
-        if (status == RBD_OK)
-            status = simulate(&hyq_model, w, q, v, tau, scratch);
+        if (status == RBD_OK) status = simulate(&hyq_model, w, q, v, tau, scratch);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
     }
-    for (int i = 0; i < NV; i++)
-        fastest = fmaxf(fastest, fabsf(v[i]));
+    for (int i = 0; i < NV; i++) fastest = fmaxf(fastest, fabsf(v[i]));
     printf("gravity compensation, HyQ: %d periods of %d us, %d late; weight off by %d ppm at worst; %d "
            "urad/s left "
            "of a push of %d: %s\n",

@@ -5,18 +5,12 @@
 enum { A0, A1 };
 static std::string serial_text;
 
-static int analogRead(int pin) {
-    return pin == A0 ? 600 : 400;
-}
-static void delay(unsigned long) {
-}
+static int analogRead(int pin) { return pin == A0 ? 600 : 400; }
+static void delay(unsigned long) {}
 
 static struct {
-    void begin(unsigned long) {
-    }
-    void print(char c) {
-        serial_text += c;
-    }
+    void begin(unsigned long) {}
+    void print(char c) { serial_text += c; }
     void print(double x, int digits) {
         char text[32];
         std::snprintf(text, sizeof text, "%.*f", digits, x);

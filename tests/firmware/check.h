@@ -1,6 +1,6 @@
 /* check.h - stands in for Check (libcheck) where there is none: on a microcontroller and on machines that are
-   emulated, for scalars.c and for the suites of tests.c. The same tests run there, without processes, files or
-   signals. The first failure ends the program.
+   emulated, for scalars.c and for the suites of tests.c. The same tests run there, without processes, files
+   or signals. The first failure ends the program.
    SPDX-License-Identifier: MIT */
 #ifndef FIRMWARE_CHECK_H
 #define FIRMWARE_CHECK_H
@@ -32,14 +32,14 @@ static const char *check_running; /* in the file of main; the message names file
 #define START_TEST(name) static void name(void)
 #define END_TEST
 
-#define ck_assert_msg(condition, ...)                                                                        \
-    do {                                                                                                     \
-        if (!(condition)) {                                                                                  \
-            printf("FAILED %s: %s:%d: ", check_running ? check_running : "", __FILE__, __LINE__);            \
-            printf(__VA_ARGS__);                                                                             \
-            printf("\n");                                                                                    \
-            exit(EXIT_FAILURE);                                                                              \
-        }                                                                                                    \
+#define ck_assert_msg(condition, ...) \
+    do { \
+        if (!(condition)) { \
+            printf("FAILED %s: %s:%d: ", check_running ? check_running : "", __FILE__, __LINE__); \
+            printf(__VA_ARGS__); \
+            printf("\n"); \
+            exit(EXIT_FAILURE); \
+        } \
     } while (0)
 #define ck_abort_msg(...) ck_assert_msg(0, __VA_ARGS__)
 #define ck_assert(condition) ck_assert_msg(condition, "%s", #condition)
@@ -90,9 +90,7 @@ static inline Suite *suite_create(const char *name) {
     (void)name;
     return &check_suite;
 }
-static inline void suite_add_tcase(Suite *suite, TCase *c) {
-    *suite = c;
-}
+static inline void suite_add_tcase(Suite *suite, TCase *c) { *suite = c; }
 static inline void srunner_add_suite(SRunner *runner, Suite *suite) {
     if (runner->suites == CHECK_MAX_SUITES) {
         printf("FAILED: more than %d suites\n", CHECK_MAX_SUITES);
@@ -101,13 +99,10 @@ static inline void srunner_add_suite(SRunner *runner, Suite *suite) {
     runner->suite[runner->suites++] = *suite;
 }
 static inline SRunner *srunner_create(Suite *suite) {
-    if (suite)
-        srunner_add_suite(&check_runner, suite);
+    if (suite) srunner_add_suite(&check_runner, suite);
     return &check_runner;
 }
-static inline void srunner_set_fork_status(SRunner *runner, int status) {
-    (void)runner, (void)status;
-}
+static inline void srunner_set_fork_status(SRunner *runner, int status) { (void)runner, (void)status; }
 static inline void srunner_run_all(SRunner *runner, int verbosity) {
     (void)verbosity;
     for (int s = 0; s < runner->suites; s++)
@@ -121,8 +116,6 @@ static inline void srunner_run_all(SRunner *runner, int verbosity) {
 static inline int srunner_ntests_failed(SRunner *runner) {
     return runner->tests == 0; /* one that failed has ended the program */
 }
-static inline void srunner_free(SRunner *runner) {
-    (void)runner;
-}
+static inline void srunner_free(SRunner *runner) { (void)runner; }
 
 #endif

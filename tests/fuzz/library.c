@@ -66,16 +66,14 @@ static void fail(const char *what, const char *why) {
 }
 
 static void record(int quantity, double error) {
-    if (!(error <= current[quantity].error))
-        current[quantity].error = error;
+    if (!(error <= current[quantity].error)) current[quantity].error = error;
     if (!(error <= worst_of[class_number][quantity].error))
         worst_of[class_number][quantity] = (worst){error, robot_number};
 }
 
 /* Relative to the size of what was added; where nothing was, the result must be exactly so. */
 static double relative(quad error, quad size) {
-    if (error <= 0 && error >= 0)
-        return 0;
+    if (error <= 0 && error >= 0) return 0;
     const double share = (double)((error < 0 ? -error : error) / size);
     return share >= 0 ? share : HUGE_VAL; /* not a number */
 }
@@ -103,8 +101,7 @@ static void finite(const char *what, const real *x, int n) {
 }
 
 static int ok(const char *what, rbd_status status) {
-    if (status != RBD_OK)
-        fail(what, rbd_status_string(status));
+    if (status != RBD_OK) fail(what, rbd_status_string(status));
     return status == RBD_OK;
 }
 
@@ -129,8 +126,7 @@ static void release(void) {
 static void widen(const double *x, int n, real *y, quad *z) {
     for (int i = 0; i < n; i++) {
         y[i] = (real)x[i];
-        if (z)
-            z[i] = x[i];
+        if (z) z[i] = x[i];
     }
 }
 
@@ -145,8 +141,7 @@ static void load_state(void) {
     widen(state.v, robot.nv, v, wide_v);
     widen(state.a, robot.nv, a, wide_a);
     widen(state.f_ext, 6 * robot.nb, f_ext, wide_f);
-    for (int k = 0; k < 3; k++)
-        wide_gravity[k] = state.gravity[k];
+    for (int k = 0; k < 3; k++) wide_gravity[k] = state.gravity[k];
     set_gravity();
 }
 
@@ -154,8 +149,7 @@ static void load_state(void) {
 
 static void compare(int quantity, const real *x, const quad *expected, const quad *size, int n) {
     finite(quantity_names[quantity], x, n);
-    for (int i = 0; i < n; i++)
-        record(quantity, relative(x[i] - expected[i], size[i]) / angle_unit);
+    for (int i = 0; i < n; i++) record(quantity, relative(x[i] - expected[i], size[i]) / angle_unit);
 }
 
 static void check_torques(void) {
@@ -164,18 +158,15 @@ static void check_torques(void) {
     world_move(&truth, robot.bodies, robot.nb, wide_q, wide_v, wide_a);
     angle_unit = fmax(1, (double)truth.largest_angle / 3.141592653589793);
     world_torques(&truth, wide_gravity, wide_a, wide_f, wide_tau, size);
-    if (ok("rnea", rbd_rnea(model, work, q, v, a, f_ext, found)))
-        compare(RNEA, found, wide_tau, size, nv);
+    if (ok("rnea", rbd_rnea(model, work, q, v, a, f_ext, found))) compare(RNEA, found, wide_tau, size, nv);
     for (int k = 0; k < nv; k++) /* for forward dynamics: of the order of what inverse dynamics adds up */
         tau[k] = (real)(state.tau[k] * (double)size[k]);
     world_move(&truth, robot.bodies, robot.nb, wide_q, wide_v, NULL);
     world_torques(&truth, wide_gravity, NULL, wide_f, wide_tau, size);
-    if (ok("bias", rbd_bias(model, work, q, v, f_ext, found)))
-        compare(BIAS, found, wide_tau, size, nv);
+    if (ok("bias", rbd_bias(model, work, q, v, f_ext, found))) compare(BIAS, found, wide_tau, size, nv);
     world_move(&truth, robot.bodies, robot.nb, wide_q, NULL, NULL);
     world_torques(&truth, wide_gravity, NULL, NULL, wide_tau, size);
-    if (ok("gravity", rbd_gravity(model, work, q, found)))
-        compare(GRAVITY, found, wide_tau, size, nv);
+    if (ok("gravity", rbd_gravity(model, work, q, found))) compare(GRAVITY, found, wide_tau, size, nv);
 }
 
 static quad M[WORLD_DOFS * WORLD_DOFS], M_size[WORLD_DOFS];
@@ -193,8 +184,7 @@ static void check_mass_matrix(void) {
             const int at = i >= j ? rbd_packed_index(model, i, j) : -1;
             record(CRBA, relative(error, world_sqrt(M_size[i] * M_size[j])) / angle_unit);
             record(DIAGONAL, relative(error, world_sqrt(M[i * (nv + 1)] * M[j * (nv + 1)])) / angle_unit);
-            if (i < j)
-                continue;
+            if (i < j) continue;
             const quad packed = at < 0 ? 0 : H[at];
             record(PACKED, relative(packed - M[i * nv + j], world_sqrt(M_size[i] * M_size[j])) / angle_unit);
         }
@@ -204,10 +194,8 @@ static void check_mass_matrix(void) {
 static void check_cholesky(void) {
     static real L[WORLD_DOFS * WORLD_DOFS], x[WORLD_DOFS];
     const int nv = robot.nv;
-    if (rbd_cholesky_factor(model, work, found, L) != RBD_OK)
-        return; /* judged by fd_cholesky */
-    if (!ok("solve", rbd_cholesky_solve(model, work, L, tau, x)))
-        return;
+    if (rbd_cholesky_factor(model, work, found, L) != RBD_OK) return; /* judged by fd_cholesky */
+    if (!ok("solve", rbd_cholesky_solve(model, work, L, tau, x))) return;
     finite("solve", x, nv);
     for (int i = 0; i < nv; i++) {
         quad residual = -(quad)tau[i], size = tau[i] < 0 ? -tau[i] : tau[i];
@@ -232,8 +220,7 @@ static void check_forward(int quantity, forward *call, quad distance) {
         record(REFUSED, (double)distance / angle_unit);
         return;
     }
-    if (!ok(quantity_names[quantity], status))
-        return;
+    if (!ok(quantity_names[quantity], status)) return;
     accepted_singular += distance < (quad)(epsilon / 16) && angle_unit < 2; /* else the angles decide */
     for (int k = 0; k < robot.nv; k++) {
         wide_a[k] = out[k];
@@ -258,8 +245,7 @@ static void check_forwards(void) {
 
 /* World vector x in link axes. */
 static void to_link(const quad R[9], const quad x[3], quad out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = R[i] * x[0] + R[3 + i] * x[1] + R[6 + i] * x[2];
+    for (int i = 0; i < 3; i++) out[i] = R[i] * x[0] + R[3 + i] * x[1] + R[6 + i] * x[2];
 }
 
 static void compare3(int quantity, const real *x, const quad *expected, quad size) {
@@ -298,14 +284,11 @@ static void check_kinematics(void) {
     real x[9], energy[2];
     widen(state.a, robot.nv, a, wide_a);
     world_move(&truth, robot.bodies, robot.nb, wide_q, wide_v, wide_a);
-    if (!ok("kinematics", rbd_kinematics(model, work, q, v, a)))
-        return;
-    for (int i = 0; i < robot.nb; i++)
-        check_body(i);
+    if (!ok("kinematics", rbd_kinematics(model, work, q, v, a))) return;
+    for (int i = 0; i < robot.nb; i++) check_body(i);
     world_total(&truth, wide_gravity, wide_v, &t);
     ok("com", rbd_com(model, work, x, x + 3, x + 6));
-    for (int k = 0; k < 3; k++)
-        compare3(COM, x + 3 * k, t.com[k], t.com_size[k]);
+    for (int k = 0; k < 3; k++) compare3(COM, x + 3 * k, t.com[k], t.com_size[k]);
     ok("energy", rbd_energy(model, work, &energy[0], &energy[1]));
     compare(ENERGY, energy, t.energy, t.energy_size, 2);
 }
@@ -322,22 +305,16 @@ static void check_manifold(void) {
         const rbd_body *b = &robot.bodies[i];
         const int nq = world_nq(b), nv = world_nv(b), first = b->type == RBD_FLOATING ? 3 : 0;
         quad step[6], next[7], size[7], sign = 1, norm = 0, along = 0;
-        for (int k = 0; k < nv; k++)
-            step[k] = v[iv + k] * dt;
-        if (nv > 0)
-            world_step(b, &wide_q[iq], step, next, size);
-        for (int k = 0; k < nq; k++)
-            record(INTEGRATE, relative(reached[iq + k] - next[k], size[k]));
-        for (int k = 0; k < nv; k++)
-            step[k] = d[iv + k];
-        if (nv > 0)
-            world_step(b, &wide_q[iq], step, next, size);
+        for (int k = 0; k < nv; k++) step[k] = v[iv + k] * dt;
+        if (nv > 0) world_step(b, &wide_q[iq], step, next, size);
+        for (int k = 0; k < nq; k++) record(INTEGRATE, relative(reached[iq + k] - next[k], size[k]));
+        for (int k = 0; k < nv; k++) step[k] = d[iv + k];
+        if (nv > 0) world_step(b, &wide_q[iq], step, next, size);
         for (int k = first; k < nq && nq > nv; k++) { /* unit vectors: the length of q1 does not count */
             norm += (quad)q1[iq + k] * q1[iq + k];
             along += q1[iq + k] * next[k];
         }
-        if (nq - first == 4 && along < 0)
-            sign = -1;
+        if (nq - first == 4 && along < 0) sign = -1;
         for (int k = 0; k < nq; k++) {
             const int is_unit = nq > nv && k >= first;
             quad error = is_unit ? sign * next[k] - q1[iq + k] / world_sqrt(norm) : next[k] - q1[iq + k];
@@ -362,8 +339,7 @@ static void check_moved_base(void) {
         real *x = round ? after : before;
         memset(x, 0, sizeof before);
         release();
-        if (!build(round ? elsewhere.bodies : robot.bodies, robot.nb))
-            return;
+        if (!build(round ? elsewhere.bodies : robot.bodies, robot.nb)) return;
         set_gravity();
         rbd_rnea(model, work, q, v, a, f_ext, x);
         rbd_crba(model, work, q, x + nv);
@@ -403,12 +379,10 @@ static void run_robot(int class_of, int number) {
 
 static void print_worst(void) {
     printf("%-16s", TEXT(RBD_REAL));
-    for (int c = 0; c < CLASSES; c++)
-        printf(" %15s", class_names[c]);
+    for (int c = 0; c < CLASSES; c++) printf(" %15s", class_names[c]);
     for (int k = 0; k < QUANTITIES; k++) {
         printf("\n%-16s", quantity_names[k]);
-        for (int c = 0; c < CLASSES; c++)
-            printf(" %7.1e %7d", worst_of[c][k].error, worst_of[c][k].number);
+        for (int c = 0; c < CLASSES; c++) printf(" %7.1e %7d", worst_of[c][k].error, worst_of[c][k].number);
     }
     printf("\n%ld robots; %ld systems refused as singular, %ld accepted though singular; %d failures\n",
            robots_done, refused, accepted_singular, failures);
@@ -427,8 +401,7 @@ static double bound_of(double error) {
 static void print_rows(void) {
     for (int k = 0; k < QUANTITIES; k++) {
         printf("| %s |", quantity_names[k]);
-        for (int c = 0; c < CLASSES; c++)
-            printf(" %.0e |", bound_of(worst_of[c][k].error));
+        for (int c = 0; c < CLASSES; c++) printf(" %.0e |", bound_of(worst_of[c][k].error));
         printf("\n");
     }
 }
@@ -465,15 +438,13 @@ static void hold(const char *path) {
     FILE *file = fopen(path, "r");
     while (file && fgets(line, sizeof line, file)) {
         const int quantity = quantity_of(line);
-        if (strncmp(line, "## ", 3) == 0)
-            here = strcmp(line, "## " TEXT(RBD_REAL) "\n") == 0;
+        if (strncmp(line, "## ", 3) == 0) here = strcmp(line, "## " TEXT(RBD_REAL) "\n") == 0;
         if (here && quantity >= 0) {
             hold_row(quantity, line);
             rows++;
         }
     }
-    if (file)
-        fclose(file);
+    if (file) fclose(file);
     if (rows != QUANTITIES) {
         printf("FAIL %s: %d rows for " TEXT(RBD_REAL) " instead of %d\n", path, rows, (int)QUANTITIES);
         failures++;
@@ -482,8 +453,7 @@ static void hold(const char *path) {
 
 static int class_of(const char *name) {
     for (int c = 0; c < CLASSES; c++)
-        if (strcmp(class_names[c], name) == 0)
-            return c;
+        if (strcmp(class_names[c], name) == 0) return c;
     printf("no such class: %s\n", name);
     exit(2);
 }
@@ -496,8 +466,7 @@ static void show_one(int class_of_robot, int number) {
         draw_state(&robot, &state);
         print_state(&robot, &state);
     }
-    for (int k = 0; k < QUANTITIES; k++)
-        printf("%-16s %.2e\n", quantity_names[k], current[k].error);
+    for (int k = 0; k < QUANTITIES; k++) printf("%-16s %.2e\n", quantity_names[k], current[k].error);
 }
 
 int main(int argc, char **argv) {
@@ -524,13 +493,11 @@ int main(int argc, char **argv) {
     }
     const time_t start = time(NULL);
     for (int number = 0; seconds > 0 ? difftime(time(NULL), start) < seconds : number < robots; number++)
-        for (int c = 0; c < CLASSES; c++)
-            run_robot(c, number);
+        for (int c = 0; c < CLASSES; c++) run_robot(c, number);
     if (publish)
         print_rows();
     else
         print_worst();
-    if (document)
-        hold(document);
+    if (document) hold(document);
     return failures > 0;
 }

@@ -33,14 +33,11 @@ static double uniform(double low, double high) {
     seed ^= seed << 17;
     return low + (high - low) * ((double)(seed >> 11) * 0x1p-53);
 }
-static int below(int n) {
-    return (int)uniform(0, n);
-}
+static int below(int n) { return (int)uniform(0, n); }
 /* Mean 0, variance 1, and never beyond 6. */
 static double normal(void) {
     double sum = -6;
-    for (int i = 0; i < 12; i++)
-        sum += uniform(0, 1);
+    for (int i = 0; i < 12; i++) sum += uniform(0, 1);
     return sum;
 }
 
@@ -79,8 +76,7 @@ static void random_place(rbd_body *b) {
         b->axis[i] = normal();
         b->axis2[i] = normal();
     }
-    if (below(3))
-        random_rotation(b->rotation);
+    if (below(3)) random_rotation(b->rotation);
     if (below(2)) {
         memset(b->axis, 0, sizeof b->axis);
         b->axis[below(3)] = 1;
@@ -116,21 +112,18 @@ static void random_tree(pivots_system *s) {
         b->pitch = 0.1 * normal();
         random_place(b);
         random_mass(b, scale);
-        if (below(8) == 0)
-            b->armature[0] = 0.01 * scale;
+        if (below(8) == 0) b->armature[0] = 0.01 * scale;
     }
 }
 
 /* The inertia of a point mass, but for the deviation. */
 static void shrink(rbd_body *b, double deviation) {
-    for (int i = 0; i < 6; i++)
-        b->inertia[i] *= deviation;
+    for (int i = 0; i < 6; i++) b->inertia[i] *= deviation;
 }
 
 /* com = x axis + y axis2, but for the deviation. */
 static void place_com(rbd_body *b, double x, double y, double deviation) {
-    for (int i = 0; i < 3; i++)
-        b->com[i] = x * b->axis[i] + y * b->axis2[i] + deviation * 0.2 * normal();
+    for (int i = 0; i < 3; i++) b->com[i] = x * b->axis[i] + y * b->axis2[i] + deviation * 0.2 * normal();
 }
 
 /* Gives the last body the axis of a massless one before it, along which it is shifted. */
@@ -143,8 +136,7 @@ static void add_coincident(pivots_system *s) {
     memset(b->inertia, 0, sizeof b->inertia);
     memset(b->com, 0, sizeof b->com);
     memset(next->rotation, 0, sizeof next->rotation);
-    for (int i = 0; i < 3; i++)
-        next->position[i] = along * b->axis[i] + s->deviation * normal();
+    for (int i = 0; i < 3; i++) next->position[i] = along * b->axis[i] + s->deviation * normal();
     s->nb++;
 }
 
@@ -156,8 +148,7 @@ static void add_singularity(pivots_system *s) {
     const double d = s->deviation;
     memset(b->armature, 0, sizeof b->armature);
     b->type = types[s->kind];
-    if (b->type == RBD_EULER_ZYX)
-        b->type = (rbd_joint_type)(RBD_EULER_ZYX + below(4));
+    if (b->type == RBD_EULER_ZYX) b->type = (rbd_joint_type)(RBD_EULER_ZYX + below(4));
     switch (s->kind) {
     case FREE: b->parent = -1; /* fall through */
     case BALL:
@@ -179,21 +170,17 @@ static void random_state(pivots_system *s) {
         s->nq += tb_nq(&s->bodies[i]);
         s->nv += tb_nv(&s->bodies[i]);
     }
-    for (int i = 0; i < s->nq; i++)
-        s->q[i] = normal();
+    for (int i = 0; i < s->nq; i++) s->q[i] = normal();
     for (int i = 0; i < s->nv; i++) {
         s->v[i] = normal();
         s->tau[i] = normal();
     }
-    if (s->kind == GIMBAL)
-        s->q[last + 1] = HALF_PI + s->deviation;
-    if (s->kind == IN_PLANE)
-        s->q[last + 1] = 0;
+    if (s->kind == GIMBAL) s->q[last + 1] = HALF_PI + s->deviation;
+    if (s->kind == IN_PLANE) s->q[last + 1] = 0;
 }
 
 static void round_state(pivots_system *s) {
-    for (int i = 0; i < s->nq; i++)
-        s->q[i] = (double)(float)s->q[i];
+    for (int i = 0; i < s->nq; i++) s->q[i] = (double)(float)s->q[i];
     for (int i = 0; i < s->nv; i++) {
         s->v[i] = (double)(float)s->v[i];
         s->tau[i] = (double)(float)s->tau[i];
@@ -234,8 +221,7 @@ static scalar scalars[2] = {{.name = "double", .call = pivots_double, .call_any 
 static const char *const algorithm[2] = {"aba", "fd_cholesky"};
 
 static int size_of(const pivots_system *s) {
-    if (s->deviation == 0)
-        return SIZES;
+    if (s->deviation == 0) return SIZES;
     const int size = (int)((18 + log10(s->deviation)) / 3);
     return size < 0 ? 0 : size >= SIZES ? SIZES - 1 : size;
 }
@@ -244,8 +230,7 @@ static int size_of(const pivots_system *s) {
 static double error_of(const double *a, const double *right, int n) {
     double error = 0, largest = 0;
     for (int i = 0; i < n; i++) {
-        if (!isfinite(a[i]) || !isfinite(right[i]))
-            return HUGE_VAL;
+        if (!isfinite(a[i]) || !isfinite(right[i])) return HUGE_VAL;
         error = fmax(error, fabs(a[i] - right[i]));
         largest = fmax(largest, fabs(right[i]));
     }
@@ -255,8 +240,7 @@ static double error_of(const double *a, const double *right, int n) {
 /* The status of a call: RBD_OK or that of a system without a right result. */
 static int run(pivots_call *call, const pivots_system *s, int cholesky, double *a) {
     const int status = call(s, cholesky, a);
-    if (status == RBD_OK || status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN)
-        return status;
+    if (status == RBD_OK || status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN) return status;
     fprintf(stderr, "pivots: status %d\n", status);
     exit(2);
 }
@@ -267,20 +251,17 @@ static void count_one(const scalar *f, class c, int cholesky, const pivots_syste
     const int refused = run(f->call, s, cholesky, a) != RBD_OK;
     n->systems++;
     n->refused += refused;
-    if (s->kind >= 0)
-        n->of_kind[s->kind][size_of(s)]++;
+    if (s->kind >= 0) n->of_kind[s->kind][size_of(s)]++;
     if (!refused) {
         const double error = c == SINGULAR ? HUGE_VAL : error_of(a, right, s->nv);
         n->worst = fmax(n->worst, error);
         n->misses += error > 0.5;
-        if (s->kind >= 0)
-            n->missed[s->kind] += error > 0.5;
+        if (s->kind >= 0) n->missed[s->kind] += error > 0.5;
     } else if (c != SINGULAR) {
         run(f->call_any, s, cholesky, a);
         const int was_right = error_of(a, right, s->nv) < 1e-3;
         n->false_alarms += was_right;
-        if (s->kind >= 0)
-            n->right[s->kind][size_of(s)] += was_right;
+        if (s->kind >= 0) n->right[s->kind][size_of(s)] += was_right;
     }
 }
 
@@ -290,10 +271,8 @@ static void count_class(scalar *f, class c, long systems) {
         pivots_system s;
         double right[PIVOTS_MAX_V] = {0};
         random_system(&s, c);
-        if (f->call == pivots_float)
-            round_state(&s);
-        if (c != SINGULAR)
-            run(pivots_quad_any, &s, 0, right);
+        if (f->call == pivots_float) round_state(&s);
+        if (c != SINGULAR) run(pivots_quad_any, &s, 0, right);
         for (int cholesky = 0; cholesky < 2; cholesky++)
             count_one(f, c, cholesky, &s, right, &f->counts[c][cholesky]);
     }
@@ -318,8 +297,7 @@ static void make_chain(pivots_system *s, int chain) {
         b->type = chain == 3 ? RBD_SPHERICAL : RBD_REVOLUTE;
         b->position[0] = i > 0 ? 0.1 : 0;
         b->axis[chain == 1 && i % 2 ? 2 : 1] = 1;
-        for (int k = 0; k < 3 && chain == 2; k++)
-            b->axis[k] = normal();
+        for (int k = 0; k < 3 && chain == 2; k++) b->axis[k] = normal();
     }
     random_state(s);
 }
@@ -354,8 +332,7 @@ static int check_chains(void) {
     puts("\n| chain of 200 links | scalar | aba: error | fd_cholesky |\n|---|---|---|---|");
     for (int chain = 0; chain < CHAINS; chain++)
         for (int f = 0; f < 2; f++)
-            for (int states = 0; states < 3; states++)
-                failures += check_chain(&scalars[f], chain);
+            for (int states = 0; states < 3; states++) failures += check_chain(&scalars[f], chain);
     return failures;
 }
 
@@ -402,8 +379,7 @@ static int verdict(int chains) {
         for (int c = 0; c < CLASSES; c++)
             misses += scalars[f].counts[c][0].misses + scalars[f].counts[c][1].misses;
     }
-    if (misses + regular + chains == 0)
-        return 0;
+    if (misses + regular + chains == 0) return 0;
     fprintf(stderr, "pivots: %ld misses; aba refuses %ld regular systems; %d chains wrong or refused\n",
             misses, regular, chains);
     return 1;
@@ -416,11 +392,9 @@ int main(int argc, char **argv) {
         return 2;
     }
     for (int f = 0; f < 2; f++)
-        for (int c = 0; c < CLASSES; c++)
-            count_class(&scalars[f], (class)c, systems);
+        for (int c = 0; c < CLASSES; c++) count_class(&scalars[f], (class)c, systems);
     print_totals();
     for (int f = 0; f < 2; f++)
-        for (int k = 0; k < 2; k++)
-            print_kinds(&scalars[f], k);
+        for (int k = 0; k < 2; k++) print_kinds(&scalars[f], k);
     return verdict(check_chains());
 }

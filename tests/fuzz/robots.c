@@ -17,9 +17,7 @@ static uint64_t next(uint64_t *seed) { /* splitmix64 (Steele, Lea, Flood 2014) *
     return z ^ (z >> 31);
 }
 
-static int below(uint64_t *seed, int n) {
-    return (int)(next(seed) % (uint64_t)n);
-}
+static int below(uint64_t *seed, int n) { return (int)(next(seed) % (uint64_t)n); }
 
 double uniform(uint64_t *seed, double low, double high) {
     return low + (high - low) * (double)(next(seed) >> 11) / 9007199254740992.0;
@@ -30,9 +28,7 @@ static double magnitude(uint64_t *seed, int low, int high) {
     return ldexp(uniform(seed, 1, 2), low + below(seed, high - low));
 }
 
-static double sign(uint64_t *seed) {
-    return below(seed, 2) ? 1 : -1;
-}
+static double sign(uint64_t *seed) { return below(seed, 2) ? 1 : -1; }
 
 /* A random direction times a length. */
 static void direction(uint64_t *seed, double length, double *x, int n) {
@@ -44,8 +40,7 @@ static void direction(uint64_t *seed, double length, double *x, int n) {
             square += x[i] * x[i];
         }
     } while (square > 1 || square < 0.01);
-    for (int i = 0; i < n; i++)
-        x[i] *= length / sqrt(square);
+    for (int i = 0; i < n; i++) x[i] *= length / sqrt(square);
 }
 
 /* ---- frames and axes ---- */
@@ -77,8 +72,7 @@ static void quarter_turns(uint64_t *seed, double R[9]) {
 /* A turn by 1e-1 to 1e-9 rad after that. */
 static void nearly_quarter_turns(uint64_t *seed, double R[9]) {
     double Q[9], S[9], u[4], half = 0.05;
-    for (int n = below(seed, 9); n > 0; n--)
-        half /= 10;
+    for (int n = below(seed, 9); n > 0; n--) half /= 10;
     quarter_turns(seed, Q);
     if (below(seed, 2)) {
         direction(seed, half, u, 3);
@@ -93,9 +87,7 @@ static void nearly_quarter_turns(uint64_t *seed, double R[9]) {
             R[3 * i + j] = Q[3 * i] * S[j] + Q[3 * i + 1] * S[3 + j] + Q[3 * i + 2] * S[6 + j];
 }
 
-static int has(const sample *s, int trait) {
-    return (s->traits >> trait & 1) != 0;
-}
+static int has(const sample *s, int trait) { return (s->traits >> trait & 1) != 0; }
 
 static void coordinate_axis(uint64_t *seed, double axis[3]) {
     axis[0] = axis[1] = axis[2] = 0;
@@ -108,8 +100,7 @@ static void draw_axis(sample *s, double axis[3]) {
     else
         direction(&s->seed, 1, axis, 3);
     const double length = below(&s->seed, 3) ? 1 : magnitude(&s->seed, -3, 3);
-    for (int k = 0; k < 3; k++)
-        axis[k] *= length;
+    for (int k = 0; k < 3; k++) axis[k] *= length;
 }
 
 /* Universal: at a right angle to the first, nearly, or anywhere that is not near it. */
@@ -136,8 +127,7 @@ static void draw_place(sample *s, int i) {
     switch (kind) {
     case 0: break;
     case 1:
-        for (int k = 0; b->parent >= 0 && k < 3; k++)
-            b->position[k] = length * s->bodies[b->parent].axis[k];
+        for (int k = 0; b->parent >= 0 && k < 3; k++) b->position[k] = length * s->bodies[b->parent].axis[k];
         break;
     case 2:
         for (int k = 0; k < 3; k++)
@@ -146,13 +136,11 @@ static void draw_place(sample *s, int i) {
         break;
     case 3:
         coordinate_axis(&s->seed, b->position);
-        for (int k = 0; k < 3; k++)
-            b->position[k] *= length;
+        for (int k = 0; k < 3; k++) b->position[k] *= length;
         break;
     default: direction(&s->seed, length, b->position, 3);
     }
-    if (has(s, FAR) && b->parent < 0)
-        direction(&s->seed, magnitude(&s->seed, 0, 20), b->position, 3);
+    if (has(s, FAR) && b->parent < 0) direction(&s->seed, magnitude(&s->seed, 0, 20), b->position, 3);
 }
 
 /* ---- masses and joints ---- */
@@ -164,12 +152,10 @@ static void draw_mass(sample *s, int i) {
     const double l = s->length[i];
     const int light = has(s, LIGHT) ? below(&s->seed, 4) : 3; /* massless, point, rod, body */
     double R[9], S[9] = {0};
-    if (light == 0)
-        return;
+    if (light == 0) return;
     b->mass = s->mass[i] * magnitude(&s->seed, -3, 3);
     direction(&s->seed, l * uniform(&s->seed, 0, 0.5), b->com, 3);
-    if (light == 1)
-        return;
+    if (light == 1) return;
     if (has(s, AXES) || has(s, LIGHT))
         quarter_turns(&s->seed, R);
     else
@@ -198,8 +184,7 @@ static int can_follow(const rbd_body *b) {
 static void maybe_follow(sample *s, int i) {
     rbd_body *b = &s->bodies[i];
     const int leader = below(&s->seed, i + 1);
-    if (leader == i || !below(&s->seed, 3) || !can_follow(b) || !can_follow(&s->bodies[leader]))
-        return;
+    if (leader == i || !below(&s->seed, 3) || !can_follow(b) || !can_follow(&s->bodies[leader])) return;
     b->mimic = joint_name(leader);
     b->mimic_ratio = sign(&s->seed) * magnitude(&s->seed, -3, 2);
     b->mimic_offset =
@@ -211,32 +196,24 @@ static void draw_joint(sample *s, int i, int one_dof) {
     memset(b, 0, sizeof *b);
     b->joint = joint_name(i);
     b->parent = below(&s->seed, 3) ? i - 1 : below(&s->seed, i + 1) - 1;
-    if (!has(s, FAR) && i > 0 && b->parent < 0)
-        b->parent = i - 1;
+    if (!has(s, FAR) && i > 0 && b->parent < 0) b->parent = i - 1;
     b->type = (rbd_joint_type)(one_dof || s->nv > WORLD_DOFS - 6 - (s->nb - i)
                                    ? RBD_REVOLUTE + below(&s->seed, RBD_HELICAL)
                                    : below(&s->seed, RBD_JOINT_TYPES));
-    if (one_dof == 2)
-        b->type = RBD_REVOLUTE;
-    if (b->type != RBD_FIXED)
-        draw_axis(s, b->axis);
-    if (b->type == RBD_UNIVERSAL)
-        draw_second_axis(s, b);
-    if (b->type == RBD_HELICAL)
-        b->pitch = s->length[i] * uniform(&s->seed, -0.5, 0.5);
+    if (one_dof == 2) b->type = RBD_REVOLUTE;
+    if (b->type != RBD_FIXED) draw_axis(s, b->axis);
+    if (b->type == RBD_UNIVERSAL) draw_second_axis(s, b);
+    if (b->type == RBD_HELICAL) b->pitch = s->length[i] * uniform(&s->seed, -0.5, 0.5);
     draw_place(s, i);
     draw_mass(s, i);
     const double armature = s->mass[i] * (b->type == RBD_PRISMATIC ? 1 : s->length[i] * s->length[i]);
-    for (int k = 0; k < 6 && !below(&s->seed, 4); k++)
-        b->armature[k] = armature * uniform(&s->seed, 0, 0.5);
-    if (has(s, FOLLOWERS))
-        maybe_follow(s, i);
+    for (int k = 0; k < 6 && !below(&s->seed, 4); k++) b->armature[k] = armature * uniform(&s->seed, 0, 0.5);
+    if (has(s, FOLLOWERS)) maybe_follow(s, i);
 }
 
 static int is_leaf(const sample *s, int i) {
     for (int k = i + 1; k < s->nb; k++)
-        if (s->bodies[k].parent == i)
-            return 0;
+        if (s->bodies[k].parent == i) return 0;
     return 1;
 }
 
@@ -259,15 +236,12 @@ void draw_robot(sample *s, int class_number, int number) {
         s->nv += world_nv(&s->bodies[i]);
     }
     for (int i = 0; i < s->nb; i++)
-        while (is_leaf(s, i) && !(s->bodies[i].mass > 0))
-            draw_mass(s, i);
+        while (is_leaf(s, i) && !(s->bodies[i].mass > 0)) draw_mass(s, i);
 }
 
 /* ---- states ---- */
 
-static double to_float(double x) {
-    return (double)(float)x;
-}
+static double to_float(double x) { return (double)(float)x; }
 
 /* n numbers within +-size; large angles if turned */
 static void draw_angles(sample *s, double *x, int n) {
@@ -276,8 +250,7 @@ static void draw_angles(sample *s, double *x, int n) {
 }
 
 static void draw_lengths(sample *s, double length, double *x, int n) {
-    for (int k = 0; k < n; k++)
-        x[k] = length * uniform(&s->seed, -1, 1);
+    for (int k = 0; k < n; k++) x[k] = length * uniform(&s->seed, -1, 1);
 }
 
 static void draw_direction(sample *s, double *x, int n) {
@@ -335,13 +308,11 @@ void draw_state(sample *s, sample_state *x) {
     const double rate = below(&s->seed, 4) ? 3 : magnitude(&s->seed, -10, 10);
     const double pull = below(&s->seed, 3) ? 0 : 10;
     memset(x, 0, sizeof *x);
-    if (below(&s->seed, 4))
-        direction(&s->seed, 9.81, x->gravity, 3);
+    if (below(&s->seed, 4)) direction(&s->seed, 9.81, x->gravity, 3);
     for (int i = 0, iq = 0, iv = 0; i < s->nb; i++) {
         draw_lengths(s, pull * s->mass[i] * s->length[i], x->f_ext + 6 * i, 3);
         draw_lengths(s, pull * s->mass[i], x->f_ext + 6 * i + 3, 3);
-        if (s->bodies[i].mimic)
-            continue;
+        if (s->bodies[i].mimic) continue;
         draw_coordinates(s, i, x->q + iq);
         draw_coordinates(s, i, x->q1 + iq);
         draw_rates(s, i, rate, x->v + iv);
@@ -353,21 +324,17 @@ void draw_state(sample *s, sample_state *x) {
     double *all[] = {x->gravity, x->q, x->q1, x->v, x->a, x->tau, x->f_ext};
     const int counts[] = {3, s->nq, s->nq, s->nv, s->nv, s->nv, 6 * s->nb};
     for (int k = 0; k < 7; k++)
-        for (int i = 0; i < counts[k]; i++)
-            all[k][i] = to_float(all[k][i]);
+        for (int i = 0; i < counts[k]; i++) all[k][i] = to_float(all[k][i]);
 }
 
 /* ---- as C source ---- */
 
 static void print_row(const char *name, const double *x, int n) {
     int given = 0;
-    for (int i = 0; i < n; i++)
-        given |= x[i] < 0 || x[i] > 0;
-    if (!given)
-        return;
+    for (int i = 0; i < n; i++) given |= x[i] < 0 || x[i] > 0;
+    if (!given) return;
     printf("%s{", name);
-    for (int i = 0; i < n; i++)
-        printf("%s%.17g", i ? ", " : "", x[i]);
+    for (int i = 0; i < n; i++) printf("%s%.17g", i ? ", " : "", x[i]);
     printf("}");
 }
 
@@ -382,8 +349,7 @@ void print_robot(const sample *s) {
         printf("    {.joint = \"%s\", .parent = %d, .type = RBD_%s", b->joint, b->parent, types[b->type]);
         print_row(", .axis = ", b->axis, 3);
         print_row(", .axis2 = ", b->axis2, 3);
-        if (b->type == RBD_HELICAL)
-            printf(", .pitch = %.17g", b->pitch);
+        if (b->type == RBD_HELICAL) printf(", .pitch = %.17g", b->pitch);
         print_row(", .position = ", b->position, 3);
         print_row(", .rotation = ", b->rotation, 9);
         printf(", .mass = %.17g", b->mass);

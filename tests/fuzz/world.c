@@ -11,34 +11,22 @@ extern quad sinq(quad x), cosq(quad x), sqrtq(quad x);
 static const quad identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, zero[3] = {0, 0, 0};
 static const quad unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-quad world_sqrt(quad x) {
-    return sqrtq(x);
-}
+quad world_sqrt(quad x) { return sqrtq(x); }
 
-static quad magnitude(quad x) {
-    return x < 0 ? -x : x;
-}
+static quad magnitude(quad x) { return x < 0 ? -x : x; }
 
-static quad larger(quad x, quad y) {
-    return x > y ? x : y;
-}
+static quad larger(quad x, quad y) { return x > y ? x : y; }
 
-static quad dot(const quad a[3], const quad b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+static quad dot(const quad a[3], const quad b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static quad length(const quad a[3]) {
-    return sqrtq(dot(a, a));
-}
+static quad length(const quad a[3]) { return sqrtq(dot(a, a)); }
 
 static void cross(const quad a[3], const quad b[3], quad out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 static void add(const quad a[3], quad factor, quad to[3]) {
-    for (int i = 0; i < 3; i++)
-        to[i] += factor * a[i];
+    for (int i = 0; i < 3; i++) to[i] += factor * a[i];
 }
 
 static void add_cross(const quad a[3], const quad b[3], quad factor, quad to[3]) {
@@ -48,8 +36,7 @@ static void add_cross(const quad a[3], const quad b[3], quad factor, quad to[3])
 }
 
 static void turn(const quad R[9], const quad x[3], quad out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = dot(R + 3 * i, x);
+    for (int i = 0; i < 3; i++) out[i] = dot(R + 3 * i, x);
 }
 
 static void product(const quad A[9], const quad B[9], quad out[9]) {
@@ -60,10 +47,8 @@ static void product(const quad A[9], const quad B[9], quad out[9]) {
 
 static void normalise(quad *x, int n) {
     quad square = 0;
-    for (int i = 0; i < n; i++)
-        square += x[i] * x[i];
-    for (int i = 0; i < n; i++)
-        x[i] /= sqrtq(square);
+    for (int i = 0; i < n; i++) square += x[i] * x[i];
+    for (int i = 0; i < n; i++) x[i] /= sqrtq(square);
 }
 
 /* Rotation by an angle about a unit axis: x cos + axis x x sin + axis (axis x) (1 - cos). */
@@ -216,16 +201,13 @@ static void append_screw(world *s, const drive *d, int k, const quad axis[3], in
 }
 
 static void append_turns(world *s, const drive *d, const char *axes) {
-    for (int k = 0; axes[k]; k++)
-        append_screw(s, d, k, unit[axes[k] - 'x'], 1, 0);
+    for (int k = 0; axes[k]; k++) append_screw(s, d, k, unit[axes[k] - 'x'], 1, 0);
 }
 
 /* A joint whose rates are components of the velocity in body axes: turns first, then shifts. */
 static void append_body_axes(world *s, const drive *d, part *p, const char *turns, const char *shifts) {
-    for (; *turns; turns++)
-        p->turn[p->dofs++][*turns - 'x'] = 1;
-    for (; *shifts; shifts++)
-        p->shift[p->dofs++][*shifts - 'x'] = 1;
+    for (; *turns; turns++) p->turn[p->dofs++][*turns - 'x'] = 1;
+    for (; *shifts; shifts++) p->shift[p->dofs++][*shifts - 'x'] = 1;
     append(s, s->elements - 1, p, d, 0);
 }
 
@@ -272,8 +254,7 @@ static void append_joint(world *s, const rbd_body *b, const drive *d) {
         append_body_axes(s, d, &p, "z", "xy");
         break;
     case RBD_TRANSLATION:
-        for (int k = 0; k < 3; k++)
-            append_screw(s, d, k, unit[k], 0, 1);
+        for (int k = 0; k < 3; k++) append_screw(s, d, k, unit[k], 0, 1);
         break;
     case RBD_FLOATING:
         memcpy(p.p, d->q, sizeof p.p);
@@ -297,8 +278,7 @@ int world_nq(const rbd_body *body) {
 
 static int leader_of(const rbd_body *bodies, int nb, int i) {
     for (int k = 0; bodies[i].mimic && k < nb; k++)
-        if (bodies[k].joint && strcmp(bodies[k].joint, bodies[i].mimic) == 0)
-            return k;
+        if (bodies[k].joint && strcmp(bodies[k].joint, bodies[i].mimic) == 0) return k;
     return i;
 }
 
@@ -318,8 +298,7 @@ static void measure_reach(const rbd_body *b, int nb, quad *reach) {
         reach[i] = larger(reach[i], sum);
     }
     for (int i = 0; i < nb; i++)
-        if (b[i].type == RBD_FIXED && b[i].parent >= 0)
-            reach[i] = larger(reach[i], reach[b[i].parent]);
+        if (b[i].type == RBD_FIXED && b[i].parent >= 0) reach[i] = larger(reach[i], reach[b[i].parent]);
 }
 
 /* What the motion of a body is measured by: its own, and that of the far ends of the links on the way to it.
@@ -382,13 +361,11 @@ static void mass_of(const world *s, int body, mass *k) {
                com[3] = {b->com[0], b->com[1], b->com[2]};
     quad transposed[9], RI[9], r[3], wr[3];
     for (int row = 0; row < 3; row++)
-        for (int column = 0; column < 3; column++)
-            transposed[3 * row + column] = e->R[3 * column + row];
+        for (int column = 0; column < 3; column++) transposed[3 * row + column] = e->R[3 * column + row];
     product(e->R, central, RI);
     product(RI, transposed, k->I);
     k->I_size = 0;
-    for (int j = 0; j < 9; j++)
-        k->I_size += central[j] * central[j];
+    for (int j = 0; j < 9; j++) k->I_size += central[j] * central[j];
     k->I_size = sqrtq(k->I_size);
     k->m = b->mass;
     turn(e->R, com, r);
@@ -435,8 +412,7 @@ static void add_wrench(const world *s, int body, const quad point[3], quad arm, 
 
 void world_torques(const world *s, const quad gravity[3], const quad *a, const quad *f_ext, quad *tau,
                    quad *size) {
-    for (int k = 0; k < s->nv; k++)
-        tau[k] = size[k] = 0;
+    for (int k = 0; k < s->nv; k++) tau[k] = size[k] = 0;
     for (int i = 0; i < s->nb; i++) {
         const world_element *e = &s->element[s->last[i]];
         mass k;
@@ -445,12 +421,10 @@ void world_torques(const world *s, const quad gravity[3], const quad *a, const q
         turn(k.I, e->alpha, N);
         turn(k.I, e->w, Iw);
         add_cross(e->w, Iw, 1, N);
-        for (int j = 0; j < 3; j++)
-            F[j] = k.m * (k.a[j] - gravity[j]);
+        for (int j = 0; j < 3; j++) F[j] = k.m * (k.a[j] - gravity[j]);
         add_wrench(s, i, k.c, k.arm, N, F, k.I_size * (e->alpha_size + e->w_size * e->w_size),
                    k.m * (k.a_size + length(gravity)), tau, size);
-        if (!f_ext)
-            continue;
+        if (!f_ext) continue;
         for (int j = 0; j < 3; j++) {
             N[j] = -dot(e->R + 3 * j, f_ext + 6 * i);
             F[j] = -dot(e->R + 3 * j, f_ext + 6 * i + 3);
@@ -516,8 +490,7 @@ void world_mass_matrix(const world *s, quad *M, quad *size) {
             for (int l = 0; l < n; l++)
                 M[p[k].iv * nv + p[l].iv] += dot(p[k].w, p[l].Iw) + m * dot(p[k].v, p[l].v);
         }
-        for (int k = 0; k < nv; k++)
-            size[k] += root[k] * root[k];
+        for (int k = 0; k < nv; k++) size[k] += root[k] * root[k];
     }
     for (int i = 0; i < s->elements; i++) {
         const world_element *e = &s->element[i];
@@ -535,24 +508,20 @@ quad world_distance(quad *M, const quad *size, int n) {
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) {
             quad sum = M[i * n + j] / sqrtq(size[i] * size[j]);
-            for (int k = 0; k < j; k++)
-                sum -= M[i * n + k] * M[j * n + k];
-            if (i == j && !(sum > 0))
-                return 0;
+            for (int k = 0; k < j; k++) sum -= M[i * n + k] * M[j * n + k];
+            if (i == j && !(sum > 0)) return 0;
             M[i * n + j] = i == j ? sqrtq(sum) : sum / M[j * n + j];
         }
     for (int column = 0; column < n; column++) {
         quad sum = 0;
         for (int i = column; i < n; i++) {
             x[i] = i == column;
-            for (int k = column; k < i; k++)
-                x[i] -= M[i * n + k] * x[k];
+            for (int k = column; k < i; k++) x[i] -= M[i * n + k] * x[k];
             x[i] /= M[i * n + i];
         }
         for (int i = n - 1; i >= 0; i--) {
             x[i] = i < column ? 0 : x[i];
-            for (int k = i + 1; k < n; k++)
-                x[i] -= M[k * n + i] * x[k];
+            for (int k = i + 1; k < n; k++) x[i] -= M[k * n + i] * x[k];
             x[i] /= M[i * n + i];
             sum += magnitude(x[i]);
         }
@@ -570,8 +539,7 @@ void world_total(const world *s, const quad gravity[3], const quad *v, world_tot
         const world_element *e = &s->element[s->last[i]];
         mass k;
         quad Iw[3];
-        if (!s->moved[i])
-            continue;
+        if (!s->moved[i]) continue;
         mass_of(s, i, &k);
         turn(k.I, e->w, Iw);
         total += k.m;
@@ -596,8 +564,7 @@ void world_total(const world *s, const quad gravity[3], const quad *v, world_tot
     }
     for (int k = 0; k < 3 && total > 0; k++) {
         t->com_size[k] /= total;
-        for (int j = 0; j < 3; j++)
-            t->com[k][j] /= total;
+        for (int j = 0; j < 3; j++) t->com[k][j] /= total;
     }
 }
 
@@ -642,8 +609,7 @@ static void step_quaternion(const quad *q, const quad w[3], quad *next, quad *si
     add(v, u[3], next);
     add(u, c, next);
     next[3] = u[3] * c - dot(u, v);
-    for (int k = 0; k < 4; k++)
-        size[k] = 1 + length(w);
+    for (int k = 0; k < 4; k++) size[k] = 1 + length(w);
 }
 
 /* The position of a joint whose v is in body axes: it goes by R shift, R the rotation before the step. */

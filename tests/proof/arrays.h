@@ -1,6 +1,7 @@
-/* arrays.h - rbd.h in which each array of a model and of a work is an object of its own, so that no access that
-   leaves an array can hide in its neighbour: for the sanitizers (tests/arrays.c) and for the proof (model.c). The
-   script that compiles it leaves rbd.h as it is but for the name of its rbdi_take, which this one replaces. */
+/* arrays.h - rbd.h in which each array of a model and of a work is an object of its own, so that no access
+   that leaves an array can hide in its neighbour: for the sanitizers (tests/arrays.c) and for the proof
+   (model.c). The script that compiles it leaves rbd.h as it is but for the name of its rbdi_take, which this
+   one replaces. */
 #include <stddef.h>
 #include <stdlib.h>
 

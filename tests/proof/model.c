@@ -1,6 +1,7 @@
-/* model.c - for Frama-C: the build, the work and the index functions stay in their arrays for all descriptions of
-   NB bodies with these joint types, all parents and all following of joints, whatever numbers (NaN and infinity
-   too) stand in the other fields; and the sizes that rbd.h states suffice. See README.md. */
+/* model.c - for Frama-C: the build, the work and the index functions stay in their arrays for all
+   descriptions of NB bodies with these joint types, all parents and all following of joints, whatever numbers
+   (NaN and infinity too) stand in the other fields; and the sizes that rbd.h states suffice. See
+   README.md. */
 #include "__fc_builtin.h"
 
 #include <stdint.h>
@@ -18,8 +19,8 @@ static void *own_array(size_t bytes) {
 #ifdef ALL_TYPES
 #define TYPES 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
 #else /* one of each shape: links, coordinates, dofs, whether it can follow */
-#define TYPES                                                                                                \
-    RBD_FIXED, RBD_REVOLUTE, RBD_CONTINUOUS_CS, RBD_UNIVERSAL, RBD_SPHERICAL, RBD_EULER_ZYX, RBD_PLANAR,     \
+#define TYPES \
+    RBD_FIXED, RBD_REVOLUTE, RBD_CONTINUOUS_CS, RBD_UNIVERSAL, RBD_SPHERICAL, RBD_EULER_ZYX, RBD_PLANAR, \
         RBD_FLOATING
 #endif
 
@@ -33,9 +34,7 @@ static void claim(int condition) {
     //@ assert holds: condition != 0;
 }
 
-static void unknown(void *array, size_t bytes) {
-    Frama_C_make_unknown(array, bytes);
-}
+static void unknown(void *array, size_t bytes) { Frama_C_make_unknown(array, bytes); }
 
 static void indices(const rbd_model *m) {
     const int nv = rbd_nv(m), size = rbd_packed_size(m);
@@ -67,9 +66,10 @@ static void configurations(const rbd_model *m) {
 /* Every algorithm, on states that are any bits at all. */
 static void algorithms(const rbd_model *m, rbd_work *w) {
     const size_t nq = (size_t)rbd_nq(m) * sizeof(rbd_real), nv = (size_t)rbd_nv(m) * sizeof(rbd_real);
-    rbd_real *q = own_array(nq), *v = own_array(nv), *f = own_array(6 * NB * sizeof *f), *next = own_array(nq),
-             *a = own_array(nv), *M = own_array((size_t)rbd_nv(m) * nv),
-             *H = own_array((size_t)rbd_packed_size(m) * sizeof *H), R[9], p[3], velocity[6], kinetic, potential;
+    rbd_real *q = own_array(nq), *v = own_array(nv), *f = own_array(6 * NB * sizeof *f),
+             *next = own_array(nq), *a = own_array(nv), *M = own_array((size_t)rbd_nv(m) * nv),
+             *H = own_array((size_t)rbd_packed_size(m) * sizeof *H), R[9], p[3], velocity[6], kinetic,
+             potential;
     unknown(q, nq), unknown(v, nv), unknown(f, 6 * NB * sizeof *f);
     rbd_rnea(m, w, q, v, v, f, a);
     rbd_bias(m, w, q, v, NULL, a);
@@ -99,8 +99,7 @@ static void prove_one(void) {
     size_t size = rbd_model_size(bodies, NB);
     claim(size > 0 && size <= RBD_MODEL_SIZE(NB));
     taken = 0;
-    if (rbd_model_build(bodies, NB, memory, size, &m, &report) != RBD_OK)
-        return;
+    if (rbd_model_build(bodies, NB, memory, size, &m, &report) != RBD_OK) return;
     claim(taken + RBDI_ALIGN <= size);
     indices(m);
     configurations(m);

@@ -4,15 +4,9 @@
 #include <locale>
 
 struct comma : std::numpunct<char> {
-    char do_decimal_point() const override {
-        return ',';
-    }
-    char do_thousands_sep() const override {
-        return '.';
-    }
-    std::string do_grouping() const override {
-        return "\3";
-    }
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
 };
 
 void comma_locale(void) {

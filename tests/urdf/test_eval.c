@@ -19,8 +19,7 @@ static const char *const robots[] = {"iiwa", "hyq", "atlas"};
 
 static const ref_model *find_reference(const char *name) {
     for (int i = 0; i < reference_count; i++)
-        if (strcmp(reference_model(i)->name, name) == 0)
-            return reference_model(i);
+        if (strcmp(reference_model(i)->name, name) == 0) return reference_model(i);
     ck_abort_msg("no reference of %s", name);
     return NULL;
 }
@@ -51,19 +50,16 @@ static names names_taken(const char *command) {
     layout = popen(line, "r");
     ck_assert(layout != NULL);
     while (fgets(line, sizeof line, layout))
-        if (sscanf(line, "takes %63s", taken.name[taken.n]) == 1)
-            ck_assert_int_lt(++taken.n, 200);
+        if (sscanf(line, "takes %63s", taken.name[taken.n]) == 1) ck_assert_int_lt(++taken.n, 200);
     ck_assert_int_eq(pclose(layout), 0);
     return taken;
 }
 
 /* The value of column i among those taken: they stand in the order of q, v, then a or tau. */
 static double value(const ref_model *model, const ref_state *s, const char *name, int i) {
-    if (i < model->nq)
-        return s->q[i];
+    if (i < model->nq) return s->q[i];
     i -= model->nq;
-    if (i < model->nv)
-        return s->v[i];
+    if (i < model->nv) return s->v[i];
     return name[0] == 'a' ? s->vdot[i - model->nv] : s->tau[i - model->nv];
 }
 
@@ -71,11 +67,9 @@ static double value(const ref_model *model, const ref_state *s, const char *name
 static void write_table(const char *path, const ref_model *model, const ref_state *s, const names *taken) {
     FILE *table = fopen(path, "w");
     ck_assert(table != NULL);
-    for (int i = taken->n; i-- > 0;)
-        fprintf(table, "%s,", taken->name[i]);
+    for (int i = taken->n; i-- > 0;) fprintf(table, "%s,", taken->name[i]);
     fprintf(table, "remark\r\n\r\n");
-    for (int i = taken->n; i-- > 0;)
-        fprintf(table, " %.17g,", value(model, s, taken->name[i], i));
+    for (int i = taken->n; i-- > 0;) fprintf(table, " %.17g,", value(model, s, taken->name[i], i));
     fprintf(table, "none\r\n\n");
     ck_assert_int_eq(fclose(table), 0);
 }
@@ -118,8 +112,7 @@ static int evaluate(const ref_model *model, const ref_state *s, const char *algo
 static void expect(const ref_model *model, const char *what, const double *found, const double *expected,
                    int n, double bound) {
     double scale = 1e-3;
-    for (int i = 0; i < n; i++)
-        scale = fmax(scale, fabs(expected[i]));
+    for (int i = 0; i < n; i++) scale = fmax(scale, fabs(expected[i]));
     for (int i = 0; i < n; i++)
         ck_assert_msg(fabs(found[i] - expected[i]) <= bound * scale, "%s, %s, number %d: %.17g, not %.17g",
                       model->name, what, i, found[i], expected[i]);

@@ -61,11 +61,11 @@ static const char *path_of(const char *folder, const char *name, const char *suf
 /* ---- texts ---- */
 
 #define LINK(name) "<link name='" name "'/>"
-#define UNIT_LINK(name)                                                                                      \
-    "<link name='" name "'><inertial><mass value='1'/>"                                                      \
+#define UNIT_LINK(name) \
+    "<link name='" name "'><inertial><mass value='1'/>" \
     "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
-#define JOINT(name, type, parent, child, inside)                                                             \
-    "<joint name='" name "' type='" type "'><parent link='" parent "'/><child link='" child "'/>" inside     \
+#define JOINT(name, type, parent, child, inside) \
+    "<joint name='" name "' type='" type "'><parent link='" parent "'/><child link='" child "'/>" inside \
     "</joint>"
 #define LIMIT "<limit lower='-1' upper='2' velocity='3' effort='4'/>"
 #define ROBOT(inside) "<robot name='r'>" inside "</robot>"
@@ -109,8 +109,7 @@ static results compute(const rbd_body *bodies, int nb, uint64_t seed) {
 
 static void expect_close(const char *what, const double *x, const double *y, int n, double bound) {
     double scale = 1e-3;
-    for (int i = 0; i < n; i++)
-        scale = fmax(scale, fabs(y[i]));
+    for (int i = 0; i < n; i++) scale = fmax(scale, fabs(y[i]));
     for (int i = 0; i < n; i++)
         ck_assert_msg(fabs(x[i] - y[i]) <= bound * scale, "%s[%d]: %.17g, not %.17g", what, i, x[i], y[i]);
 }
@@ -270,8 +269,7 @@ static char *repeated(const char *head, const char *unit, int n, const char *tai
     const size_t length = strlen(unit);
     char *text = malloc(strlen(head) + length * (size_t)n + strlen(tail) + 1), *p = text;
     p += sprintf(p, "%s", head);
-    for (int i = 0; i < n; i++, p += length)
-        memcpy(p, unit, length);
+    for (int i = 0; i < n; i++, p += length) memcpy(p, unit, length);
     strcpy(p, tail);
     return text;
 }
@@ -294,10 +292,8 @@ START_TEST(long_chains_are_no_crash) {
     rbd_urdf robot;
     memset(&robot, 0, sizeof robot);
     p += sprintf(p, "<robot name='r'>" LINK("base"));
-    for (int i = 0; i < LINKS; i++)
-        p += sprintf(p, "<link name='%d'/>", i);
-    for (int i = 1; i < LINKS; i++)
-        p += sprintf(p, JOINT("%d", "fixed", "%d", "%d", ""), i, i - 1, i);
+    for (int i = 0; i < LINKS; i++) p += sprintf(p, "<link name='%d'/>", i);
+    for (int i = 1; i < LINKS; i++) p += sprintf(p, JOINT("%d", "fixed", "%d", "%d", ""), i, i - 1, i);
     sprintf(p,
             UNIT_LINK("end") JOINT("a", "continuous", "base", "0", "")
                 JOINT("b", "fixed", "%d", "end", "") "</robot>",
@@ -327,14 +323,12 @@ END_TEST
 static char *chain_of_mimics(int n, const char *last) {
     char *text = malloc((size_t)n * 400 + 300), *p = text;
     p += sprintf(p, "<robot name='r'>" LINK("base"));
-    for (int i = 0; i < n; i++)
-        p += sprintf(p, UNIT_LINK("%d"), i);
+    for (int i = 0; i < n; i++) p += sprintf(p, UNIT_LINK("%d"), i);
     for (int i = 0; i + 1 < n; i++)
         p += sprintf(p, JOINT("%d", "continuous", "base", "%d", "<mimic joint='%d'/>"), i, i, i + 1);
     p += sprintf(p, "<joint name='%d' type='continuous'><parent link='base'/><child link='%d'/>", n - 1,
                  n - 1);
-    if (last)
-        p += sprintf(p, "<mimic joint='%s'/>", last);
+    if (last) p += sprintf(p, "<mimic joint='%s'/>", last);
     sprintf(p, "</joint></robot>");
     return text;
 }
@@ -349,8 +343,7 @@ START_TEST(chains_of_mimic_joints_end_at_the_one_that_leads) {
     robot.names = names, robot.names_max = sizeof names;
     ck_assert_msg(parse(&robot, good, NULL) == RBD_URDF_OK, "%s", robot.error.text);
     ck_assert_int_eq(robot.nb, RBD_MAX_BODIES);
-    for (int i = 0; i < RBD_MAX_BODIES - 1; i++)
-        ck_assert_str_eq(robot.bodies[i].mimic, "999");
+    for (int i = 0; i < RBD_MAX_BODIES - 1; i++) ck_assert_str_eq(robot.bodies[i].mimic, "999");
     ck_assert_ptr_null(robot.bodies[RBD_MAX_BODIES - 1].mimic);
     ck_assert_int_eq(parse(&robot, circle, NULL), RBD_URDF_ERR_MIMIC);
     ck_assert_str_eq(robot.error.text,
@@ -518,8 +511,8 @@ START_TEST(mimic_joints_follow_through_others) {
 END_TEST
 
 /* Several levels of fixed links with inertias turned about, on a moving link and on the world. */
-#define HEAVY(name, m, xyz, rpy)                                                                             \
-    "<link name='" name "'><inertial><origin xyz='" xyz "' rpy='" rpy "'/><mass value='" m "'/>"             \
+#define HEAVY(name, m, xyz, rpy) \
+    "<link name='" name "'><inertial><origin xyz='" xyz "' rpy='" rpy "'/><mass value='" m "'/>" \
     "<inertia ixx='0.3' ixy='0.01' ixz='-0.02' iyy='0.25' iyz='0.03' izz='0.2'/></inertial></link>"
 static const char fixed_links[] = ROBOT(
     HEAVY("base", "5", "0 0 0", "0 0 0") HEAVY("arm", "2", "0.1 0.2 0.3", "0.4 0.5 0.6") HEAVY(
@@ -632,8 +625,7 @@ START_TEST(inertias_are_turned_by_their_origin) {
         NULL);
     /* a quarter turn about z: x becomes y, y becomes -x */
     const double turned[6] = {2, -0.1, -0.3, 1, 0.2, 2.5};
-    for (int i = 0; i < 6; i++)
-        ck_assert_double_eq_tol(robot.bodies[0].inertia[i], turned[i], 1e-15);
+    for (int i = 0; i < 6; i++) ck_assert_double_eq_tol(robot.bodies[0].inertia[i], turned[i], 1e-15);
 }
 END_TEST
 
@@ -683,8 +675,8 @@ END_TEST
 
 /* ---- warnings ---- */
 
-#define TENSOR_LINK(name, mass, ixx, ixy, iyy, izz)                                                          \
-    "<link name='" name "'>\n<inertial><mass value='" mass "'/><inertia ixx='" ixx "' ixy='" ixy             \
+#define TENSOR_LINK(name, mass, ixx, ixy, iyy, izz) \
+    "<link name='" name "'>\n<inertial><mass value='" mass "'/><inertia ixx='" ixx "' ixy='" ixy \
     "' ixz='0' iyy='" iyy "' iyz='0' izz='" izz "'/></inertial></link>"
 static const char unreal[] = ROBOT(
     LINK("a") TENSOR_LINK("point", "1", "0", "0", "0", "0") TENSOR_LINK("broken", "1", "1", "0", "1", "3")
@@ -729,8 +721,7 @@ START_TEST(limits_that_make_no_sense_are_none_with_a_warning) {
                       JOINT("l", "continuous", "c", "d", "<limit effort='2'/>")),
         NULL);
     ck_assert_int_eq(robot.nwarnings, 4);
-    for (int i = 0; i < 4; i++)
-        ck_assert_str_eq(robot.warnings[i].text, texts[i]);
+    for (int i = 0; i < 4; i++) ck_assert_str_eq(robot.warnings[i].text, texts[i]);
     for (int i = 0; i < 3; i++)
         ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0 && robot.bodies[i].velocity == 0);
     ck_assert_double_eq(robot.bodies[2].effort, 2);
@@ -748,8 +739,7 @@ START_TEST(limits_that_are_not_used_give_no_warning_about_their_order) {
         NULL);
     ck_assert_int_eq(robot.nwarnings, 1);
     ck_assert_str_eq(robot.warnings[0].text, "joint 'j': the lower limit is infinite; read as none");
-    for (int i = 0; i < 3; i++)
-        ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0);
+    for (int i = 0; i < 3; i++) ck_assert(robot.bodies[i].lower == 0 && robot.bodies[i].upper == 0);
     robot = with_room(&x);
     ck_assert_int_eq(
         parse(&robot,
@@ -795,10 +785,10 @@ START_TEST(joints_that_move_no_mass_are_an_error_or_locked) {
 END_TEST
 
 /* drive moves no mass itself; what mimics it, through idle, may. */
-#define DRIVEN(follower)                                                                                     \
-    ROBOT(LINK("a") LINK("b") LINK("c") follower UNIT_LINK("e") JOINT("drive", "continuous", "a", "b", "")   \
-              JOINT("follow", "continuous", "a", "d", "<mimic joint='idle'/>")                               \
-                  JOINT("idle", "continuous", "a", "c", "<mimic joint='drive'/>")                            \
+#define DRIVEN(follower) \
+    ROBOT(LINK("a") LINK("b") LINK("c") follower UNIT_LINK("e") JOINT("drive", "continuous", "a", "b", "") \
+              JOINT("follow", "continuous", "a", "d", "<mimic joint='idle'/>") \
+                  JOINT("idle", "continuous", "a", "c", "<mimic joint='drive'/>") \
                       JOINT("spin", "continuous", "a", "e", ""))
 
 START_TEST(a_joint_moves_the_mass_of_those_that_mimic_it) {
@@ -939,8 +929,7 @@ START_TEST(a_joint_that_mimics_by_zero_stands_at_its_offset) {
     ck_assert_str_eq(robot.warnings[0].text, "joint 'k': held still at 0.5, as its <mimic> has multiplier 0");
     ck_assert_str_eq(robot.warnings[1].text, "joint 'l': held still at -0.75, as it mimics 'k'");
     ck_assert_str_eq(robot.warnings[2].text, "joint 'n': held still at 0, as its <mimic> has multiplier 0");
-    for (int i = 0; i < 3; i++)
-        ck_assert_int_eq(robot.warnings[i].status, RBD_URDF_WARN_LOCKED);
+    for (int i = 0; i < 3; i++) ck_assert_int_eq(robot.warnings[i].status, RBD_URDF_WARN_LOCKED);
 }
 END_TEST
 
@@ -1003,8 +992,7 @@ START_TEST(a_quarter_turn_is_exact) {
                          JOINT("k", "continuous", "b", "c", "<axis xyz='0 0 3'/>")),
                &options);
     ck_assert_int_eq(robot.nb, 1);
-    for (int i = 0; i < 9; i++)
-        ck_assert_double_eq(robot.frames[2].rotation[i], turned[i]);
+    for (int i = 0; i < 9; i++) ck_assert_double_eq(robot.frames[2].rotation[i], turned[i]);
 }
 END_TEST
 
@@ -1141,9 +1129,9 @@ END_TEST
 
 /* ---- a part of the robot ---- */
 
-#define ARM(base)                                                                                            \
-    base UNIT_LINK("hand") UNIT_LINK("left") UNIT_LINK("right")                                              \
-        JOINT("wrist", "revolute", "arm", "hand", LIMIT) JOINT("l", "prismatic", "hand", "left", LIMIT)      \
+#define ARM(base) \
+    base UNIT_LINK("hand") UNIT_LINK("left") UNIT_LINK("right") \
+        JOINT("wrist", "revolute", "arm", "hand", LIMIT) JOINT("l", "prismatic", "hand", "left", LIMIT) \
             JOINT("r", "prismatic", "hand", "right", LIMIT "<mimic joint='l'/>")
 static const char arm_alone[] = ROBOT(ARM(UNIT_LINK("arm")));
 /* outside of the arm nothing is right, beside the names */
@@ -1240,8 +1228,7 @@ START_TEST(parts_that_cannot_be_are_errors_by_name) {
             .root_link = cases[i].root, .keep = cases[i].keep, .lock = cases[i].lock};
         rbd_urdf robot = with_room(&x);
         ck_assert_int_eq(parse(&robot, cases[i].text, &options), cases[i].status);
-        if (cases[i].error)
-            ck_assert_str_eq(robot.error.text, cases[i].error);
+        if (cases[i].error) ck_assert_str_eq(robot.error.text, cases[i].error);
     }
 }
 END_TEST

@@ -7,8 +7,7 @@
 #include "rbd_urdf.h"
 
 static void require(bool condition) {
-    if (!condition)
-        __builtin_trap();
+    if (!condition) __builtin_trap();
 }
 
 static bool moderate(const rbd_body *bodies, int nb) {
@@ -19,8 +18,7 @@ static bool moderate(const rbd_body *bodies, int nb) {
                             b.inertia[1],  b.inertia[2],  b.inertia[3],   b.inertia[4],
                             b.inertia[5],  b.mimic_ratio, b.mimic_offset, b.armature[0]};
         for (double value : x)
-            if (!(std::fabs(value) < 1e6))
-                return false;
+            if (!(std::fabs(value) < 1e6)) return false;
     }
     return true;
 }
@@ -38,10 +36,8 @@ static void compute(const rbd_body *bodies, int nb) {
     std::vector<double> q((size_t)rbd_nq(m) + 1), v(nv + 1, 1), tau(nv + 1);
     rbd_random(m, &seed, q.data());
     require(rbd_rnea(m, w, q.data(), v.data(), v.data(), NULL, tau.data()) == RBD_OK);
-    if (!moderate(bodies, nb))
-        return;
-    for (size_t i = 0; i < nv; i++)
-        require(std::isfinite(tau[i]));
+    if (!moderate(bodies, nb)) return;
+    for (size_t i = 0; i < nv; i++) require(std::isfinite(tau[i]));
 }
 
 /* What a text gave; strings lie in names. */
@@ -57,8 +53,7 @@ static bool load(const char *text, size_t length, const rbd_urdf_options &option
     const rbd_urdf_status counted = rbd_urdf_parse(text, length, &options, &robot);
     require((counted == RBD_URDF_OK) == (robot.error.text[0] == 0));
     require(counted != RBD_URDF_ERR_PARSER); /* what urdfdom refuses, our checks must have refused before */
-    if (counted != RBD_URDF_OK)
-        return false;
+    if (counted != RBD_URDF_OK) return false;
     to.bodies.resize((size_t)robot.nb);
     to.frames.resize((size_t)robot.nframes);
     to.names.resize(robot.names_size);
@@ -71,8 +66,7 @@ static bool load(const char *text, size_t length, const rbd_urdf_options &option
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    if (size == 0)
-        return 0;
+    if (size == 0) return 0;
     rbd_urdf_options options = {};
     options.root = data[0] & 1 ? RBD_FLOATING : RBD_FIXED;
     options.keep_all = data[0] >> 1 & 1;
@@ -80,8 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     options.strict = (data[0] >> 3 & 7) == 7;
     const char *text = (const char *)data + 1;
     loaded whole, part;
-    if (!load(text, size - 1, options, whole))
-        return 0;
+    if (!load(text, size - 1, options, whole)) return 0;
     /* once more, of what is in the middle: the part on a link, and with a joint held still */
     const rbd_body &b = whole.bodies[whole.bodies.size() / 2];
     const rbd_urdf_lock lock[] = {{b.joint, data[0] & 0x40 ? 0.5 : 0}, {NULL, 0}};

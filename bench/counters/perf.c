@@ -14,21 +14,19 @@
 #include <perfmon/pfmlib_perf_event.h>
 #endif
 
-#define HARDWARE(event)                                                                                      \
+#define HARDWARE(event) \
     .generic = true, .type = PERF_TYPE_HARDWARE, .config = PERF_COUNT_HW_##event, .factor = 1
-#define CACHE_L1D(access, result)                                                                            \
-    .generic = true, .type = PERF_TYPE_HW_CACHE, .factor = 1,                                                \
-    .config = PERF_COUNT_HW_CACHE_L1D | PERF_COUNT_HW_CACHE_OP_##access << 8 |                               \
+#define CACHE_L1D(access, result) \
+    .generic = true, .type = PERF_TYPE_HW_CACHE, .factor = 1, \
+    .config = PERF_COUNT_HW_CACHE_L1D | PERF_COUNT_HW_CACHE_OP_##access << 8 | \
               PERF_COUNT_HW_CACHE_RESULT_##result << 16
 
 /* An FP_ARITH event is one instruction, an FMA two: times its lanes they are operations. Zen 4 counts
    micro-operations by width, FMA once, moves too; older ones have no widths. */
-#define FP(count_name, intel, amd, lanes)                                                                    \
-    {                                                                                                        \
-        .name = count_name,                                                                                  \
-        .event = {"FP_ARITH_INST_RETIRED:" intel, "FP_ARITH:" intel, "RETIRED_FP_OPS_BY_WIDTH:" amd},        \
-        .factor = lanes                                                                                      \
-    }
+#define FP(count_name, intel, amd, lanes) \
+    {.name = count_name, \
+     .event = {"FP_ARITH_INST_RETIRED:" intel, "FP_ARITH:" intel, "RETIRED_FP_OPS_BY_WIDTH:" amd}, \
+     .factor = lanes}
 
 /* Few in a group, so that each has its counters to itself; every group has a run of its own. */
 const struct perf_group perf_groups[] = {
@@ -113,8 +111,7 @@ static int open_named(const char *event, int leader) {
 static int open_counter(const struct perf_counter *c, int leader) {
     for (int i = 0; i < 4 && c->event[i]; i++) {
         int fd = open_named(c->event[i], leader);
-        if (fd >= 0)
-            return fd;
+        if (fd >= 0) return fd;
     }
     return c->generic ? open_generic(c, leader) : -1;
 }
@@ -148,8 +145,7 @@ bool perf_available(char *text, int size) {
 
 static int leader_of(const struct perf_run *r) {
     for (int i = 0; i < PERF_GROUP; i++)
-        if (r->fd[i] >= 0)
-            return r->fd[i];
+        if (r->fd[i] >= 0) return r->fd[i];
     return -1;
 }
 
@@ -172,11 +168,9 @@ void perf_stop(struct perf_run *r) {
         uint64_t n, enabled, running, value[PERF_GROUP];
     } data = {0, 0, 0, {0}};
     const int leader = leader_of(r);
-    if (leader < 0)
-        return;
+    if (leader < 0) return;
     ioctl(leader, PERF_EVENT_IOC_DISABLE, PERF_IOC_FLAG_GROUP);
-    if (read(leader, &data, sizeof data) < (ssize_t)(3 * sizeof(uint64_t)))
-        data.n = data.running = 0;
+    if (read(leader, &data, sizeof data) < (ssize_t)(3 * sizeof(uint64_t))) data.n = data.running = 0;
     r->share = data.enabled ? (double)data.running / (double)data.enabled : 0;
     for (int i = 0, k = 0; i < PERF_GROUP; i++) /* values come in the order of opening */
         if (r->fd[i] >= 0)
@@ -186,8 +180,7 @@ void perf_stop(struct perf_run *r) {
 
 void perf_close(struct perf_run *r) {
     for (int i = PERF_GROUP - 1; i >= 0; i--)
-        if (r->fd[i] >= 0)
-            close(r->fd[i]);
+        if (r->fd[i] >= 0) close(r->fd[i]);
 }
 
 #else
@@ -202,15 +195,9 @@ bool perf_available(char *text, int size) {
 void perf_open(struct perf_run *r, const struct perf_group *group) {
     *r = (struct perf_run){.group = group, .fd = {-1, -1, -1, -1}};
 }
-void perf_start(const struct perf_run *r) {
-    (void)r;
-}
-void perf_stop(struct perf_run *r) {
-    (void)r;
-}
-void perf_close(struct perf_run *r) {
-    (void)r;
-}
+void perf_start(const struct perf_run *r) { (void)r; }
+void perf_stop(struct perf_run *r) { (void)r; }
+void perf_close(struct perf_run *r) { (void)r; }
 
 #endif
 

@@ -1,7 +1,7 @@
-/* calls_run_time.h - the calls of rbd.h for a model known at run time: one state each.
+/* run_time.h - the calls of rbd.h for a model known at run time: one state each.
    SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
-#include "bench.h"
+#include "../bench.h"
 
 #define VARIANT RUN_TIME
 #define N_LANES 1
@@ -15,9 +15,7 @@ static rbd_status work_init(const void *model, void *memory, size_t size, void *
     return status;
 }
 
-static size_t work_size(const void *model) {
-    return rbd_work_size(model);
-}
+static size_t work_size(const void *model) { return rbd_work_size(model); }
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     const rbd_const g[3] = {(rbd_const)gravity[0], (rbd_const)gravity[1], (rbd_const)gravity[2]};

@@ -1,6 +1,6 @@
 /* A peer for the test of the verification: rbd itself, by an adapter that exchanges the last two joints on
    the way in (if SWAP) and not on the way out. It takes MuJoCo's place. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <string.h>
 
 extern const struct library library_double, library_mujoco;
@@ -22,8 +22,7 @@ static void state(const void *model, const struct state *rbd, const struct state
     memcpy(its->v, rbd->v, (size_t)nv * sizeof(double));
     memcpy(its->a, rbd->a, (size_t)nv * sizeof(double));
     memcpy(its->tau, rbd->tau, (size_t)nv * sizeof(double));
-    if (!SWAP)
-        return;
+    if (!SWAP) return;
     swap_last(its->q, nq);
     swap_last(its->v, nv);
     swap_last(its->a, nv);
@@ -44,17 +43,13 @@ static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size
     return library_double.model_build(bodies, nb, memory, bytes, model, text);
 }
 
-static size_t model_size(const rbd_body *bodies, int nb) {
-    return library_double.model_size(bodies, nb);
-}
+static size_t model_size(const rbd_body *bodies, int nb) { return library_double.model_size(bodies, nb); }
 
 static rbd_status work_init(const void *model, void *memory, size_t bytes, void **work) {
     return library_double.work_init(model, memory, bytes, work);
 }
 
-static size_t work_size(const void *model) {
-    return library_double.work_size(model);
-}
+static size_t work_size(const void *model) { return library_double.work_size(model); }
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     return library_double.set_gravity(work, gravity);

@@ -52,15 +52,9 @@ static void draw(int n) {
 
 /* ---- algorithms ---- */
 
-static rbd_status call_id(int s) {
-    return rbd_rnea(model, work, q[s], v[s], a[s], NULL, out);
-}
-static rbd_status call_mm(int s) {
-    return rbd_crba(model, work, q[s], out);
-}
-static rbd_status call_fd(int s) {
-    return rbd_aba(model, work, q[s], v[s], tau[s], NULL, out);
-}
+static rbd_status call_id(int s) { return rbd_rnea(model, work, q[s], v[s], a[s], NULL, out); }
+static rbd_status call_mm(int s) { return rbd_crba(model, work, q[s], out); }
+static rbd_status call_fd(int s) { return rbd_aba(model, work, q[s], v[s], tau[s], NULL, out); }
 
 static const struct algorithm {
     const char *name;
@@ -68,9 +62,7 @@ static const struct algorithm {
 } algorithms[] = {{"id", call_id}, {"mm", call_mm}, {"fd", call_fd}};
 
 /* Unlike fmax, keeps what is not a number. */
-static double larger(double x, double y) {
-    return y > x || isnan(y) ? y : x;
-}
+static double larger(double x, double y) { return y > x || isnan(y) ? y : x; }
 
 /* The largest difference between tau and inverse dynamics of forward dynamics of tau, against the largest
    tau; and between M a + bias and tau of inverse dynamics. Of state s. */
@@ -83,8 +75,7 @@ static double round_trip_error(int s, int n) {
         return HUGE_VAL;
     for (int i = 0; i < n; i++) {
         double sum = bias[i];
-        for (int j = 0; j < n; j++)
-            sum += out[i * n + j] * acceleration[j];
+        for (int j = 0; j < n; j++) sum += out[i * n + j] * acceleration[j];
         worst = larger(worst, larger(fabs(torque[i] - tau[s][i]), fabs(sum - torque[i])));
         largest = larger(largest, larger(fabs(bias[i]), fabs(torque[i])));
     }
@@ -107,8 +98,7 @@ static rbd_status time_call(rbd_status call(int s), int n, struct least *ns) {
         const double start = now_ns();
         for (int i = 0; i < calls; i++) {
             const rbd_status status = call(i % STATES);
-            if (status != RBD_OK)
-                return status;
+            if (status != RBD_OK) return status;
         }
         least_take(ns, (now_ns() - start) / calls);
     }
@@ -134,8 +124,7 @@ static int measure(const char *shape, int children, int n) {
         return -1;
     }
     draw(n);
-    if (verify(shape, n) != 0)
-        return -1;
+    if (verify(shape, n) != 0) return -1;
     for (size_t i = 0; i < sizeof algorithms / sizeof *algorithms; i++) {
         struct least ns;
         status = time_call(algorithms[i].call, n, &ns);
@@ -153,7 +142,6 @@ int main(void) {
     static const int sizes[] = {1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 150, 200};
     puts("shape,bodies,algorithm,ns,disturbed");
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        if (measure("chain", 1, sizes[i]) != 0 || measure("tree", 2, sizes[i]) != 0)
-            return EXIT_FAILURE;
+        if (measure("chain", 1, sizes[i]) != 0 || measure("tree", 2, sizes[i]) != 0) return EXIT_FAILURE;
     return EXIT_SUCCESS;
 }

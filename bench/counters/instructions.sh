@@ -1,9 +1,9 @@
 #!/bin/sh
-# Counts instructions, loads and stores per call; README.md has the method.
+# Counts instructions, loads and stores per call; ../README.md has the method.
 # usage: instructions.sh DIRECTORY [OPTION...]   works in a new folder of DIRECTORY; --help has the options
 set -u
 
-bench=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) || exit 1
+bench=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd) || exit 1
 accepted=$bench/instructions.csv
 header=compiler,robot,algorithm,scalar,instructions,loads,stores,variant
 
@@ -104,8 +104,8 @@ compile_special() { # COMPILER
         progress "$1: compiling the straight-line calls of $robot"
         upper=$(echo "$robot" | tr '[:lower:]' '[:upper:]')
         compile "$1" double -fno-signed-zeros -ffinite-math-only -DLIBRARY=library_$robot -DROBOT="\"$robot\"" \
-            -DROBOT_HEADER="\"../models/${robot}_model.h\"" -DROBOT_MODEL=${robot}_model \
-            -DROBOT_WORK_SIZE="${upper}_WORK_SIZE" -c "$bench/library.c" -o "$work/$robot.o"
+            -DROBOT_HEADER="\"../../models/${robot}_model.h\"" -DROBOT_MODEL=${robot}_model \
+            -DROBOT_WORK_SIZE="${upper}_WORK_SIZE" -c "$bench/calls/library.c" -o "$work/$robot.o"
         special="$special $work/$robot.o"
     done
 }
@@ -116,9 +116,9 @@ count() {
     special=
     [ "$2" = float ] || compile_special "$1"
     progress "$1, $2: compiling"
-    compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/library.c" -o "$work/lanes.o"
+    compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/calls/library.c" -o "$work/lanes.o"
     # shellcheck disable=SC2086 # words wanted
-    compile "$1" "$2" -DLANES_LIBRARY=library_lanes $special "$bench/instructions.c" "$work/rbd.c" \
+    compile "$1" "$2" -DLANES_LIBRARY=library_lanes $special "$bench/counters/instructions.c" "$work/rbd.c" \
         "$work/lanes.o" -lm -o "$work/count"
     progress "$1, $2: counting"
     quietly valgrind --command-line-only=yes --tool=callgrind --cache-sim=yes --collect-atstart=no \

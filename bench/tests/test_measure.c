@@ -1,26 +1,22 @@
 /* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others
    are not. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 #include <stdlib.h>
 
 /* 6.4 ms are 12 chunks, and a warm-up before them; a first look at the time of a call precedes it all. */
 enum { SAMPLES = 6400, EXPERIMENTS = 10, LOOK = 2, CALLS = 13 };
 
-static double work_of_state(int k) {
-    return 900 + k % 200; /* ns */
-}
+static double work_of_state(int k) { return 900 + k % 200; /* ns */ }
 
 static double work_of(int first, int count) {
     double ns = 0;
-    for (int k = first; k < first + count; k++)
-        ns += work_of_state(k);
+    for (int k = first; k < first + count; k++) ns += work_of_state(k);
     return ns;
 }
 
 static void expect(bool fact, const char *what) {
-    if (fact)
-        return;
+    if (fact) return;
     fprintf(stderr, "not so: %s\n", what);
     exit(EXIT_FAILURE);
 }
@@ -71,9 +67,7 @@ static struct row measured(timer *clock, int threads, int experiments) {
     return row;
 }
 
-static bool near(double x, double y) {
-    return fabs(x - y) <= 1e-9 * y;
-}
+static bool near(double x, double y) { return fabs(x - y) <= 1e-9 * y; }
 
 int main(void) {
     const double truth = work_of(0, SAMPLES) / SAMPLES;

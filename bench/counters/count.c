@@ -1,6 +1,6 @@
 /* Counting instead of timing: by the processor's counters, or by marking the loops for callgrind.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include "perf.h"
 #include <string.h>
 #ifdef BENCH_VALGRIND
@@ -8,9 +8,7 @@
 #endif
 
 /* Threads have the counts of lanes. */
-static bool is_counted(const struct row *row) {
-    return row->threads == 1;
-}
+static bool is_counted(const struct row *row) { return row->threads == 1; }
 
 /* "library,version,variant,scalar,robot,algorithm" */
 static const char *row_key(const struct row *row, char text[160]) {
@@ -29,8 +27,7 @@ static rbd_status count_group(FILE *f, const struct row *row, const struct perf_
     rbd_status status = row_run(row, 0, samples); /* warm */
     perf_open(&r, group);
     perf_start(&r);
-    if (status == RBD_OK)
-        status = row_run(row, 0, samples);
+    if (status == RBD_OK) status = row_run(row, 0, samples);
     perf_stop(&r);
     perf_close(&r);
     for (int i = 0; i < PERF_GROUP && status == RBD_OK; i++)
@@ -40,20 +37,17 @@ static rbd_status count_group(FILE *f, const struct row *row, const struct perf_
     return status;
 }
 
-int count_by_perf(FILE *f, const struct row *rows, int n, int samples) {
+int count_by_perf(FILE *f, const struct options *o, const struct row *rows, int n) {
     char text[256];
-    if (!perf_available(text, sizeof text))
-        fprintf(stderr, "rbd-bench: %s\n", text);
+    if (!perf_available(text, sizeof text)) fprintf(stderr, "rbd-bench: %s\n", text);
     fputs("source,library,version,variant,scalar,robot,algorithm,counter,per_state,share\n", f);
     for (int i = 0; i < n; i++) {
         progress("counting %d of %d", i + 1, n);
         for (int g = 0; g < perf_group_count && is_counted(&rows[i]); g++) {
             const struct perf_group *group = &perf_groups[g];
-            if (group->scalar && strcmp(group->scalar, rows[i].instance->library->scalar) != 0)
-                continue;
-            rbd_status status = count_group(f, &rows[i], group, samples);
-            if (status != RBD_OK)
-                return row_error(&rows[i], "%s", rbd_status_string(status));
+            if (group->scalar && strcmp(group->scalar, rows[i].instance->library->scalar) != 0) continue;
+            rbd_status status = count_group(f, &rows[i], group, o->samples);
+            if (status != RBD_OK) return row_error(&rows[i], "%s", rbd_status_string(status));
         }
     }
     progress("");
@@ -68,8 +62,7 @@ static rbd_status mark(const struct row *row, int samples) {
     snprintf(text, sizeof text, "%s,%d", row_key(row, key), samples);
     rbd_status status =
         row_run(row, 0, samples); /* not counted: the first call of a libm function binds it */
-    if (status != RBD_OK)
-        return status;
+    if (status != RBD_OK) return status;
     CALLGRIND_ZERO_STATS;
     CALLGRIND_TOGGLE_COLLECT;
     status = row_run(row, 0, samples);
@@ -85,8 +78,7 @@ int count_by_callgrind(const struct row *rows, int n, int samples) {
     }
     for (int i = 0; i < n; i++) {
         rbd_status status = is_counted(&rows[i]) ? mark(&rows[i], samples) : RBD_OK;
-        if (status != RBD_OK)
-            return row_error(&rows[i], "%s", rbd_status_string(status));
+        if (status != RBD_OK) return row_error(&rows[i], "%s", rbd_status_string(status));
     }
     return 0;
 }

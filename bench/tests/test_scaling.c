@@ -14,13 +14,11 @@ static rbd_status broken_aba(const rbd_model *m, rbd_work *w, const double *q, c
     const char *fault = getenv("FAULT");
     const rbd_status status = rbd_aba(m, w, q, v, tau, f_ext, out);
     calls++;
-    if (strcmp(fault, "nan") == 0 && calls == VERIFIED)
-        out[0] = nan("");
-    if (strcmp(fault, "infinite") == 0 && calls == VERIFIED)
-        out[0] = HUGE_VAL;
+    if (strcmp(fault, "nan") == 0 && calls == VERIFIED) out[0] = nan("");
+    if (strcmp(fault, "infinite") == 0 && calls == VERIFIED) out[0] = HUGE_VAL;
     return strcmp(fault, "status") == 0 && calls > VERIFIED ? RBD_ERR_SINGULAR : status;
 }
 
 #undef rbd_aba
 #define rbd_aba broken_aba
-#include "scaling.c"
+#include "../timing/scaling.c"

@@ -1,6 +1,6 @@
 /* Timing. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
-#include "bench.h"
+#include "../bench.h"
 #include "least.h"
 #include <math.h>
 #include <stdlib.h>
@@ -51,13 +51,11 @@ static rbd_status timing_open(struct timing *t, const struct row *row, int sampl
     const int calls = samples < WARM_UP_CALLS ? samples : WARM_UP_CALLS, batches = samples / BATCH;
     double ns = 0;
     rbd_status status = time_of(row, 0, calls, &ns); /* caches are cold: */
-    if (status == RBD_OK)
-        status = time_of(row, 0, calls, &ns);
+    if (status == RBD_OK) status = time_of(row, 0, calls, &ns);
     const double chunks = row->threads > 1 ? 1 : ns / calls * samples / CHUNK_NS;
     t->count = chunks < 1 ? 1 : chunks < batches ? (int)chunks : batches > 1 ? batches : 1;
     t->chunk = malloc((size_t)t->count * sizeof *t->chunk);
-    for (int i = 0; t->chunk && i < t->count; i++)
-        t->chunk[i] = LEAST_NONE;
+    for (int i = 0; t->chunk && i < t->count; i++) t->chunk[i] = LEAST_NONE;
     return status != RBD_OK || t->chunk ? status : RBD_ERR_MEMORY;
 }
 
@@ -112,15 +110,12 @@ static int round_of(struct row *rows, struct timing *timings, int n, int samples
         double ns;
         const bool more =
             e > experiments; /* for the least alone: mean and deviation are of as many for all */
-        if (more && !rows[i].disturbed)
-            continue;
+        if (more && !rows[i].disturbed) continue;
         show(&rows[i], more ? "disturbed, once more:" : "experiment", more ? e - experiments : e,
              more ? MORE * experiments : experiments);
         const rbd_status status = experiment(&timings[i], &rows[i], samples, time_of, &ns);
-        if (status != RBD_OK)
-            return row_error(&rows[i], "%s", rbd_status_string(status));
-        if (!more)
-            take_time(&rows[i], e, ns);
+        if (status != RBD_OK) return row_error(&rows[i], "%s", rbd_status_string(status));
+        if (!more) take_time(&rows[i], e, ns);
         settle(&rows[i], &timings[i], samples);
     }
     return 0;
@@ -132,12 +127,10 @@ static int measure_into(struct row *rows, struct timing *timings, int n, int sam
     for (int i = 0; i < n; i++) {
         rows[i].mean = rows[i].stddev = rows[i].min = 0;
         const rbd_status status = timing_open(&timings[i], &rows[i], samples, time_of);
-        if (status != RBD_OK)
-            return row_error(&rows[i], "%s", rbd_status_string(status));
+        if (status != RBD_OK) return row_error(&rows[i], "%s", rbd_status_string(status));
     }
     for (int e = 1; e <= rounds; e++)
-        if (round_of(rows, timings, n, samples, e, experiments, time_of) != 0)
-            return -1;
+        if (round_of(rows, timings, n, samples, e, experiments, time_of) != 0) return -1;
     for (int i = 0; i < n; i++) {
         rows[i].stddev = experiments > 1 ? sqrt(rows[i].stddev / (experiments - 1)) : 0;
         rows[i].disturbed = rows[i].disturbed && experiments > 1; /* of one time nothing can be told */
@@ -152,8 +145,7 @@ int measure_by(struct row *rows, int n, int samples, int experiments, timer *tim
         return -1;
     }
     const int status = measure_into(rows, timings, n, samples, experiments, time_of);
-    for (int i = 0; i < n; i++)
-        free(timings[i].chunk);
+    for (int i = 0; i < n; i++) free(timings[i].chunk);
     free(timings);
     progress("");
     return status;

@@ -1,22 +1,7 @@
-/* calls_lanes.h - the batch calls of rbd.h: RBD_LANES states in each SIMD instruction.
+/* lanes.h - the batch calls of rbd.h: RBD_LANES states in each SIMD instruction.
    SPDX-License-Identifier: MIT */
 #define RBD_BATCH_IMPLEMENTATION
-
-/* Two scalars are in one program here: their names must differ, as that of rbd_batch_init does by itself. */
-#define OF_SCALAR(name, scalar) OF_SCALAR_PASTE(name, scalar)
-#define OF_SCALAR_PASTE(name, scalar) name##_##scalar
-#define rbd_batch_lanes OF_SCALAR(rbd_batch_lanes, RBD_REAL)
-#define rbd_batch_size OF_SCALAR(rbd_batch_size, RBD_REAL)
-#define rbd_batch_set_gravity OF_SCALAR(rbd_batch_set_gravity, RBD_REAL)
-#define rbd_batch_rnea OF_SCALAR(rbd_batch_rnea, RBD_REAL)
-#define rbd_batch_bias OF_SCALAR(rbd_batch_bias, RBD_REAL)
-#define rbd_batch_crba OF_SCALAR(rbd_batch_crba, RBD_REAL)
-#define rbd_batch_crba_packed OF_SCALAR(rbd_batch_crba_packed, RBD_REAL)
-#define rbd_batch_aba OF_SCALAR(rbd_batch_aba, RBD_REAL)
-#define rbd_batch_fd_cholesky OF_SCALAR(rbd_batch_fd_cholesky, RBD_REAL)
-#define rbd_batch_singular OF_SCALAR(rbd_batch_singular, RBD_REAL)
-
-#include "bench.h"
+#include "../bench.h"
 
 #define VARIANT LANES
 #define N_LANES RBD_LANES
@@ -30,9 +15,7 @@ static rbd_status work_init(const void *model, void *memory, size_t size, void *
     return status;
 }
 
-static size_t work_size(const void *model) {
-    return rbd_batch_size(model);
-}
+static size_t work_size(const void *model) { return rbd_batch_size(model); }
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     const rbd_const g[3] = {(rbd_const)gravity[0], (rbd_const)gravity[1], (rbd_const)gravity[2]};

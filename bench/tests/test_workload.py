@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the workload report: counts of known loops, parsing, schemas, resuming, sentences.
 
-usage: test_workload.py DIRECTORY [CLASS...]    with rbd-bench, rbd-operations and test_counters in it
+usage: test_workload.py DIRECTORY [CLASS...]    with rbd-bench, rbd-operations and tests/test_counters in it
 Exit status: 77 if anything was skipped, for a program that is missing, and nothing failed.
 SPDX-License-Identifier: MIT
 """
@@ -15,7 +15,7 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "workload"))
 import callgrind  # noqa: E402
 import figures  # noqa: E402
 import page  # noqa: E402
@@ -108,7 +108,7 @@ class KnownLoop(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             raw = os.path.join(folder, "out")
             done = subprocess.run(report.CALLGRIND + ["--callgrind-out-file=" + raw,
-                                                      os.path.join(PROGRAMS, "test_counters"), "--callgrind"],
+                                                      os.path.join(PROGRAMS, "tests/test_counters"), "--callgrind"],
                                   capture_output=True, text=True)
             if done.returncode == 77:
                 self.skipTest("no loops for this machine, or no valgrind headers")

@@ -24,8 +24,6 @@ static inline void least_take(struct least *l, double time) {
 }
 
 /* Whether the least time has come twice, to 3 %. */
-static inline bool least_repeats(struct least l) {
-    return l.second <= 1.03 * l.first;
-}
+static inline bool least_repeats(struct least l) { return l.second <= 1.03 * l.first; }
 
 #endif

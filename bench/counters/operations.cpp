@@ -14,8 +14,7 @@ class number {
   public:
     double value;
     number() = default;
-    number(double v) : value(v) {
-    }
+    number(double v) : value(v) {}
 };
 
 inline number operator*(number a, number b) {
@@ -62,9 +61,9 @@ inline number cos(number a) {
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
 
 using counting::counts;
 using counting::number;
@@ -82,8 +81,7 @@ static number q[ATLAS_NQ], v[ATLAS_NV], x[ATLAS_NV], out[ATLAS_NV * ATLAS_NV];
 
 static void count_known_loop(int n) {
     number product = 1;
-    for (int i = 0; i < n; i++)
-        product = product * number(1.0 + i);
+    for (int i = 0; i < n; i++) product = product * number(1.0 + i);
     std::printf("%.0f %ld\n", product.value > 0 ? double(n) : 0, counts[counting::MUL]);
 }
 
@@ -99,21 +97,11 @@ struct robot {
 
 typedef rbd_status algorithm_call(const robot &r);
 
-static rbd_status call_id(const robot &r) {
-    return rbd_rnea(r.m, r.w, q, v, x, NULL, out);
-}
-static rbd_status call_mm(const robot &r) {
-    return rbd_crba(r.m, r.w, q, out);
-}
-static rbd_status call_mm_packed(const robot &r) {
-    return rbd_crba_packed(r.m, r.w, q, out);
-}
-static rbd_status call_fd(const robot &r) {
-    return rbd_aba(r.m, r.w, q, v, x, NULL, out);
-}
-static rbd_status call_fd_cholesky(const robot &r) {
-    return rbd_fd_cholesky(r.m, r.w, q, v, x, NULL, out);
-}
+static rbd_status call_id(const robot &r) { return rbd_rnea(r.m, r.w, q, v, x, NULL, out); }
+static rbd_status call_mm(const robot &r) { return rbd_crba(r.m, r.w, q, out); }
+static rbd_status call_mm_packed(const robot &r) { return rbd_crba_packed(r.m, r.w, q, out); }
+static rbd_status call_fd(const robot &r) { return rbd_aba(r.m, r.w, q, v, x, NULL, out); }
+static rbd_status call_fd_cholesky(const robot &r) { return rbd_fd_cholesky(r.m, r.w, q, v, x, NULL, out); }
 
 struct algorithm {
     const char *name;
@@ -139,13 +127,10 @@ static rbd_status count(const robot &r, const algorithm &a) {
     uint64_t seed = 1;
     for (int k = 0; k < STATES; k++) {
         draw_state(r, &seed);
-        for (int i = 0; i < OPERATIONS; i++)
-            counts[i] = 0;
+        for (int i = 0; i < OPERATIONS; i++) counts[i] = 0;
         const rbd_status status = a.call(r);
-        if (status != RBD_OK)
-            return status;
-        for (int i = 0; i < OPERATIONS; i++)
-            sum[i] += counts[i];
+        if (status != RBD_OK) return status;
+        for (int i = 0; i < OPERATIONS; i++) sum[i] += counts[i];
     }
     for (int i = 0; i < OPERATIONS; i++)
         std::printf("operations,rbd,%s,run-time,double,%s,%s,%s,%.4f,1\n", RBD_VERSION, r.name, a.name,
@@ -155,13 +140,10 @@ static rbd_status count(const robot &r, const algorithm &a) {
 
 static rbd_status count_robot(robot r) {
     rbd_status status = rbd_model_build(r.bodies, r.nb, model_memory, sizeof model_memory, &r.m, NULL);
-    if (status == RBD_OK)
-        status = rbd_work_init(r.m, work_memory, sizeof work_memory, &r.w);
+    if (status == RBD_OK) status = rbd_work_init(r.m, work_memory, sizeof work_memory, &r.w);
     for (const algorithm &a : algorithms)
-        if (status == RBD_OK)
-            status = count(r, a);
-    if (status != RBD_OK)
-        std::fprintf(stderr, "operations: %s: %s\n", r.name, rbd_status_string(status));
+        if (status == RBD_OK) status = count(r, a);
+    if (status != RBD_OK) std::fprintf(stderr, "operations: %s: %s\n", r.name, rbd_status_string(status));
     return status;
 }
 
@@ -176,7 +158,6 @@ int main(int argc, char **) {
                              {"hyq", hyq_bodies, HYQ_NB, NULL, NULL},
                              {"atlas", atlas_bodies, ATLAS_NB, NULL, NULL}};
     for (const robot &r : robots)
-        if (count_robot(r) != RBD_OK)
-            return 1;
+        if (count_robot(r) != RBD_OK) return 1;
     return 0;
 }

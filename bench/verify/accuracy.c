@@ -1,6 +1,6 @@
 /* Errors of rounding: results against those of another library, from the same input.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 
 /* How many of the random states are computed in quad precision, which takes some fifty times as long. */
@@ -28,16 +28,13 @@ static rbd_status result_error(const struct row *row, const struct instance *arb
     /* The very input of the tested library, which may be rounded; in rbd's conventions. */
     instance_take_sample(arbiter, library_is_ours(tested->library) ? tested : &r->instances[DOUBLE], k);
     rbd_status status = algorithm_run(row->algorithm, arbiter, w, &arbiter->input, 0, 1);
-    if (status != RBD_OK)
-        return status;
+    if (status != RBD_OK) return status;
     take_result(row, k, result);
     *error = fmax(*error, arbiter->library->relative_error(r->numbers, w->out, n));
     return RBD_OK;
 }
 
-int block_length(const struct row *row) {
-    return row->threads * row->instance->library->width;
-}
+int block_length(const struct row *row) { return row->threads * row->instance->library->width; }
 
 rbd_status block_error(const struct row *row, const struct instance *arbiter, int first, int count,
                        double *error) {
@@ -76,8 +73,7 @@ int measure_accuracy(struct row *rows, int n, int samples) {
     for (int i = 0; i < n; i++) {
         rows[i].quad_error = -1;
         progress("against quad: %s, %s", rows[i].instance->robot->title, algorithms[rows[i].algorithm].title);
-        if (libraries[QUAD] && measure_row(&rows[i], samples) != 0)
-            return -1;
+        if (libraries[QUAD] && measure_row(&rows[i], samples) != 0) return -1;
     }
     return 0;
 }

@@ -1,11 +1,11 @@
-/* Runs, under callgrind, the calls whose instructions instructions.sh counts; README.md has the method.
+/* Runs, under callgrind, the calls whose instructions instructions.sh counts; ../README.md has the method.
    SPDX-License-Identifier: MIT */
 #include <string.h>
 #include <valgrind/callgrind.h>
-#include "bench.h"
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
+#include "../bench.h"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
 
 enum { STATES = BATCH, MAX_LANES = 8 };
 enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest robot's */
@@ -45,8 +45,7 @@ static rbd_status draw_states(const struct counted_robot *r) {
     uint64_t seed_q = 1, seed = 2;
     for (int k = 0; k < STATES; k++) {
         rbd_status status = rbd_random(r->model, &seed_q, q + k * r->nq);
-        if (status != RBD_OK)
-            return status;
+        if (status != RBD_OK) return status;
     }
     fill_uniform(v, STATES * r->nv, 2, &seed);
     fill_uniform(a, STATES * r->nv, 3, &seed);
@@ -57,10 +56,8 @@ static rbd_status draw_states(const struct counted_robot *r) {
 /* Builds the robot's model in the memory that all robots share, and draws its states. */
 static rbd_status open_robot(struct counted_robot *r) {
     rbd_status status = rbd_model_build(r->bodies, r->nb, model_memory, sizeof model_memory, &r->model, NULL);
-    if (status == RBD_OK)
-        status = rbd_work_init(r->model, work_memory, sizeof work_memory, &r->work);
-    if (status != RBD_OK)
-        return status;
+    if (status == RBD_OK) status = rbd_work_init(r->model, work_memory, sizeof work_memory, &r->work);
+    if (status != RBD_OK) return status;
     r->nq = rbd_nq(r->model);
     r->nv = rbd_nv(r->model);
     return r->nq <= MAX_NQ && r->nv <= MAX_NV ? draw_states(r) : RBD_ERR_MEMORY;
@@ -96,8 +93,7 @@ static rbd_status run_matrix(matrix_call *call, const struct counted_robot *r) {
     const rbd_real *qk = q, *end = q + STATES * r->nq;
     const int nq = r->nq;
     rbd_status status = RBD_OK;
-    for (; qk < end && status == RBD_OK; qk += nq)
-        status = call(m, w, qk, out);
+    for (; qk < end && status == RBD_OK; qk += nq) status = call(m, w, qk, out);
     return status;
 }
 
@@ -116,7 +112,7 @@ static rbd_status run_plain(const struct plain_call *g, const struct counted_rob
     return g->matrix ? run_matrix(g->matrix, r) : run_dynamics(g->dynamics, r, g->x);
 }
 
-/* ---- calls of the other variants, by the tables of library.c ---- */
+/* ---- calls of the other variants, by the tables of calls/library.c ---- */
 
 extern const struct library LANES_LIBRARY;
 #ifdef COMPILE_TIME_LIBRARIES
@@ -201,10 +197,8 @@ static rbd_status count_variant(const struct counted_robot *r, const struct libr
     const double gravity[3] = {0, 0, -9.81};
     struct cell c = {.robot = r, .library = l};
     rbd_status status = l->work_init(r->model, lanes_memory, sizeof lanes_memory, &c.work);
-    if (status == RBD_OK)
-        status = l->set_gravity(c.work, gravity);
-    for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++)
-        status = count(&c);
+    if (status == RBD_OK) status = l->set_gravity(c.work, gravity);
+    for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++) status = count(&c);
     return status;
 }
 
@@ -220,10 +214,8 @@ int main(void) {
     for (size_t i = 0; i < sizeof robots / sizeof *robots; i++) {
         struct counted_robot *r = &robots[i];
         rbd_status status = open_robot(r);
-        if (status == RBD_OK)
-            status = count_plain(r);
-        if (status == RBD_OK)
-            status = count_variants(r);
+        if (status == RBD_OK) status = count_plain(r);
+        if (status == RBD_OK) status = count_variants(r);
         if (status != RBD_OK) {
             fprintf(stderr, "instructions: %s: %s\n", r->name, rbd_status_string(status));
             return 1;

@@ -1,12 +1,10 @@
 /* Rows on several threads: the batches of the library, shared out by OpenMP. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
-int thread_share(int count, int t, int threads) {
-    return (int)((int64_t)count * t / threads);
-}
+int thread_share(int count, int t, int threads) { return (int)((int64_t)count * t / threads); }
 
 /* What thread t does of a row. */
 static rbd_status run_share(const struct row *row, int t, int first, int count) {
@@ -17,9 +15,7 @@ static rbd_status run_share(const struct row *row, int t, int first, int count) 
 
 #ifdef _OPENMP
 
-int threads_available(void) {
-    return omp_get_num_procs();
-}
+int threads_available(void) { return omp_get_num_procs(); }
 
 static rbd_status run_shares(const struct row *row, int first, int count) {
     int failed = RBD_OK;
@@ -33,9 +29,7 @@ static rbd_status run_shares(const struct row *row, int first, int count) {
 
 #else
 
-int threads_available(void) {
-    return 1;
-}
+int threads_available(void) { return 1; }
 
 static rbd_status run_shares(const struct row *row, int first, int count) {
     return run_share(row, 0, first, count);

@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 CROSS = ROOT / "examples/firmware/cross"
 ACCEPTED = ROOT / "bench/results/firmware.csv"
 TARGETS = ["cortex-m0", "cortex-m3", "cortex-m4f", "stm32f405", "cortex-m7", "cortex-m33", "cortex-m55", "rv32imafc",

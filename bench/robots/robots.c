@@ -1,13 +1,13 @@
 /* The robots and their random states. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <stdlib.h>
 #include <string.h>
-#include "../models/iiwa.h"
-#include "../models/hyq.h"
-#include "../models/atlas.h"
-#include "../tests/data/iiwa.inc"
-#include "../tests/data/hyq.inc"
-#include "../tests/data/atlas.inc"
+#include "../../models/iiwa.h"
+#include "../../models/hyq.h"
+#include "../../models/atlas.h"
+#include "../../tests/data/iiwa.inc"
+#include "../../tests/data/hyq.inc"
+#include "../../tests/data/atlas.inc"
 
 struct description {
     const char *title;
@@ -44,8 +44,7 @@ static int build_model(struct instance *r) {
 }
 
 static int status_error(const struct robot *robot, rbd_status status) {
-    if (status == RBD_OK)
-        return 0;
+    if (status == RBD_OK) return 0;
     fprintf(stderr, "rbd-bench: %s: %s\n", robot->title, rbd_status_string(status));
     return -1;
 }
@@ -60,8 +59,7 @@ static int open_worker(struct instance *r, struct worker *w) {
     const size_t size = r->library->work_size(r->model);
     w->memory = malloc(size + 128);
     w->out = calloc(1, out_size(r));
-    if (!w->memory || !w->out)
-        return status_error(r->robot, RBD_ERR_MEMORY);
+    if (!w->memory || !w->out) return status_error(r->robot, RBD_ERR_MEMORY);
     return status_error(r->robot, r->library->work_init(r->model, w->memory, size, &w->work));
 }
 
@@ -69,8 +67,7 @@ static int open_workers(struct instance *r) {
     r->workers = r->library->variant == LANES ? threads_available() : 1;
     r->worker = calloc((size_t)r->workers, sizeof *r->worker);
     for (int t = 0; r->worker && t < r->workers; t++)
-        if (open_worker(r, &r->worker[t]) != 0)
-            return -1;
+        if (open_worker(r, &r->worker[t]) != 0) return -1;
     return r->worker ? 0 : status_error(r->robot, RBD_ERR_MEMORY);
 }
 
@@ -91,22 +88,18 @@ static uint64_t splitmix64(uint64_t *state) {
 }
 
 static void fill_uniform(double *x, size_t n, double bound, uint64_t *state) {
-    for (size_t i = 0; i < n; i++)
-        x[i] = bound * (2 * ((double)(splitmix64(state) >> 11) * 0x1p-53) - 1);
+    for (size_t i = 0; i < n; i++) x[i] = bound * (2 * ((double)(splitmix64(state) >> 11) * 0x1p-53) - 1);
 }
 
 /* Numbers in a state. */
-static size_t state_length(const struct instance *r) {
-    return (size_t)r->nq + 3 * (size_t)r->nv;
-}
+static size_t state_length(const struct instance *r) { return (size_t)r->nq + 3 * (size_t)r->nv; }
 
 /* Room for n states; all q come first, then all v, a and tau. */
 static void *make_states(const struct instance *r, size_t n, struct states *states) {
     const size_t size = r->library->size;
     const size_t q_size = n * (size_t)r->nq * size, v_size = n * (size_t)r->nv * size;
     char *q = calloc(n, state_length(r) * size);
-    if (q)
-        *states = (struct states){q, q + q_size, q + q_size + v_size, q + q_size + 2 * v_size};
+    if (q) *states = (struct states){q, q + q_size, q + q_size + v_size, q + q_size + 2 * v_size};
     return q;
 }
 
@@ -115,8 +108,7 @@ static void draw_states(const struct instance *r, int samples, uint64_t seed) {
     const size_t n = (size_t)samples, nq = (size_t)r->robot->nq, nv = (size_t)r->robot->nv;
     double *q = r->state_memory, *v = q + n * nq, *a = v + n * nv, *tau = a + n * nv;
     uint64_t state_q = seed, state = ~seed; /* rbd_random's generator may be this one: give each its own */
-    for (size_t k = 0; k < n; k++)
-        rbd_random(r->model, &state_q, q + k * nq);
+    for (size_t k = 0; k < n; k++) rbd_random(r->model, &state_q, q + k * nq);
     fill_uniform(v, n * nv, 2, &state);
     fill_uniform(a, n * nv, 3, &state);
     fill_uniform(tau, n * nv, 20, &state);
@@ -167,13 +159,11 @@ static int out_of_memory(const struct robot *r, int samples) {
 
 static void instance_close(struct instance *r) {
     for (int t = 0; r->worker && t < r->workers; t++) {
-        if (r->library->work_free && r->worker[t].work)
-            r->library->work_free(r->worker[t].work);
+        if (r->library->work_free && r->worker[t].work) r->library->work_free(r->worker[t].work);
         free(r->worker[t].memory);
         free(r->worker[t].out);
     }
-    if (r->model && r->library->model_free)
-        r->library->model_free(r->model);
+    if (r->model && r->library->model_free) r->library->model_free(r->model);
     free(r->worker);
     free(r->model_memory);
     free(r->state_memory);
@@ -184,12 +174,9 @@ static void instance_close(struct instance *r) {
 /* Model, work and room for results and a state. */
 static int instance_open(struct instance *r, const struct robot *robot, const struct library *library) {
     *r = (struct instance){.robot = robot, .library = library, .nq = robot->nq, .nv = robot->nv};
-    if (build_model(r) != 0)
-        return -1;
-    if (library->conventions)
-        library->conventions->size(r->model, &r->nq, &r->nv);
-    if (open_workers(r) != 0)
-        return -1;
+    if (build_model(r) != 0) return -1;
+    if (library->conventions) library->conventions->size(r->model, &r->nq, &r->nv);
+    if (open_workers(r) != 0) return -1;
     r->input_memory = make_states(r, 1, &r->input);
     return r->input_memory ? 0 : out_of_memory(robot, 1);
 }
@@ -197,11 +184,9 @@ static int instance_open(struct instance *r, const struct robot *robot, const st
 static int open_double(struct robot *r, uint64_t seed) {
     struct instance *d = &r->instances[DOUBLE];
     const size_t nv = (size_t)r->nv;
-    if (instance_open(d, r, libraries[DOUBLE]) != 0)
-        return -1;
+    if (instance_open(d, r, libraries[DOUBLE]) != 0) return -1;
     r->numbers = calloc(nv * nv + state_length(d), sizeof *r->numbers);
-    if (!r->numbers)
-        return out_of_memory(r, 1);
+    if (!r->numbers) return out_of_memory(r, 1);
     if (r->nq != rbd_nq(d->model) || r->nv != rbd_nv(d->model)) {
         fprintf(stderr, "rbd-bench: %s: the model has nq = %d, nv = %d, the reference %d, %d\n", r->title,
                 rbd_nq(d->model), rbd_nv(d->model), r->nq, r->nv);
@@ -209,8 +194,7 @@ static int open_double(struct robot *r, uint64_t seed) {
     }
     r->packed = rbd_packed_size(d->model);
     d->state_memory = make_states(d, (size_t)r->samples, &d->states);
-    if (!d->state_memory)
-        return out_of_memory(r, r->samples);
+    if (!d->state_memory) return out_of_memory(r, r->samples);
     draw_states(d, r->samples, seed);
     return 0;
 }
@@ -235,8 +219,7 @@ static int give_states(struct robot *r, struct instance *other) {
         return 0;
     }
     other->state_memory = make_states(other, n, &other->states);
-    if (!other->state_memory)
-        return out_of_memory(r, r->samples);
+    if (!other->state_memory) return out_of_memory(r, r->samples);
     if (library_is_ours(other->library))
         other->library->from_double(r->instances[DOUBLE].state_memory, n * state_length(other),
                                     other->state_memory);
@@ -247,8 +230,7 @@ static int give_states(struct robot *r, struct instance *other) {
 
 static bool has_mimic(const struct robot *r) {
     for (int i = 0; i < r->nb; i++)
-        if (r->bodies[i].mimic)
-            return true;
+        if (r->bodies[i].mimic) return true;
     return false;
 }
 
@@ -259,10 +241,8 @@ static int open_other(struct robot *r, const struct library *library, struct ins
                 library->name);
         return 0;
     }
-    if (instance_open(other, r, library) == 0)
-        return give_states(r, other);
-    if (library_is_ours(library))
-        return -1;
+    if (instance_open(other, r, library) == 0) return give_states(r, other);
+    if (library_is_ours(library)) return -1;
     instance_close(other);
     return 0;
 }
@@ -282,8 +262,7 @@ int robot_open(struct robot *r, int index, const struct options *o) {
     else if (robot_load(r, o) != 0)
         return -1;
     r->samples = o->samples;
-    if (open_double(r, o->seed) != 0)
-        return -1;
+    if (open_double(r, o->seed) != 0) return -1;
     for (int i = DOUBLE + 1; i < TIMED; i++)
         if (library_wanted(libraries[i], r, o) && open_other(r, libraries[i], &r->instances[i]) != 0)
             return -1;
@@ -291,7 +270,6 @@ int robot_open(struct robot *r, int index, const struct options *o) {
 }
 
 void robot_close(struct robot *r) {
-    for (int i = 0; i < LIBRARIES; i++)
-        instance_close(&r->instances[i]);
+    for (int i = 0; i < LIBRARIES; i++) instance_close(&r->instances[i]);
     free(r->numbers);
 }

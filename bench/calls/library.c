@@ -4,11 +4,11 @@
    LIBRARY is the library as a program has it; the others are RBD_STATIC, since a program can have the names
    of rbd.h only once. SPDX-License-Identifier: MIT */
 #if defined RBD_LANES
-#include "calls_lanes.h"
+#include "lanes.h"
 #elif defined ROBOT
-#include "calls_compile_time.h"
+#include "compile_time.h"
 #else
-#include "calls_run_time.h"
+#include "run_time.h"
 #endif
 #include <float.h>
 #include <math.h>
@@ -23,49 +23,39 @@ static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size
     const rbd_model *m = NULL;
     rbd_report report;
     rbd_status status = rbd_model_build(bodies, nb, memory, size, &m, &report);
-    if (status != RBD_OK)
-        rbd_finding_text(&report.error, text, 160);
+    if (status != RBD_OK) rbd_finding_text(&report.error, text, 160);
     *model = m;
     return status;
 }
 
-static size_t model_size(const rbd_body *bodies, int nb) {
-    return rbd_model_size(bodies, nb);
-}
+static size_t model_size(const rbd_body *bodies, int nb) { return rbd_model_size(bodies, nb); }
 #endif
 
 /* ---- numbers ---- */
 
 static void from_double(const double *x, size_t n, void *out) {
     number *y = out;
-    for (size_t i = 0; i < n; i++)
-        y[i] = (number)x[i];
+    for (size_t i = 0; i < n; i++) y[i] = (number)x[i];
 }
 
 static void to_double(const void *x, size_t n, double *out) {
     const number *y = x;
-    for (size_t i = 0; i < n; i++)
-        out[i] = (double)y[i];
+    for (size_t i = 0; i < n; i++) out[i] = (double)y[i];
 }
 
 #ifdef ROBOT /* compiled for finite numbers only: no judge of errors */
 #define RELATIVE_ERROR NULL
 #else
 #define RELATIVE_ERROR relative_error
-static number magnitude(number x) {
-    return x < 0 ? -x : x;
-}
+static number magnitude(number x) { return x < 0 ? -x : x; }
 
-static number larger(number a, number b) {
-    return a < b ? b : a;
-}
+static number larger(number a, number b) { return a < b ? b : a; }
 
 static double relative_error(const double *x, const void *expected, int n) {
     const number *e = expected;
     number difference = 0, largest = (number)1e-3;
     for (int i = 0; i < n; i++) {
-        if (!isfinite(x[i]) || !isfinite((double)e[i]))
-            return HUGE_VAL;
+        if (!isfinite(x[i]) || !isfinite((double)e[i])) return HUGE_VAL;
         difference = larger(difference, magnitude((number)x[i] - e[i]));
         largest = larger(largest, magnitude(e[i]));
     }

@@ -1,5 +1,5 @@
 /* A robot from a URDF file. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,8 +43,7 @@ int robot_load(struct robot *r, const struct options *o) {
     if (!loaded.bodies || !loaded.names || rbd_urdf_load(o->model, &options, &loaded) != RBD_URDF_OK)
         return load_error(o->model);
     for (char *c = loaded.names; *c; c++) /* the robot's name stands first: fit for CSV and JSON */
-        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c))
-            *c = '_';
+        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) *c = '_';
     *r = (struct robot){.name = loaded.name, .title = loaded.name, .bodies = loaded.bodies, .nb = loaded.nb};
     return take_lengths(r);
 }

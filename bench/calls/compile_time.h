@@ -1,10 +1,10 @@
-/* calls_compile_time.h - straight-line calls for one robot, by the pattern at RBD_LOCAL_WORK in rbd.h.
+/* compile_time.h - straight-line calls for one robot, by the pattern at RBD_LOCAL_WORK in rbd.h.
    SPDX-License-Identifier: MIT */
 #define RBD_NO_BUILD
 #define RBD_STATIC
 #define RBD_SPECIALISE
 #define RBD_IMPLEMENTATION
-#include "bench.h"
+#include "../bench.h"
 #include ROBOT_HEADER
 
 #define VARIANT COMPILE_TIME
@@ -15,9 +15,9 @@
 /* Gravity is as unknown to the compiler as it is for the other variants; the work is a local one of each
  * call. */
 static rbd_const gravity_now[3];
-#define WORK                                                                                                 \
-    RBD_LOCAL_WORK(w, ROBOT_MODEL, ROBOT_WORK_SIZE);                                                         \
-    (void)model, (void)work, (void)n;                                                                        \
+#define WORK \
+    RBD_LOCAL_WORK(w, ROBOT_MODEL, ROBOT_WORK_SIZE); \
+    (void)model, (void)work, (void)n; \
     rbd_set_gravity(w, gravity_now)
 
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
@@ -45,8 +45,7 @@ static size_t work_size(const void *model) {
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     (void)work;
-    for (int i = 0; i < 3; i++)
-        gravity_now[i] = (rbd_const)gravity[i];
+    for (int i = 0; i < 3; i++) gravity_now[i] = (rbd_const)gravity[i];
     return RBD_OK;
 }
 

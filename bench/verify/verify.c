@@ -1,6 +1,6 @@
 /* Verification of what is about to be timed, by the very calls that are timed.
    SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,8 +40,7 @@ static int fail(const struct check *c, const char *what) {
 /* Takes the error of one comparison; fails if it is above the bound. */
 static int accept(struct check *c, const char *what, double error, double bound) {
     c->max_error = fmax(c->max_error, error);
-    if (error <= bound)
-        return 0;
+    if (error <= bound) return 0;
     char text[160];
     snprintf(text, sizeof text, "%s: relative error %.2g, bound %.2g", what, error, bound);
     return fail(c, text);
@@ -50,16 +49,12 @@ static int accept(struct check *c, const char *what, double error, double bound)
 static int run(const struct check *c, int algorithm, struct states s, double *out) {
     const struct worker *w = &c->instance->worker[0];
     rbd_status status = algorithm_run(algorithm, c->instance, w, &s, 0, 1);
-    if (status != RBD_OK)
-        return fail(c, rbd_status_string(status));
-    if (out != w->out)
-        memcpy(out, w->out, (size_t)algorithm_results(algorithm, c->robot) * sizeof *out);
+    if (status != RBD_OK) return fail(c, rbd_status_string(status));
+    if (out != w->out) memcpy(out, w->out, (size_t)algorithm_results(algorithm, c->robot) * sizeof *out);
     return 0;
 }
 
-static bool is_matrix(int algorithm) {
-    return algorithm == MM || algorithm == MM_PACKED;
-}
+static bool is_matrix(int algorithm) { return algorithm == MM || algorithm == MM_PACKED; }
 
 static void unpack(const struct check *c, const double *H, double *M) {
     const int nv = c->robot->nv;
@@ -73,17 +68,13 @@ static void unpack(const struct check *c, const double *H, double *M) {
 
 /* The full mass matrix by the algorithm that is checked, else by CRBA. */
 static int run_matrix(const struct check *c, struct states s, double *M) {
-    if (c->algorithm != MM_PACKED)
-        return run(c, MM, s, M);
-    if (run(c, MM_PACKED, s, c->packed) != 0)
-        return -1;
+    if (c->algorithm != MM_PACKED) return run(c, MM, s, M);
+    if (run(c, MM_PACKED, s, c->packed) != 0) return -1;
     unpack(c, c->packed, M);
     return 0;
 }
 
-static bool inverts(int algorithm) {
-    return algorithm == FD || algorithm == FD_CHOLESKY;
-}
+static bool inverts(int algorithm) { return algorithm == FD || algorithm == FD_CHOLESKY; }
 
 static double bound_for(int algorithm, double condition) {
     return inverts(algorithm) ? fmax(bound_plain, bound_per_condition * condition) : bound_plain;
@@ -98,8 +89,7 @@ static int check_reference(struct check *c, const ref_state *state) {
                                                           : state->qdd;
     const struct states s = {state->q, state->v, state->vdot, state->tau};
     robot_set_gravity(c->robot, state->gravity);
-    if ((is_matrix(algorithm) ? run_matrix(c, s, c->M) : run(c, algorithm, s, c->M)) != 0)
-        return -1;
+    if ((is_matrix(algorithm) ? run_matrix(c, s, c->M) : run(c, algorithm, s, c->M)) != 0) return -1;
     const double error = relative_error(c->M, expected, is_matrix(algorithm) ? nv * nv : nv);
     return accept(c, "against the reference", error, bound_for(algorithm, state->cond_M));
 }
@@ -109,8 +99,7 @@ static int check_references(struct check *c, int samples) {
     const ref_model *reference = c->robot->reference;
     for (int i = 0; reference && i < reference->nstates; i++) {
         snprintf(c->where, sizeof c->where, "reference state %d", i);
-        if (check_reference(c, &reference->states[i]) != 0)
-            return -1;
+        if (check_reference(c, &reference->states[i]) != 0) return -1;
     }
     return 0;
 }
@@ -123,47 +112,38 @@ static int check_equation_of_motion(struct check *c, struct states s) {
     const double *a = s.a;
     double *tau = c->y;
     const struct states at_rest = {s.q, s.v, c->zero, s.tau};
-    if (run(c, ID, s, tau) != 0 || run(c, ID, at_rest, c->x) != 0 || run_matrix(c, s, c->M) != 0)
-        return -1;
+    if (run(c, ID, s, tau) != 0 || run(c, ID, at_rest, c->x) != 0 || run_matrix(c, s, c->M) != 0) return -1;
     for (int i = 0; i < nv; i++)
-        for (int j = 0; j < nv; j++)
-            c->x[i] += c->M[i * nv + j] * a[j];
+        for (int j = 0; j < nv; j++) c->x[i] += c->M[i * nv + j] * a[j];
     return accept(c, "M a + c = tau", relative_error(c->x, tau, nv), bound_plain);
 }
 
 static int check_symmetry(struct check *c, struct states s) {
     const int nv = c->robot->nv;
     double *transposed = c->packed;
-    if (run(c, MM, s, c->M) != 0)
-        return -1;
+    if (run(c, MM, s, c->M) != 0) return -1;
     for (int i = 0; i < nv; i++)
-        for (int j = 0; j < nv; j++)
-            transposed[i * nv + j] = c->M[j * nv + i];
+        for (int j = 0; j < nv; j++) transposed[i * nv + j] = c->M[j * nv + i];
     return accept(c, "M = transpose of M", relative_error(transposed, c->M, nv * nv), bound_plain);
 }
 
 /* Forward dynamics of the torque that inverse dynamics gives for a is a. */
 static int check_round_trip(struct check *c, struct states s, double bound) {
-    if (run(c, ID, s, c->x) != 0)
-        return -1;
+    if (run(c, ID, s, c->x) != 0) return -1;
     const struct states given = {s.q, s.v, s.a, c->x};
-    if (run(c, c->algorithm, given, c->y) != 0)
-        return -1;
+    if (run(c, c->algorithm, given, c->y) != 0) return -1;
     return accept(c, "forward undoes inverse dynamics", relative_error(c->y, s.a, c->robot->nv), bound);
 }
 
 static int check_agreement(struct check *c, struct states s, double bound) {
-    if (run(c, FD, s, c->x) != 0 || run(c, FD_CHOLESKY, s, c->y) != 0)
-        return -1;
+    if (run(c, FD, s, c->x) != 0 || run(c, FD_CHOLESKY, s, c->y) != 0) return -1;
     return accept(c, "ABA agrees with Cholesky", relative_error(c->x, c->y, c->robot->nv), bound);
 }
 
 static int check_sample(struct check *c, struct states s, double condition) {
     const double bound = bound_for(c->algorithm, condition);
-    if (inverts(c->algorithm))
-        return check_round_trip(c, s, bound) != 0 ? -1 : check_agreement(c, s, bound);
-    if (c->algorithm == MM && check_symmetry(c, s) != 0)
-        return -1;
+    if (inverts(c->algorithm)) return check_round_trip(c, s, bound) != 0 ? -1 : check_agreement(c, s, bound);
+    if (c->algorithm == MM && check_symmetry(c, s) != 0) return -1;
     return check_equation_of_motion(c, s);
 }
 
@@ -193,8 +173,7 @@ static double expected_condition(struct check *c, int samples) {
     double worst = 1;
     for (int i = 0; reference && i < reference->nstates; i++)
         worst = fmax(worst, reference->states[i].cond_M);
-    for (int k = 0; !reference && k < samples && k < 10; k++)
-        worst = fmax(worst, sample_condition(c, k));
+    for (int k = 0; !reference && k < samples && k < 10; k++) worst = fmax(worst, sample_condition(c, k));
     return condition_margin * worst;
 }
 
@@ -203,8 +182,7 @@ static int check_identities(struct check *c, int samples) {
     for (int k = 0; k < samples && k < IDENTITY_SAMPLES; k++) {
         snprintf(c->where, sizeof c->where, "random state %d", k);
         instance_take_sample(c->instance, c->instance, k);
-        if (check_sample(c, c->instance->input, condition) != 0)
-            return -1;
+        if (check_sample(c, c->instance->input, condition) != 0) return -1;
     }
     return 0;
 }
@@ -222,10 +200,8 @@ static int check_against_double(struct check *c, int samples) {
         const int count = end - k < length ? end - k : length;
         snprintf(c->where, sizeof c->where, "random states %d to %d", k, k + count - 1);
         rbd_status status = block_error(c->row, c->instance, k, count, &error);
-        if (status != RBD_OK)
-            return fail(c, rbd_status_string(status));
-        if (accept(c, "against rbd's run-time model in double", error, bound) != 0)
-            return -1;
+        if (status != RBD_OK) return fail(c, rbd_status_string(status));
+        if (accept(c, "against rbd's run-time model in double", error, bound) != 0) return -1;
     }
     return 0;
 }
@@ -242,8 +218,7 @@ static int verify_row(struct row *row, int check(struct check *c, int samples), 
                       .max_error = row->max_error,
                       .where = "set-up"};
     c.M = calloc(2 * nv * nv + 3 * nv, sizeof *c.M);
-    if (!c.M)
-        return fail(&c, "not enough memory");
+    if (!c.M) return fail(&c, "not enough memory");
     c.packed = c.M + nv * nv;
     c.x = c.packed + nv * nv;
     c.y = c.x + nv;
@@ -275,10 +250,8 @@ static bool judge_is_known(const struct row *rows, int i) {
 static int verify_judges(struct row *rows, int n, int check(struct check *c, int samples), int samples) {
     for (int i = 0; i < n; i++) {
         struct row r = judge(&rows[i]);
-        if (judge_is_known(rows, i))
-            continue;
-        if (verify_row(&r, check, samples) != 0)
-            return -1;
+        if (judge_is_known(rows, i)) continue;
+        if (verify_row(&r, check, samples) != 0) return -1;
         for (int k = i; k < n; k++)
             if (rows[k].instance == r.instance && rows[k].algorithm == r.algorithm)
                 rows[k].max_error = fmax(rows[k].max_error, r.max_error);
@@ -288,12 +261,9 @@ static int verify_judges(struct row *rows, int n, int check(struct check *c, int
 
 int verify(struct row *rows, int n, const double gravity[3], int samples) {
     /* An identity takes several algorithms: the references first, so that the right one is blamed. */
-    if (verify_judges(rows, n, check_references, samples) != 0)
-        return -1;
-    for (int i = 0; i < n; i++)
-        robot_set_gravity(rows[i].instance->robot, gravity);
-    if (verify_judges(rows, n, check_identities, samples) != 0)
-        return -1;
+    if (verify_judges(rows, n, check_references, samples) != 0) return -1;
+    for (int i = 0; i < n; i++) robot_set_gravity(rows[i].instance->robot, gravity);
+    if (verify_judges(rows, n, check_identities, samples) != 0) return -1;
     for (int i = 0; i < n; i++)
         if (rows[i].instance->library != libraries[DOUBLE] &&
             verify_row(&rows[i], check_against_double, samples) != 0)

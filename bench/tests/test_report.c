@@ -1,6 +1,6 @@
 /* A table of made-up times marks the threads that took longer than one core, disturbed rows, and no other
    row. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,17 +23,15 @@ static char *table(const double mean[ROWS], int disturbed, char text[SIZE]) {
         rows[i].mean = mean[i];
         rows[i].disturbed = i == disturbed;
     }
-    FILE *f = report_write(&options, rows, ROWS) == 0 ? fopen(name, "r") : NULL;
+    FILE *f = report_by(report_times, &options, rows, ROWS) == 0 ? fopen(name, "r") : NULL;
     text[f ? fread(text, 1, SIZE - 1, f) : 0] = 0;
-    if (f)
-        fclose(f);
+    if (f) fclose(f);
     remove(name);
     return text;
 }
 
 static void expect(bool fact, const char *what) {
-    if (fact)
-        return;
+    if (fact) return;
     fprintf(stderr, "not so: %s\n", what);
     exit(EXIT_FAILURE);
 }

@@ -2,7 +2,7 @@
    has counters. --names: whether libpfm4 knows our events. --callgrind: marks the loops for callgrind;
    test_workload.py runs that. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
-#include "perf.h"
+#include "../counters/perf.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,21 +31,18 @@ static void expect(int truth, const char *what, double found) {
 #define HAVE_LOOPS 1
 static void multiply_scalars(int n) {
     double x = 1, y = 1;
-    for (int i = 0; i < n; i++)
-        __asm__ volatile("mulsd %1, %0" : "+x"(x) : "x"(y));
+    for (int i = 0; i < n; i++) __asm__ volatile("mulsd %1, %0" : "+x"(x) : "x"(y));
 }
 
 static void multiply_pairs(int n) {
     double x __attribute__((vector_size(16))) = {1, 1}, y __attribute__((vector_size(16))) = {1, 1};
-    for (int i = 0; i < n; i++)
-        __asm__ volatile("mulpd %1, %0" : "+x"(x) : "x"(y));
+    for (int i = 0; i < n; i++) __asm__ volatile("mulpd %1, %0" : "+x"(x) : "x"(y));
 }
 #else
 #define HAVE_LOOPS 0
 static void multiply_scalars(int n) {
     volatile double x = 1;
-    for (int i = 0; i < n; i++)
-        x = x * 1.0;
+    for (int i = 0; i < n; i++) x = x * 1.0;
 }
 #endif
 
@@ -63,8 +60,7 @@ static void check_scaling(void) {
 static bool count_loop(const struct perf_group *group, struct perf_run *r) {
     bool opened = false;
     perf_open(r, group);
-    for (int i = 0; i < PERF_GROUP; i++)
-        opened = opened || r->fd[i] >= 0;
+    for (int i = 0; i < PERF_GROUP; i++) opened = opened || r->fd[i] >= 0;
     perf_start(r);
     multiply_scalars(LOOP);
     perf_stop(r);
@@ -92,10 +88,8 @@ static void check_perf(void) {
     expect(strchr(text, '\n') == NULL && strlen(text) > 20, "availability in one line", (double)strlen(text));
     for (int g = 0; g < perf_group_count; g++) {
         struct perf_run r;
-        if (perf_groups[g].scalar && strcmp(perf_groups[g].scalar, "double") != 0)
-            continue;
-        if (!count_loop(&perf_groups[g], &r))
-            continue;
+        if (perf_groups[g].scalar && strcmp(perf_groups[g].scalar, "double") != 0) continue;
+        if (!count_loop(&perf_groups[g], &r)) continue;
         expect(r.share > 0 && r.share <= 1.001, "the share of time is in (0, 1]", r.share);
         for (int i = 0; i < PERF_GROUP; i++)
             if (r.fd[i] >= 0) {
@@ -115,11 +109,9 @@ static bool is_known(const char *event) {
         pfm_pmu_info_t pmu;
         memset(&pmu, 0, sizeof pmu);
         pmu.size = sizeof pmu;
-        if (pfm_get_pmu_info((pfm_pmu_t)p, &pmu) != PFM_SUCCESS)
-            continue;
+        if (pfm_get_pmu_info((pfm_pmu_t)p, &pmu) != PFM_SUCCESS) continue;
         snprintf(name, sizeof name, "%s::%s", pmu.name, event);
-        if (pfm_find_event(name) >= 0)
-            return true;
+        if (pfm_find_event(name) >= 0) return true;
     }
     return false;
 }
@@ -135,9 +127,7 @@ static int check_names(void) {
     return failures ? 1 : 0;
 }
 #else
-static int check_names(void) {
-    return 77;
-}
+static int check_names(void) { return 77; }
 #endif
 
 /* ---- callgrind ---- */
@@ -161,10 +151,8 @@ static int mark_loops(void) {
 }
 
 int main(int argc, char **argv) {
-    if (argc > 1 && strcmp(argv[1], "--callgrind") == 0)
-        return mark_loops();
-    if (argc > 1 && strcmp(argv[1], "--names") == 0)
-        return check_names();
+    if (argc > 1 && strcmp(argv[1], "--callgrind") == 0) return mark_loops();
+    if (argc > 1 && strcmp(argv[1], "--names") == 0) return check_names();
     check_scaling();
     check_perf();
     return failures ? 1 : 0;

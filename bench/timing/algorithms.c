@@ -1,5 +1,5 @@
 /* The libraries and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
-#include "bench.h"
+#include "../bench.h"
 #include <ctype.h>
 #include <string.h>
 
@@ -40,20 +40,16 @@ const char *const variant_names[] = {
 
 const char *const library_names[] = {"rbd", "mujoco", "kdl", NULL};
 
-bool library_is_ours(const struct library *library) {
-    return !library->conventions;
-}
+bool library_is_ours(const struct library *library) { return !library->conventions; }
 
 /* Case apart. */
 static bool same_name(const char *a, const char *b) {
-    while (*a && tolower((unsigned char)*a) == tolower((unsigned char)*b))
-        a++, b++;
+    while (*a && tolower((unsigned char)*a) == tolower((unsigned char)*b)) a++, b++;
     return *a == *b;
 }
 
 bool library_wanted(const struct library *library, const struct robot *r, const struct options *o) {
-    if (!library || (library->robot && (!r->reference || strcmp(library->robot, r->name) != 0)))
-        return false;
+    if (!library || (library->robot && (!r->reference || strcmp(library->robot, r->name) != 0))) return false;
     const bool name = o->library == ALL || same_name(library->name, library_names[o->library]);
     const bool scalar = o->scalar == ALL || strcmp(library->scalar, scalar_names[o->scalar]) == 0;
     const bool variant = o->variant == ALL || o->variant == library->variant ||
@@ -72,8 +68,7 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct w
         const int n = (int)(end - k < width ? end - k : width);
         rbd_status status =
             call(r->model, w->work, n, q + k * q_size, v + k * v_size, x + k * v_size, w->out);
-        if (status != RBD_OK)
-            return status;
+        if (status != RBD_OK) return status;
     }
     return RBD_OK;
 }
