@@ -161,7 +161,7 @@
 #define RBD_VERSION "0.1.0"
 #define RBD_MODEL_VERSION 2 /* layout of the built model; generated tables check it */
 
-/* ---- configuration ---- */
+/* What [configuration] says, checked and completed. */
 
 /* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
    message. */
@@ -357,27 +357,27 @@ typedef enum rbd_joint_type {
    every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and
    mimic_ratio of a joint that mimics. */
 typedef struct rbd_body {
-    const char *name;     /* of the link; unique, NULL = nameless */
-    const char *joint;    /* name of the joint; unique, NULL = nameless */
-    int parent;           /* index of an earlier body, or -1 for the world */
-    rbd_joint_type type;  /* of the joint */
-    double axis[3];       /* in the joint frame; need not be of unit length */
-    double axis2[3];      /* universal: the second axis */
-    double pitch;         /* helical: m/rad */
-    double position[3];   /* of the joint frame's origin in the parent's link frame */
-    double rotation[9];   /* 3 x 3, joint-frame vectors into parent-frame vectors; all 0 = identity */
-    double mass;          /* kg */
-    double com[3];        /* centre of mass, link frame */
-    double inertia[6];    /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
-    double armature[6];   /* per degree of freedom (what lies beyond is ignored): rotor inertia seen at
+    const char *name;    /* of the link; unique, NULL = nameless */
+    const char *joint;   /* name of the joint; unique, NULL = nameless */
+    int parent;          /* index of an earlier body, or -1 for the world */
+    rbd_joint_type type; /* of the joint */
+    double axis[3];      /* in the joint frame; need not be of unit length */
+    double axis2[3];     /* universal: the second axis */
+    double pitch;        /* helical: m/rad */
+    double position[3];  /* of the joint frame's origin in the parent's link frame */
+    double rotation[9];  /* 3 x 3, joint-frame vectors into parent-frame vectors; all 0 = identity */
+    double mass;         /* kg */
+    double com[3];       /* centre of mass, link frame */
+    double inertia[6];   /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
+    double armature[6];  /* per degree of freedom (what lies beyond is ignored): rotor inertia seen at
                              the joint; in M, rnea, fd */
-    double damping[6];    /* per degree of freedom: see rbd_passive */
-    double friction[6];   /* per degree of freedom: see rbd_passive */
-    double lower, upper;  /* limits of a one-dof joint; none if lower >= upper */
-    double velocity;      /* limit, 0 = none; carried for the user */
-    double effort;        /* limit, 0 = none; carried for the user */
-    const char *mimic;    /* name of the joint this one follows, NULL = none; one-dof joints only */
-    double mimic_ratio;   /* q = ratio * (q of that joint) + offset; not 0 */
+    double damping[6];   /* per degree of freedom: see rbd_passive */
+    double friction[6];  /* per degree of freedom: see rbd_passive */
+    double lower, upper; /* limits of a one-dof joint; none if lower >= upper */
+    double velocity;     /* limit, 0 = none; carried for the user */
+    double effort;       /* limit, 0 = none; carried for the user */
+    const char *mimic;   /* name of the joint this one follows, NULL = none; one-dof joints only */
+    double mimic_ratio;  /* q = ratio * (q of that joint) + offset; not 0 */
     double mimic_offset;
 } rbd_body;
 
@@ -498,12 +498,12 @@ RBD_API size_t rbd_work_size(const rbd_model *m);
            return rbd_rnea(&iiwa_model, w, q, v, a, NULL, tau);
        }
    */
-#define RBD_LOCAL_WORK(w, model, size)                                                                   \
-    union {                                                                                              \
-        double align;                                                                                    \
-        unsigned char bytes[size];                                                                       \
-    } w##_memory __attribute__((aligned(64)));                                                           \
-    rbd_work *w;                                                                                         \
+#define RBD_LOCAL_WORK(w, model, size) \
+    union { \
+        double align; \
+        unsigned char bytes[size]; \
+    } w##_memory __attribute__((aligned(64))); \
+    rbd_work *w; \
     rbd_work_init(&(model), w##_memory.bytes, sizeof w##_memory.bytes, &w)
 
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
@@ -557,9 +557,8 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
 
 #ifndef RBDI_NO_FD_CHOLESKY
 /* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   rbd_real *a);
+RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
 
 #ifndef RBD_NO_CHOLESKY
@@ -567,15 +566,14 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
    M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
    L may be M. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M,
-                                       rbd_real *L);
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L);
 
 /* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
 RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H);
 
 /* Solves M x = b with the factor L. b, x: nv; may be the same. */
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L,
-                                      const rbd_real *b, rbd_real *x);
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                      rbd_real *x);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
@@ -590,8 +588,8 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                  const rbd_real *v, const rbd_real *a);
+RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                  const rbd_real *a);
 
 /* Pose of a body: R 3 x 3 turns link vectors into world vectors, p is the link origin in the world.
    R or p may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
@@ -599,8 +597,7 @@ RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body
                                  rbd_real p[3]);
 
 /* Spatial velocity (omega; v of the link origin), link axes. */
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body,
-                                     rbd_real velocity[6]);
+RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
 
 /* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
 RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
@@ -614,13 +611,12 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
 /* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
    that a joint moves, J; after rbd_kinematics. Either may be NULL. Errors of these two: RBD_ERR_NULL,
    _WORK, _ORDER. */
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
-                              rbd_real *potential);
+RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
 
 /* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
    Each may be NULL. Zero if there is no mass. */
-RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3],
-                           rbd_real velocity[3], rbd_real acceleration[3]);
+RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                           rbd_real acceleration[3]);
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBD_API rbd_const rbd_mass(const rbd_model *m);
@@ -635,12 +631,11 @@ RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 
 /* q_next = q moved by the tangent step v dt: exponentials in body axes for spherical (SO(3)), planar
    (SE(2)) and floating (SE(3)) joints, addition for the others. q_next may be q. */
-RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v,
-                                 rbd_real dt, rbd_real *q_next);
+RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                 rbd_real *q_next);
 
 /* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
-                                  rbd_real *d);
+RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
 /* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
    (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
@@ -714,8 +709,8 @@ RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, 
                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                        RBD_REAL *a);
 RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau,
-                                               const RBD_REAL *f_ext, RBD_REAL *a);
+                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                               RBD_REAL *a);
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
 RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
@@ -737,14 +732,15 @@ typedef double rbdi_wide;
 
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
-    rbdi_wide E[9], r[3];         /* from the parent's frame at q = 0 */
+    rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
-    rbdi_wide B[9], b[3];         /* user's link frame to solver frame: x_solver = B (x_user - b) */
+    rbdi_wide B[9], b[3];           /* user's link frame to solver frame: x_solver = B (x_user - b) */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
     rbdi_wide all, radius; /* of the subtree: mass, radius of gyration about the origin */
-    rbdi_wide trace, moment, all_mass, subtree_mass; /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale;                   /* of the pivot */
+    rbdi_wide trace, moment, all_mass,
+        subtree_mass;                     /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide scale;                      /* of the pivot */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
@@ -762,15 +758,15 @@ enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 /* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
    can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BRANCH_TURN = 1,      /* the frame is turned about the parent's z before the twist */
+    RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
     RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,    /* the shift along the link's z is not zero throughout */
-    RBDI_MASS_KEPT = 8,      /* Sigma_zz, h_z or m were not regrouped away */
-    RBDI_ARMATURE = 16, /* some degree of freedom of the joint has armature */
-    RBDI_ROOT = 32,     /* the parent is the world */
-    RBDI_SLIDES = 64,   /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128, /* alpha = 90 or -90 degrees */
-    RBDI_TWIST_0 = 256 /* alpha = 0 */
+    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,       /* the parent is the world */
+    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128,  /* alpha = 90 or -90 degrees */
+    RBDI_TWIST_0 = 256    /* alpha = 0 */
 };
 
 typedef struct rbdi_c3 {
@@ -784,21 +780,21 @@ typedef struct rbdi_csym {
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
    twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
 typedef struct rbdi_link {
-    int16_t parent; /* an earlier link, -1 = world */
-    int16_t iq, iv; /* first coordinate and degree of freedom */
-    int16_t block;  /* index into blocks, -1 = none */
-    int16_t slot;   /* where what a child that is not the next link needs is kept, -1 = no such child */
+    int16_t parent;     /* an earlier link, -1 = world */
+    int16_t iq, iv;     /* first coordinate and degree of freedom */
+    int16_t block;      /* index into blocks, -1 = none */
+    int16_t slot;       /* where what a child that is not the next link needs is kept, -1 = no such child */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
-    rbd_const gamma, cg, sg;   /* joint angle at q = 0, its cosine and sine */
-    rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
-    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
-    rbd_const d;               /* along the link's z */
-    rbd_const rho, kappa;      /* turn and slide per unit of q */
-    rbdi_csym Sigma;           /* regrouped second moment of mass about the origin, link axes */
-    rbdi_c3 h;                 /* regrouped first moment */
-    rbd_const mass;            /* regrouped mass */
-    rbd_const subtree_mass;    /* its sum over the subtree */
+    rbd_const gamma, cg, sg;  /* joint angle at q = 0, its cosine and sine */
+    rbd_const ca, sa, cb, sb; /* cosines and sines of alpha and beta */
+    rbdi_c3 r;                /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
+    rbd_const d;              /* along the link's z */
+    rbd_const rho, kappa;     /* turn and slide per unit of q */
+    rbdi_csym Sigma;          /* regrouped second moment of mass about the origin, link axes */
+    rbdi_c3 h;                /* regrouped first moment */
+    rbd_const mass;           /* regrouped mass */
+    rbd_const subtree_mass;   /* its sum over the subtree */
 } rbdi_link;
 
 /* A joint whose motion axes are unit spatial axes first .. first + n - 1 of the link frame. */
@@ -820,8 +816,8 @@ typedef struct rbdi_dof {
     rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
 } rbdi_dof;
 
-/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for it, of
-   level + 1 entries: the dof's own, or one behind them all. */
+/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
+   it, of level + 1 entries: the dof's own, or one behind them all. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -839,11 +835,11 @@ typedef struct rbdi_frame {
     int16_t link; /* that carries it, -1 = world */
     int16_t type; /* rbd_joint_type */
     int16_t iq, nq, iv, nv;
-    rbd_const E[9];  /* turns link vectors into body vectors, row-major */
-    rbdi_c3 r;       /* origin in the link frame */
+    rbd_const E[9]; /* turns link vectors into body vectors, row-major */
+    rbdi_c3 r;      /* origin in the link frame */
     rbd_const mass;
-    rbdi_c3 com;     /* body frame */
-    rbdi_csym I;     /* about the centre of mass, body axes */
+    rbdi_c3 com; /* body frame */
+    rbdi_csym I; /* about the centre of mass, body axes */
     rbd_const lower, upper, velocity, effort;
 } rbdi_frame;
 
@@ -853,9 +849,9 @@ struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
     int16_t nl, nblock, nslot, nmimic;
-    int32_t nh;        /* entries of the packed tree matrix */
-    int32_t nhx;       /* entries of the rows behind it, of mimic dofs and of those that they couple */
-    rbdi_c3 gravity;   /* world frame */
+    int32_t nh;              /* entries of the packed tree matrix */
+    int32_t nhx;             /* entries of the rows behind it, of mimic dofs and of those that they couple */
+    rbdi_c3 gravity;         /* world frame */
     const rbdi_link *link;   /* nl, depth first */
     const rbdi_block *block; /* nblock */
     const rbdi_dof *dof;     /* nv + nmimic */
@@ -911,10 +907,10 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 typedef struct rbdi_scratch { /* per link, of one call */
-    rbdi_force f;  /* wrench (rnea), bias wrench (aba) */
-    rbdi_motion c; /* aba: velocity-product acceleration */
-    rbdi_force U_D; /* aba: U / D */
-    rbd_real u_D;   /* aba: u / D */
+    rbdi_force f;             /* wrench (rnea), bias wrench (aba) */
+    rbdi_motion c;            /* aba: velocity-product acceleration */
+    rbdi_force U_D;           /* aba: U / D */
+    rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
 typedef struct rbdi_slot { /* per link with a child that is not the next link */
@@ -939,20 +935,20 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
-    int singular;        /* dof, -1 = none */
+    int singular; /* dof, -1 = none */
     int have_kinematics;
-    rbd_real *rotors;    /* 1: kinetic energy of the armatures */
-    rbd_real *angle, *c, *s; /* nl, padded to RBDI_ALIGN: joint angles, their cosines and sines */
-    rbd_real *d;         /* nl: slides of screw links */
-    rbdi_scratch *scratch; /* nl */
-    rbdi_kin *kin;       /* nl */
-    rbdi_slot *slot;     /* nslot */
-    rbdi_block_work *block; /* nblock */
-    rbd_real *zero;      /* nv + nmimic zeros */
-    rbd_real *pivot;     /* nv + nmimic: pivots of the last factorisation */
-    rbd_real *bias;      /* nv */
-    rbd_real *F;         /* 6 x (n + RBDI_CHUNK): crba: wrenches of the dofs, by component */
-    rbd_real *H;         /* nh + nhx */
+    rbd_real *rotors;            /* 1: kinetic energy of the armatures */
+    rbd_real *angle, *c, *s;     /* nl, padded to RBDI_ALIGN: joint angles, their cosines and sines */
+    rbd_real *d;                 /* nl: slides of screw links */
+    rbdi_scratch *scratch;       /* nl */
+    rbdi_kin *kin;               /* nl */
+    rbdi_slot *slot;             /* nslot */
+    rbdi_block_work *block;      /* nblock */
+    rbd_real *zero;              /* nv + nmimic zeros */
+    rbd_real *pivot;             /* nv + nmimic: pivots of the last factorisation */
+    rbd_real *bias;              /* nv */
+    rbd_real *F;                 /* 6 x (n + RBDI_CHUNK): crba: wrenches of the dofs, by component */
+    rbd_real *H;                 /* nh + nhx */
     rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
 };
 
@@ -962,11 +958,11 @@ struct rbd_work {
 
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
    mimics (0 without mimics), nv dofs without, h packed entries. */
-#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h)                                                        \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 3 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) +       \
-     (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) +                       \
-     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) +                           \
-     sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) +    \
+#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 3 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
+     (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
+     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) + \
+     sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) + \
                          ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
@@ -975,33 +971,33 @@ struct rbd_work {
 
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
    mimic joints (compile-time bounds; rbd_work_size is exact, and less). */
-#define RBD_WORK_SIZE(nb, nv)                                                                            \
+#define RBD_WORK_SIZE(nb, nv) \
     RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv))
-#define RBD_WORK_SIZE_MIMIC(nb, nv)                                                                      \
+#define RBD_WORK_SIZE_MIMIC(nb, nv) \
     RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, (nb) + (nv), (nb) + 2 * (nv) + 1, \
                     nv, RBDI_TRIANGLE(nv) + RBDI_TRIANGLE((nb) + (nv)))
 #define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
 
 /* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
 #define RBD_MODEL_SIZE(nb) RBDI_MODEL_BYTES(nb, 3 * (nb), nb, 6 * (nb), nb)
-#define RBDI_MODEL_BYTES(nb, nl, k, n, mimics)                                                           \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) +         \
-     RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) +         \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) +                                                       \
-     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
-     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
+#define RBDI_MODEL_BYTES(nb, nl, k, n, mimics) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
+     RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + \
+     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + \
+     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 RBDI_EXTERN_C_END
 
 #endif /* RBD_H */
 
-
 #if defined RBD_IMPLEMENTATION && !defined RBDI_IMPLEMENTED
 #define RBDI_IMPLEMENTED
 
 /* ---- design [design] ----
-   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables 5.1, 6.2, 6.3
-   and 7.1; what differs is the form of the constants that they run on. The build works it out once:
+   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables
+   5.1, 6.2, 6.3 and 7.1; what differs is the form of the constants that they run on. The build works it out
+   once:
 
    Frames. Every link of a one-axis joint has its axis on z. Its frame may still be turned about z and
    shifted along z without any result knowing; that freedom brings the way from the parent to the form of
@@ -1025,8 +1021,8 @@ RBDI_EXTERN_C_END
    a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
    = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is F = Omega h + m acc, N = axial part
    of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
-   that is in Omega. Results that speak of spatial accelerations (v: floating joints, rbd_body_acceleration)
-   subtract omega x v at the end; so do the free base's dofs by the c of their joint.
+   that is in Omega. Where a spatial acceleration is meant, omega x v is taken away at the end: of bodies in
+   rbd_body_acceleration, of the dofs of a floating joint in its c (rbdi_joint_product).
 
    Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
    the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
@@ -1038,9 +1034,9 @@ RBDI_EXTERN_C_END
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
-             '--- 4 -- 5          downward 2 and 5 take s; upward 5 -> 4, 2 -> 1, 1 -> 0 are carried, 3 and 4 by slots
+             '--- 4 -- 5          down: 1, 2, 5 take s, 3 and 4 the slot's; up: 5, 2, 1 carried, 4 and 3 by slots
 
-   The dofs of a subtree are thus contiguous in solver's order: rbdi_link.first .. end, rbdi_dof.order.
+   The dofs of a subtree are thus contiguous in the solver's order: link.first .. end - 1, as order[] lists them.
 
    Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
    has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
@@ -1048,21 +1044,26 @@ RBDI_EXTERN_C_END
    parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
    (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
 
-     the book                  here                         the book           here
-     i, lambda(i)              i, link[i].parent            S_i                z; rho, kappa of a screw; axes of a block
-     iX_lambda(i)              rbdi_down.., rbdi_pose        I_i, I^c_i         Sigma, h, mass; rbdi_rbi, subtree_mass
-     iX*_lambda(i), transposed rbdi_.._up                    I^A_i, p^A_i       IA, pA
-     v_i, a_i                  state.omega, .omega_dot, .acc U_i, D_i, u_i      U, D; kept as U_D = U/D, u_D = u/D
-     c_i (7.1)                 scratch.c                     H, L, D (ch. 6)    H, packed by paths to the root
-     f_i, tau_i                scratch.f, tau                lambda(k), ch. 6   dof[k].lambda
+     the book               here
+     i, lambda(i)           i, link[i].parent
+     S_i                    z; of a screw rho, kappa; of a block axes first .. first + n - 1
+     iX_lambda(i)           rbdi_down (vectors), rbdi_pose; transposed: what ends in _up
+     v_i, a_i               rbdi_state: omega, omega_dot, acc
+     I_i, I^c_i             Sigma, h, mass of rbdi_link; rbdi_rbi and subtree_mass
+     I^A_i, p^A_i           IA = [I H; H' M] (rbdi_abi), pA
+     U_i, D_i, u_i          U, D, u; kept as U_D = U/D, u_D = u/D
+     c_i (7.1), f_i, tau_i  scratch.c, scratch.f, tau
+     H, L, D (chapter 6)    packed rows: dof[k].row, by the path to the root
+     lambda(k) (6.5)        dof[k].lambda
    */
 
 /* ---- compiler [compiler] ----
-   All that depends on the compiler and its target; no other place asks for them, but that [configuration] asks for
-   vector types and C99. */
+   All that depends on the compiler and its target; no other place asks for them, but that [configuration]
+   asks for vector types and C99. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
-#error "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
+#error \
+    "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 
@@ -1108,8 +1109,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HAS_SHUFFLE 0
 #endif
 
-/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values, as 16 of
-   GCC's default dialects where there is a half precision unit, are of types that are not used here. */
+/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values,
+   as 16 of GCC's default dialects where there is a half precision unit, are of types that are not used here.
+   */
 #if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
 #define RBDI_ROUNDS 1
 #else
@@ -1117,11 +1119,13 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 
 /* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
-   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this. */
+   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
+   */
 #if RBDI_GCC
 #pragma GCC push_options
 #ifdef __OPTIMIZE__
-#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
+#pragma GCC optimize( \
+    "no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
 #endif
 #endif
 
@@ -1153,8 +1157,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 
 /* ---- tolerances [tolerances] ----
-   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite. For the pivots' see
-   [pivots]. */
+   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite. For the pivots'
+   see [pivots]. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -1169,20 +1173,23 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_DOUBT RBD_C(1.4e-17)
 #define RBDI_TINY RBD_C(2.2250738585072014e-308)
 #endif
-#ifndef RBDI_NOISE /* tests/fuzz/pivots.c sets it to 0 */
+#ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
 #define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
 #endif
-#define RBDI_TURN RBD_C(0.0625)    /* two roundings */
-#define RBDI_BUILD RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
+#define RBDI_TURN RBD_C(0.0625) /* two roundings */
+#define RBDI_BUILD \
+    RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 
-#define RBDI_SHORT RBD_C(1e-30)        /* square of the shortest quaternion or (cos, sin) that has a direction */
-#define RBDI_NO_ANGLE RBD_C(1e-30)     /* added to squares of angles: quotients stay finite, no digit changes */
-#define RBDI_TAIL_TERMS 15             /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
-#define RBDI_ANGLE_START 0.43          /* t (2 - 0.43 t^2) for 2 atan(t), |t| < 1: within 0.02, cubed four times */
-#define RBDI_SNAP ((rbdi_wide)1e-12)   /* rad: angles this close to a multiple of 90 degrees are taken as that */
-#define RBDI_PARALLEL ((rbdi_wide)1e-6) /* sine of the angle below which axes of a universal joint are parallel */
-#define RBDI_ORTHONORMAL 4e-6          /* of products of the rows of a rotation: six decimals in a file will do */
-#define RBDI_SEMIDEFINITE 1e-9         /* share of an inertia by which a principal moment may seem negative */
+#define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
+#define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
+#define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
+#define RBDI_ANGLE_START 0.43 /* t (2 - 0.43 t^2) for 2 atan(t), |t| < 1: within 0.02, cubed four times */
+#define RBDI_SNAP \
+    ((rbdi_wide)1e-12) /* rad: angles this close to a multiple of 90 degrees are taken as that */
+#define RBDI_PARALLEL \
+    ((rbdi_wide)1e-6)          /* sine of the angle below which axes of a universal joint are parallel */
+#define RBDI_ORTHONORMAL 4e-6  /* of products of the rows of a rotation: six decimals in a file will do */
+#define RBDI_SEMIDEFINITE 1e-9 /* share of an inertia by which a principal moment may seem negative */
 
 /* ---- scalar [scalar] ---- */
 
@@ -1218,7 +1225,7 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 
 /* pi to quad precision, from doubles: a long literal would be cut to double. */
 #define RBDI_PI(type) \
-    ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type)-2.9947698097183397e-33)
+    ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type) - 2.9947698097183397e-33)
 
 #ifdef RBD_LANES
 #if RBDI_REAL_KIND == 2
@@ -1228,8 +1235,7 @@ typedef int64_t rbdi_int;
 #endif
 typedef rbdi_int rbdi_mask __attribute__((vector_size(sizeof(rbd_real)))); /* per lane 0 or -1 */
 
-RBDI_INLINE rbd_real rbdi_set(rbd_const c)
-{
+RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
     rbd_real zero = {0};
     return zero + c;
 }
@@ -1237,18 +1243,15 @@ RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a <
 RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return ~k; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b)
-{
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) {
     return (rbd_real)(((rbdi_mask)a & k) | ((rbdi_mask)b & ~k));
 }
-RBDI_INLINE int rbdi_any(rbdi_mask k)
-{
+RBDI_INLINE int rbdi_any(rbdi_mask k) {
     rbdi_int any = 0;
     for (int i = 0; i < RBD_LANES; ++i) any |= k[i];
     return any != 0;
 }
-RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x)
-{
+RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
     for (int i = 0; i < RBD_LANES; ++i) x[i] = RBD_SQRT(x[i]);
     return x;
 }
@@ -1267,8 +1270,7 @@ RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
 /* Sine and cosine by libm, or by what replaces it. */
-static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c)
-{
+static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
 #ifdef RBD_LANES
     for (int i = 0; i < RBD_LANES; ++i) {
         (*s)[i] = RBD_SIN(x[i]);
@@ -1315,14 +1317,12 @@ typedef union rbdi_pun {
     rbd_real x;
     rbdi_bits b;
 } rbdi_pun;
-RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x)
-{
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
     rbdi_pun u;
     u.x = x;
     return u.b;
 }
-RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b)
-{
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) {
     rbdi_pun u;
     u.b = b;
     return u.x;
@@ -1338,23 +1338,30 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi
 /* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
    subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
    r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
-RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
-{
+RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c) {
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
 #endif
 #if RBDI_REAL_KIND == 1
     const rbd_const magic = 6755399441055744.0;
     rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
-    rbdi_batch r = ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) -
-                   n * 2.02226624879595063154e-21;
+    rbdi_batch r =
+        ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
     rbdi_batch z = r * r;
-    rbdi_batch ps = ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z +
-                       2.7557313718766776671e-6) * z + -0.0001984126982989857878) * z +
-                     0.0083333333333225528993) * z + -0.16666666666666632772;
-    rbdi_batch pc = ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z +
-                       -2.755731463445455091e-7) * z + 2.4801587290576460775e-5) * z +
-                     -0.0013888888888876133562) * z + 0.041666666666666613249;
+    rbdi_batch ps =
+        ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z + 2.7557313718766776671e-6) * z +
+          -0.0001984126982989857878) *
+             z +
+         0.0083333333333225528993) *
+            z +
+        -0.16666666666666632772;
+    rbdi_batch pc =
+        ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z + -2.755731463445455091e-7) * z +
+          2.4801587290576460775e-5) *
+             z +
+         -0.0013888888888876133562) *
+            z +
+        0.041666666666666613249;
     const int top = 62;
 #else
     const rbd_const magic = 12582912.0f;
@@ -1377,8 +1384,7 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c)
 /* Sines and cosines of n angles of any size: error below 2.3e-16 (double), 1.0e-7 (float) up to the
    limit; libm's beyond it. The arrays are padded to whole batches. The angle itself, q + gamma, is rounded
    before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double. */
-RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c)
-{
+RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
     const rbdi_batch *bx = (const rbdi_batch *)x;
@@ -1402,8 +1408,7 @@ RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_re
 }
 
 /* The same for one angle. */
-RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c)
-{
+RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
 #if defined RBDI_POLYNOMIAL_SINCOS && !defined RBDI_BATCH_SCALAR && !defined RBD_LANES
     rbd_real xs[RBDI_BATCH], ss[RBDI_BATCH], cs[RBDI_BATCH];
     for (int i = 0; i < RBDI_BATCH; ++i) xs[i] = x;
@@ -1416,16 +1421,15 @@ RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c)
 }
 
 /* 1 / D if D > threshold, else 0 and it is marked bad: no infinity ever leaves a division. */
-RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad)
-{
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
     rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
     *bad = rbdi_or(*bad, rbdi_not(good));
     return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
 }
 
-/* 1 / D of a pivot, 0 where that would overflow; in doubt if D is small beside the inertia that it came from. */
-RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt)
-{
+/* 1 / D of a pivot, 0 where that would overflow; in doubt if D is small beside the inertia that it came
+   from. */
+RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
     rbdi_mask none = rbdi_less(D, D);
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
     return rbdi_reciprocal(D, RBDI_TINY, &none);
@@ -1436,8 +1440,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
    turn about z and the shift along z; those about and along x are the same after the cyclic change
    of axes (x, y, z) -> (y, z, x). */
 
-RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z)
-{
+RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
     rbdi_v3 v;
     v.x = x, v.y = y, v.z = z;
     return v;
@@ -1448,20 +1451,17 @@ RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, 
 RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
 RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
 RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b)
-{
+RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
     return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
 
-RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v)
-{
+RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.yx * v.x + A.yy * v.y + A.yz * v.z,
                     A.zx * v.x + A.zy * v.y + A.zz * v.z);
 }
-RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A)
-{
+RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
     rbdi_mat B;
     B.xx = A.xx, B.xy = A.yx, B.xz = A.zx;
     B.yx = A.xy, B.yy = A.yy, B.yz = A.zy;
@@ -1469,8 +1469,7 @@ RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A)
     return B;
 }
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
-RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B)
-{
+RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
     rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
             z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
     rbdi_mat C;
@@ -1479,21 +1478,18 @@ RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B)
     C.zx = x.z, C.zy = y.z, C.zz = z.z;
     return C;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9])
-{
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9]) {
     rbdi_mat A;
     A.xx = rbdi_set(a[0]), A.xy = rbdi_set(a[1]), A.xz = rbdi_set(a[2]);
     A.yx = rbdi_set(a[3]), A.yy = rbdi_set(a[4]), A.yz = rbdi_set(a[5]);
     A.zx = rbdi_set(a[6]), A.zy = rbdi_set(a[7]), A.zz = rbdi_set(a[8]);
     return A;
 }
-RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v)
-{
+RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
                     A.xz * v.x + A.yz * v.y + A.zz * v.z);
 }
-RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c)
-{
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
     rbdi_sym A;
     A.xx = rbdi_set(c.xx), A.xy = rbdi_set(c.xy), A.xz = rbdi_set(c.xz);
     A.yy = rbdi_set(c.yy), A.yz = rbdi_set(c.yz), A.zz = rbdi_set(c.zz);
@@ -1502,8 +1498,7 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c)
 
 /* Turns. Down: components in a frame turned by the angle (c, s) about z; up: with -s. The form says what
    is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, +-1), or nothing. */
-RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v)
-{
+RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (form & RBDI_TWIST_0) return v;
     if (form & RBDI_TWIST_90) return rbdi_vec(s * v.y, -(s * v.x), v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
@@ -1511,8 +1506,7 @@ RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v)
 
 /* Change of axes of a symmetric matrix, child to parent: Rz' S Rz with four multiplications for the
    block (x, y) instead of the twelve of the plain product. */
-RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A)
-{
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
     if (form & RBDI_TWIST_0) return A;
@@ -1530,16 +1524,14 @@ RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A)
     B.yz = s * A.xz + c * A.yz;
     return B;
 }
-RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A)
-{
+RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
     rbdi_sym B;
     B.xx = A.yy, B.xy = A.yz, B.xz = A.xy, B.yy = A.zz, B.yz = A.xz, B.zz = A.xx;
     return B;
 }
 
 /* The same for a general matrix. */
-RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
-{
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;
     if (form & RBDI_TWIST_0) return A;
@@ -1561,8 +1553,7 @@ RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
     B.zy = s * A.zx + c * A.zy;
     return B;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
-{
+RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
     rbdi_mat B;
     B.xx = A.yy, B.xy = A.yz, B.xz = A.yx;
     B.yx = A.zy, B.yy = A.zz, B.yz = A.zx;
@@ -1570,40 +1561,34 @@ RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A)
     return B;
 }
 
-RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B)
-{
+RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
     A.n = rbdi_add(A.n, B.n);
     A.f = rbdi_add(A.f, B.f);
     return A;
 }
-RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B)
-{
+RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B) {
     A.n = rbdi_sub(A.n, B.n);
     A.f = rbdi_sub(A.f, B.f);
     return A;
 }
-RBDI_INLINE rbdi_force rbdi_force0(void)
-{
+RBDI_INLINE rbdi_force rbdi_force0(void) {
     rbdi_force F;
     F.n = F.f = rbdi_vec0();
     return F;
 }
-RBDI_INLINE rbdi_motion rbdi_motion0(void)
-{
+RBDI_INLINE rbdi_motion rbdi_motion0(void) {
     rbdi_motion V;
     V.omega = V.v = rbdi_vec0();
     return V;
 }
-RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B)
-{
+RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
     A.omega = rbdi_add(A.omega, B.omega);
     A.v = rbdi_add(A.v, B.v);
     return A;
 }
 
 /* Composite body (Sigma, h, m): same moves. S' = S + r h' + h_new r', h_new = h + m r. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     rbd_real k = C.h.z + d * m;
     C.Sigma.xz = C.Sigma.xz + d * C.h.x;
     C.Sigma.yz = C.Sigma.yz + d * C.h.y;
@@ -1611,27 +1596,23 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C)
     C.h.z = k;
     return C;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up_z(form, c, s, C.Sigma);
     C.h = rbdi_turn_z(form, c, -s, C.h);
     return C;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
     C.Sigma = rbdi_sym_cycle(C.Sigma);
     C.h = rbdi_cycle(C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_uncycle(rbdi_rbi C) { return rbdi_rbi_cycle(rbdi_rbi_cycle(C)); }
-RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B)
-{
+RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
     A.xx = A.xx + B.xx, A.xy = A.xy + B.xy, A.xz = A.xz + B.xz;
     A.yy = A.yy + B.yy, A.yz = A.yz + B.yz, A.zz = A.zz + B.zz;
     return A;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
     A.Sigma = rbdi_sym_add(A.Sigma, B.Sigma);
     A.h = rbdi_add(A.h, B.h);
     return A;
@@ -1639,8 +1620,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B)
 
 /* Articulated-body inertia [I H; H' M]: H' = H + [r]x M, I' = I - H [r]x + [r]x H'^T for r = d z.
    full = 0: row z of I and H is zero and stays so. */
-RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
     rbdi_abi Y = IA;
     Y.H.xx = IA.H.xx - d * IA.M.xy;
     Y.H.xy = IA.H.xy - d * IA.M.yy;
@@ -1657,23 +1637,20 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA)
     }
     return Y;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi IA) {
     IA.I = rbdi_sym_up_z(form, c, s, IA.I);
     IA.H = rbdi_mat_up_z(form, c, s, IA.H);
     IA.M = rbdi_sym_up_z(form, c, s, IA.M);
     return IA;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {
     IA.I = rbdi_sym_cycle(IA.I);
     IA.H = rbdi_mat_cycle(IA.H);
     IA.M = rbdi_sym_cycle(IA.M);
     return IA;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi IA) { return rbdi_abi_cycle(rbdi_abi_cycle(IA)); }
-RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     A.I = rbdi_sym_add(A.I, B.I);
     A.M = rbdi_sym_add(A.M, B.M);
     A.H.xx = A.H.xx + B.H.xx, A.H.xy = A.H.xy + B.H.xy, A.H.xz = A.H.xz + B.H.xz;
@@ -1683,8 +1660,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B)
 }
 
 /* [w]x [w]x. */
-RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega)
-{
+RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
     rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
     rbdi_mat O;
     O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
@@ -1694,8 +1670,7 @@ RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega)
     return O;
 }
 /* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
-RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot)
-{
+RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     rbdi_mat O = rbdi_omega_steady(omega);
     O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
     O.xz = O.xz + omega_dot.y, O.zx = O.zx - omega_dot.y;
@@ -1708,13 +1683,12 @@ RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot)
    rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if zero or an angle
    will not do. One-axis types need the first only. */
 
-RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l)
-{
+RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
 }
 
-/* Powers of two small enough that the square of no finite number times them overflows, and large enough that a
-   number whose square does overflow stays above 1e-15. */
+/* Powers of two small enough that the square of no finite number times them overflows, and large enough that
+   a number whose square does overflow stays above 1e-15. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_SHORTEN 2.9134143481250808e-157 /* 2^-520 */
 #elif RBDI_KIND(RBD_CONST) == 2
@@ -1725,25 +1699,26 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBD_C(3.7291703656001034e-155)))))
 #endif
 
-/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0, with
-   *bad set, where that is below RBDI_SHORT. */
-RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad)
-{
+/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0,
+   with *bad set, where that is below RBDI_SHORT. */
+RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
     rbd_real sum = q[0] * q[0], k;
-    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + q[i] * q[i];
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
+        sum = sum + q[i] * q[i];
     k = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
-    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) u[i] = q[i] * k;
+    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i)
+        u[i] = q[i] * k;
     sum = u[0] * u[0];
-    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i) sum = sum + u[i] * u[i];
+    RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
+        sum = sum + u[i] * u[i];
     *bad = rbdi_less(sum, sum);
     return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
 /* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
    length; zero gives the identity. */
-RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
-{
+RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
     rbd_real u[4], s = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
@@ -1759,14 +1734,11 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q)
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
-RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q)
-{
+RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
     switch (b->type) {
-    case RBD_SPHERICAL:
-        X.E = rbdi_quaternion_down(q);
-        break;
+    case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
     case RBD_PLANAR: {
         rbd_real c, s;
         rbdi_sincos(q[2], &s, &c);
@@ -1795,8 +1767,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 }
 
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
-RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
-{
+RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s) {
     rbdi_mask bad;
     rbd_real u[2], k = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
     *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * k);
@@ -1804,8 +1775,7 @@ RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s)
 }
 
 /* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
-RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
-{
+RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -1823,8 +1793,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
     }
     rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
     if (plain) return;
-    RBDI_UNROLL
-    for (int i = 0; i < m->nl; ++i) {
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
@@ -1838,8 +1807,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
     }
 }
 
-RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form)
-{
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
     t.d = form & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
@@ -1876,16 +1844,14 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 #endif
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v)
-{
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
     if (form & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
     v = rbdi_uncycle(rbdi_turn_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
     return rbdi_turn_z(0, t.c, t.s, v);
 }
 
 /* w x r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega)
-{
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
     rbdi_v3 y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (form & RBDI_SHIFT_XYZ) {
         y.x = omega.y * l->r.z - omega.z * l->r.y;
@@ -1896,14 +1862,12 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
 }
 
 /* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F)
-{
+RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
     rbd_real *b = a + 3 * stride;
     a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
     b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
 }
-RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride)
-{
+RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
     const rbd_real *b = a + 3 * stride;
     rbdi_force F;
     F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
@@ -1914,15 +1878,13 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride)
 /* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
    branch turn, shift. Written once for T = one scalar and T = a batch of them. */
 #define RBDI_DEFINE_FORCE_UP(name, T) \
-    RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) \
-    { \
+    RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
         if (form & RBDI_TWIST_0) return; \
         *x = form & RBDI_TWIST_90 ? -(y0 * s) : x0 * c - y0 * s; \
         *y = form & RBDI_TWIST_90 ? x0 * s : x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const rbdi_link *l, int form, rbdi_trig t, T *x) \
-    { \
+    RBDI_INLINE void name(const rbdi_link *l, int form, rbdi_trig t, T *x) { \
         if (form & RBDI_SHIFT_Z) { \
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
@@ -1945,8 +1907,7 @@ RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
 RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 #endif
 
-RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F)
-{
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F) {
     rbd_real x[6];
     rbdi_store_force(x, 1, F);
     rbdi_array_up(l, form, t, x);
@@ -1954,55 +1915,52 @@ RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, 
 }
 
 /* The same of a block link. */
-RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F)
-{
+RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
     F.f = rbdi_mul_t(X->E, F.f);
     F.n = rbdi_add(rbdi_mul_t(X->E, F.n), rbdi_cross(X->r, F.f));
     return F;
 }
 
 /* S' F of a one-axis joint. */
-RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F)
-{
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F) {
     return form & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
 RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
-RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a)
-{
+RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {
     a[0] = V.omega.x, a[1] = V.omega.y, a[2] = V.omega.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
 }
-RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a)
-{
+RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
     rbdi_motion V;
     V.omega = rbdi_vec(a[0], a[1], a[2]);
     V.v = rbdi_vec(a[3], a[4], a[5]);
     return V;
 }
-RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v)
-{
+RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
     if (b->n == 6) return rbdi_motion_from_array(v);
-    RBDI_UNROLL for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
+    RBDI_UNROLL for (int k = 0; k < 6; ++k)
+        a[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
+        a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
 }
 
 /* ---- state [state] ----
-   Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E = down,
-   z the joint's axis, Omega as in [design]:
+   Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
+   = down, z the joint's axis, Omega as in [design]:
 
        omega     = E omega_p + z turn                         turn, slide = rho, kappa times qd
        omega_dot = E omega_dot_p + (E omega_p) x z turn + z turn_dot
        acc       = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot
 
-   The book (5.7) has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega here. */
+   The book (5.7) has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega
+   here. */
 
 /* Velocity-product terms that a joint with velocity J adds to (wd, acc): w is the parent's angular
    velocity in link axes. */
-RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J)
-{
+RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
     rbdi_motion c;
     c.omega = rbdi_cross(omega, J.omega);
     c.v = rbdi_cross(rbdi_add(rbdi_add(omega, omega), J.omega), J.v);
@@ -2010,8 +1968,7 @@ RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J)
 }
 
 /* Acceleration, relative to the parent's origin, of the point r where the joint sits: Omega r. */
-RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_state p)
-{
+RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_state p) {
     const rbdi_mat O = rbdi_omega(p.omega, p.omega_dot);
     if (form & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
@@ -2020,8 +1977,7 @@ RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_s
 /* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
    never appears. */
 RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_state p, rbd_real qd,
-                                         rbd_real qdd)
-{
+                                         rbd_real qdd) {
     const int screw = form & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
     rbdi_v3 omega = rbdi_vec0();
@@ -2032,7 +1988,8 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig
     } else {
         omega = rbdi_down(l, form, t, p.omega);
         s.omega_dot = rbdi_down(l, form, t, p.omega_dot);
-        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x, s.omega_dot.z + turn_rate);
+        s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
+                               s.omega_dot.z + turn_rate);
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
         p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
     }
@@ -2053,8 +2010,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig
 }
 
 RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                          rbdi_state p, const rbd_real *v, const rbd_real *a)
-{
+                                          rbdi_state p, const rbd_real *v, const rbd_real *a) {
     rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
     rbdi_v3 omega = rbdi_vec0(), acc = p.acc;
     rbdi_state s;
@@ -2072,8 +2028,7 @@ RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *
 }
 
 /* The state that the world gives to the roots: gravity as an upward acceleration. */
-RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
-{
+RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
     rbdi_state s;
     s.omega = s.omega_dot = rbdi_vec0();
     s.acc = rbdi_sub(rbdi_vec0(), rbdi_vec_c(gravity));
@@ -2082,8 +2037,7 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity)
 
 /* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc)
-{
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
@@ -2117,8 +2071,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
 
 /* The same with the wrench that moves the link, if wanted. */
 RBDI_INLINE rbdi_state rbdi_forward_axis_link(const rbd_model *m, rbd_work *w, int i, int form, rbdi_state p,
-                                              rbd_real qd, rbd_real qdd, int wrench)
-{
+                                              rbd_real qd, rbd_real qdd, int wrench) {
     const rbdi_link *l = &m->link[i];
     const rbdi_state s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), p, qd, qdd);
     if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
@@ -2128,8 +2081,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis_link(const rbd_model *m, rbd_work *w, i
 /* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
    parent's was kept; with it the wrench that moves the link, if wanted. */
 RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
-                                         const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench)
-{
+                                         const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
     const rbdi_link *l = &m->link[i];
     rbdi_force *F = &w->scratch[i].f;
     if (l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
@@ -2145,37 +2097,32 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
 
 /* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
    have been built there meanwhile, and the same table may stand at another. */
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w)
-{
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
     return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
 }
 /* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
-RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays)
-{
+RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
-RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q)
-{
+RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     if (m->nmimic == 0) return q;
     for (int k = 0; k < m->nq; ++k) w->qx[k] = q[k];
     for (int k = 0; k < m->nmimic; ++k)
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
-RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx)
-{
+RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx) {
     if (m->nmimic == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
     for (int k = 0; k < m->nmimic; ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
     return vx;
 }
 /* tau = G' tau_x, for v_x = G v. */
-RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau)
-{
+RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau) {
     if (m->nmimic == 0) return;
     for (int k = 0; k < m->nv; ++k) tau[k] = tx[k];
     for (int k = 0; k < m->nmimic; ++k)
@@ -2183,60 +2130,56 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 }
 
 /* ---- rnea [rnea] ----
-   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here from Omega
-   (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several external wrenches a
-   link, in the users' frames, and gravity as an acceleration of the world. */
+   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
+   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
+   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
-RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext)
-{
+RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     if (!f_ext) return;
-    RBDI_UNROLL
-    for (int b = 0; b < m->nb; ++b) {
+    RBDI_UNROLL for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_pose X;
         if (u->link < 0) continue;
         X.E = rbdi_mat_c(u->E);
         X.r = rbdi_vec_c(u->r);
-        w->scratch[u->link].f = rbdi_force_sub(w->scratch[u->link].f,
-                                            rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
+        w->scratch[u->link].f =
+            rbdi_force_sub(w->scratch[u->link].f, rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
     }
 }
 
 /* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
 RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
-                                    const rbd_real *a, rbd_real *tau)
-{
+                                    const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbd_real t = rbdi_along_axis(l, form, F);
     if (form & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
     tau[l->iv] = t;
     return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
 }
-RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, rbdi_force F,
-                                     const rbd_real *a, rbd_real *tau)
-{
+RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                        rbdi_force F, const rbd_real *a, rbd_real *tau) {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
-    if (l->flags & RBDI_ARMATURE)
-        RBDI_UNROLL for (int k = 0; k < b->n; ++k)
+    if (l->flags & RBDI_ARMATURE) RBDI_UNROLL
+        for (int k = 0; k < b->n; ++k)
             all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
-    if (b->n == 6)
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
-    else
-        RBDI_UNROLL for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    if (b->n == 6) RBDI_UNROLL_SIX
+        for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
+    else RBDI_UNROLL
+        for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
-                      const rbd_real *f_ext, rbd_real *tau)
-{
+                         const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
     rbdi_state s = world;
     rbdi_force carried = rbdi_force0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
     rbdi_external(m, w, f_ext);
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
@@ -2256,33 +2199,28 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
 
 #ifndef RBD_NO_RNEA
 RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau)
-{
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              m->nmimic ? w->tx : tau);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext, m->nmimic ? w->tx : tau);
     rbdi_reduce_tau(m, w->tx, tau);
     return RBD_OK;
 }
 
 RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c)
-{
+                            const rbd_real *f_ext, rbd_real *c) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
 }
 
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g)
-{
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
 #endif
 
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau)
-{
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
     const rbd_real *vx;
     rbd_real *tx;
     const rbd_status status = rbdi_check(m, w, v && tau);
@@ -2299,18 +2237,18 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 }
 
 /* ---- crba [crba] ----
-   RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for every j on the
-   path to the root F = X' F, H_ij = F' S_j. Here the wrenches F of a subtree do not climb one by one: standing side by
-   side, by component, those of all dofs of link i's subtree take the step to its parent together, a batch at a time,
-   and the entries of link i's dof with all of them are then one component (the moment about z) of that row. Of I^c
-   only Sigma and h depend on q: the subtree's mass is a constant. */
+   RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
+   every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches F of a subtree do not climb one
+   by one: standing side by side, by component, those of all dofs of link i's subtree take the step to its
+   parent together, a batch at a time, and the entries of link i's dof with all of them are then one
+   component (the moment about z) of that row. Of I^c only Sigma and h depend on q: the subtree's mass is a
+   constant. */
 
 /* From one component of the wrenches in w->F to the next. */
 RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return m->nv + m->nmimic + RBDI_CHUNK; }
 
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
-RBDI_PART void rbdi_clear(rbd_real *x, int n)
-{
+RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
@@ -2323,15 +2261,13 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n)
     for (; k < n; ++k) x[k] = rbdi_zero();
 }
 
-RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
     C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
     C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
     return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
 }
 
-RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_rbi C;
     C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
@@ -2340,12 +2276,10 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void)
 }
 
 /* E' A E. */
-RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A)
-{
+RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
     return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
 }
-RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A)
-{
+RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
     rbdi_mat M;
     rbdi_sym B;
     M.xx = A.xx, M.xy = A.xy, M.xz = A.xz;
@@ -2357,17 +2291,16 @@ RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A)
 }
 
 /* Composite body of a link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
     if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
     C = rbdi_rbi_up_z(0, t.c, t.s, C);
     C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
-    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
+    if (!(form & RBDI_SHIFT_XYZ))
+        return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
     C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
     return rbdi_rbi_shift(X->r, m, C);
@@ -2375,8 +2308,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi
 
 /* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
    [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
-RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
-{
+RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
     const rbd_real o = rbdi_zero(), mass = rbdi_set(m);
     rbdi_force F;
     switch (k) {
@@ -2389,15 +2321,9 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
     case 2:
         F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
         break;
-    case 3:
-        F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o);
-        break;
-    case 4:
-        F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o);
-        break;
-    default:
-        F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass);
-        break;
+    case 3: F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o); break;
+    case 4: F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o); break;
+    default: F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass); break;
     }
     return F;
 }
@@ -2410,8 +2336,7 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k)
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
    that a batch of them moves at once; batches count from the last dof down and may reach below the first:
    what lies there is not set yet. */
-RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form)
-{
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     const ptrdiff_t stride = rbdi_stride(m);
@@ -2433,8 +2358,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
 #endif
     }
 }
-RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l)
-{
+RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l) {
     const rbdi_pose *X = &w->block[l->block].X;
     const ptrdiff_t stride = rbdi_stride(m);
     RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
@@ -2449,8 +2373,7 @@ typedef struct rbdi_entries {
     const rbdi_order *order;
 } rbdi_entries;
 
-RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M)
-{
+RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M) {
     rbdi_entries e;
     e.full = M != NULL;
     e.H = M ? NULL : H + depth;
@@ -2461,8 +2384,7 @@ RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, 
     return e;
 }
 /* The entry of solver's dof j. */
-RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x)
-{
+RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
     if (e.full)
         e.row[e.order[j].dof] = e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
     else
@@ -2471,9 +2393,8 @@ RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x)
 
 /* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
    those of its subtree make: S' F. */
-RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
-                                         rbdi_rbi C, rbd_real *H, rbd_real *M)
-{
+RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first,
+                                         int n, rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const ptrdiff_t stride = rbdi_stride(m);
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbd_real *F = &w->F[stride * first];
@@ -2486,12 +2407,12 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
-    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j)
-        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k)
+    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
+        for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
-RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H, rbd_real *M)
-{
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H,
+                                   rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const ptrdiff_t stride = rbdi_stride(m);
     const int iv = l->iv, depth = m->dof[iv].level;
@@ -2513,19 +2434,18 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
 }
 
 /* Composite body and wrenches of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_crba_axis_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi C)
-{
+RBDI_INLINE rbdi_rbi rbdi_crba_axis_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi C) {
     C = rbdi_rbi_up(&m->link[i], form, rbdi_trig_of(m, w, i, form), C);
     rbdi_crba_up(m, w, i, form);
     return C;
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before. With mimic
-   joints into H and the rows behind it; rbdi_reduce_H does the rest. */
-RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M)
-{
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
+   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. */
+RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M) {
     rbdi_rbi carried = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
+    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
+        w->slot[i].C = rbdi_rbi_zero();
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         rbdi_rbi C = carried;
@@ -2556,16 +2476,16 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */
-RBDI_INLINE int rbdi_source(const rbd_model *m, int k) { return k < m->nv ? k : m->mimic[k - m->nv].source_v; }
-RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k)
-{
+RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
+    return k < m->nv ? k : m->mimic[k - m->nv].source_v;
+}
+RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
     return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
 }
 
-/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where nobody
-   wrote. Off its diagonal M_x has every entry twice. */
-RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H)
-{
+/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where
+   nobody wrote. Off its diagonal M_x has every entry twice. */
+RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     for (int s = 0; s < m->nv + m->nmimic; ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
@@ -2581,8 +2501,7 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H)
 }
 
 #ifndef RBD_NO_CRBA
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H)
-{
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -2593,8 +2512,7 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M)
-{
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
@@ -2611,13 +2529,9 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 }
 #endif
 
-RBD_API int rbd_packed_size(const rbd_model *m)
-{
-    return m ? m->nh : 0;
-}
+RBD_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
 
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
-{
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
     int row = i > j ? i : j, column = i > j ? j : i, t;
     if (!m || column < 0 || row >= m->nv) return -1;
     t = m->dof[row].depth;
@@ -2635,20 +2549,19 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j)
                 IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
-   IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is zero and
-   stays so through the turn about z, which rbdi_aba_release and rbdi_abi_shift_z make use of; and S' pa = S' pA +
-   S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent feels about the joint's axis is its torque. */
+   IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
+   zero and stays so through the turn about z, which rbdi_aba_release and rbdi_abi_shift_z make use of; and
+   S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent feels about the joint's axis is
+   its torque. */
 
-RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
     IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
     IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
     return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(IA));
 }
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
     if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
     IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
@@ -2656,16 +2569,14 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi
     IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(IA));
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
     IA.I = rbdi_sym_up(P->E, IA.I);
     IA.H = rbdi_mat_up(P->E, IA.H);
     IA.M = rbdi_sym_up(P->E, IA.M);
     return rbdi_abi_shift(P->r, IA);
 }
 
-RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_abi X;
     X.I.xx = X.I.xy = X.I.xz = X.I.yy = X.I.yz = X.I.zz = o;
@@ -2675,11 +2586,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void)
 }
 
 /* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
-RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA)
-{
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
-    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz, IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
+    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz,
+    IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
     IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
     IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
     if (form & RBDI_MASS_KEPT) {
@@ -2690,8 +2601,8 @@ RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA
 }
 
 /* Pass 1, one-axis link: velocity w (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd, rbdi_v3 *omega)
-{
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd,
+                                          rbdi_v3 *omega) {
     const int screw = form & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
@@ -2717,8 +2628,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_tri
     return c;
 }
 RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                                const rbd_real *v, rbdi_v3 *omega)
-{
+                                                const rbd_real *v, rbdi_v3 *omega) {
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
     rbdi_v3 turned;
     if (l->parent < 0) { /* the world does not turn */
@@ -2734,22 +2644,21 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
 }
 
 /* Pass 1, one-axis link: with the wrench that the velocity takes. */
-RBDI_INLINE void rbdi_aba_pass1_axis(const rbd_model *m, rbd_work *w, int i, int form, rbd_real qd, rbdi_v3 *omega)
-{
+RBDI_INLINE void rbdi_aba_pass1_axis(const rbd_model *m, rbd_work *w, int i, int form, rbd_real qd,
+                                     rbdi_v3 *omega) {
     const rbdi_link *l = &m->link[i];
     w->scratch[i].c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), qd, omega);
     w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(*omega), NULL);
 }
 
-RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v)
-{
+RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
     rbdi_v3 omega = rbdi_vec0();
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
         if (l->kind == RBDI_BLOCK) {
-            w->scratch[i].c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv],
-                                                   &omega);
+            w->scratch[i].c =
+                rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
             w->scratch[i].f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega_steady(omega), NULL);
         } else {
             RBDI_BY_FORM(form, l, rbdi_aba_pass1_axis(m, w, i, form, v[l->iv], &omega));
@@ -2761,11 +2670,11 @@ RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v
     }
 }
 
-/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c + U u/D.
-   Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is tau: above. */
-RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau, rbdi_abi *IA,
-                                  rbdi_force *pA, rbdi_mask *doubt)
-{
+/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
+   Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
+   about z is tau: above. */
+RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
@@ -2797,10 +2706,14 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     IA->I.xx = IA->I.xx - U.n.x * V.n.x;
     IA->I.xy = IA->I.xy - U.n.x * V.n.y;
     IA->I.yy = IA->I.yy - U.n.y * V.n.y;
-    IA->H.xx = IA->H.xx - U.n.x * V.f.x, IA->H.xy = IA->H.xy - U.n.x * V.f.y, IA->H.xz = IA->H.xz - U.n.x * V.f.z;
-    IA->H.yx = IA->H.yx - U.n.y * V.f.x, IA->H.yy = IA->H.yy - U.n.y * V.f.y, IA->H.yz = IA->H.yz - U.n.y * V.f.z;
-    IA->M.xx = IA->M.xx - U.f.x * V.f.x, IA->M.xy = IA->M.xy - U.f.x * V.f.y, IA->M.xz = IA->M.xz - U.f.x * V.f.z;
-    IA->M.yy = IA->M.yy - U.f.y * V.f.y, IA->M.yz = IA->M.yz - U.f.y * V.f.z, IA->M.zz = IA->M.zz - U.f.z * V.f.z;
+    IA->H.xx = IA->H.xx - U.n.x * V.f.x, IA->H.xy = IA->H.xy - U.n.x * V.f.y,
+    IA->H.xz = IA->H.xz - U.n.x * V.f.z;
+    IA->H.yx = IA->H.yx - U.n.y * V.f.x, IA->H.yy = IA->H.yy - U.n.y * V.f.y,
+    IA->H.yz = IA->H.yz - U.n.y * V.f.z;
+    IA->M.xx = IA->M.xx - U.f.x * V.f.x, IA->M.xy = IA->M.xy - U.f.x * V.f.y,
+    IA->M.xz = IA->M.xz - U.f.x * V.f.z;
+    IA->M.yy = IA->M.yy - U.f.y * V.f.y, IA->M.yz = IA->M.yz - U.f.y * V.f.z,
+    IA->M.zz = IA->M.zz - U.f.z * V.f.z;
     pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u;
     pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u;
     pA->n.x = pA->n.x + (IA->H.xx * c->v.x + IA->H.xy * c->v.y + IA->H.xz * c->v.z);
@@ -2826,21 +2739,21 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
 }
 
 /* Row k of [I H; H' M]. */
-RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6])
-{
-    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy, A[0][5] = IA.H.xz;
+RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
+    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
+    A[0][5] = IA.H.xz;
     A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
     A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
     A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
     A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
     A[5][5] = IA.M.zz;
-    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i)
-        RBDI_UNROLL_SIX for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i) RBDI_UNROLL_SIX
+        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
 }
-RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
-{
+RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
     rbdi_abi IA;
-    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4], IA.H.xz = A[0][5];
+    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4],
+    IA.H.xz = A[0][5];
     IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
     IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
     IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
@@ -2854,8 +2767,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6])
    axes before it still need is kept up: the lower triangle. */
 RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
                                         int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
-                                        rbdi_mask *doubt)
-{
+                                        rbdi_mask *doubt) {
     rbdi_block_work *bw = &w->block[l->block];
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
@@ -2869,19 +2781,18 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const r
         }
         RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
             const int columns = keep ? 6 : i + 1;
-            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j) A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
+            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j)
+                A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
             P[i] = P[i] + U[i] * bw->u_D[k];
         }
     }
 }
 /* A floating base on the world, without armature. */
-RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b)
-{
+RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
 }
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau, rbdi_abi *IA,
-                              rbdi_force *pA, rbdi_mask *doubt)
-{
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i_link];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
@@ -2895,16 +2806,15 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_aba_release_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
     if (l->parent < 0) return;
     rbdi_motion_to_array(w->scratch[i_link].c, C);
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i)
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
+        for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
     *IA = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
     *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
 
 /* Pass 2, one-axis link: IA and pA, those of the children summed, become what the parent feels. */
-RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau, rbdi_abi *IA,
-                             rbdi_force *pA, rbdi_mask *doubt)
-{
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+                             rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     *IA = rbdi_abi_add_link(l, form, *IA);
@@ -2914,8 +2824,7 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, c
     *pA = rbdi_force_up(l, form, t, *pA);
 }
 
-RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau)
-{
+RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -2939,11 +2848,10 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's; qdd = u/D - (U/D)' y.
-   Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's; qdd = u/D
+   - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
-                                      rbd_real *a)
-{
+                                      rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
@@ -2972,8 +2880,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     a[l->iv] = qdd;
     return y;
 }
-RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y, rbd_real *a)
-{
+RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
+                                          rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
@@ -2984,7 +2892,8 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
             rbd_real x = bw->u_D[k];
-            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j) x = x - bw->U_D[k][j] * all[j];
+            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j)
+                x = x - bw->U_D[k][j] * all[j];
             a[l->iv + k] = x - all[k];
             all[k] = x;
         }
@@ -2992,15 +2901,15 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     }
     RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) qdd = qdd - bw->U_D[k][j] * all[j];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+            qdd = qdd - bw->U_D[k][j] * all[j];
         all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
     return rbdi_motion_from_array(all);
 }
 
-RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
-{
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
     rbdi_motion world = rbdi_motion0(), y;
     world.v = rbdi_world_state(w->gravity).acc;
     y = world;
@@ -3019,25 +2928,24 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a)
 }
 
 /* ---- cholesky [cholesky] ----
-   M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k changes
-   only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that path, root first,
-   the diagonal last; after the factorisation L, and 1/D on the diagonal. */
+   M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
+   changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
+   path, root first, the diagonal last; after the factorisation L, and 1/D on the diagonal. */
 
 /* y -= k x, a batch at a time. */
-RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n)
-{
+RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
     int j = 0;
 #if RBDI_LOOP_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
         *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
 #endif
-    RBDI_UNROLL for (; j < n; ++j) y[j] = y[j] - k * x[j];
+    RBDI_UNROLL for (; j < n; ++j)
+        y[j] = y[j] - k * x[j];
 }
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
-RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
-{
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
         rbd_real *hk = &H[m->dof[k].row];
@@ -3055,8 +2963,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H)
 }
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
-{
+RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row], y = x[k];
         int d = m->dof[k].depth;
@@ -3074,31 +2981,33 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x)
 }
 
 /* ---- pivots [pivots] ----
-   M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint and, all
-   joints behind it giving way, move no mass. D is computed as a difference, and carries the roundings of all that it
-   is the difference of. How large these are no constant can say: small pivots before it magnify them, and a joint of
-   a long chain moves far less than the chain's inertia. So a pivot is judged in two steps.
+   M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint
+   and, all joints behind it giving way, move no mass. D is computed as a difference, and carries the
+   roundings of all that it is the difference of. How large these are no constant can say: small pivots
+   before it magnify them, and a joint of a long chain moves far less than the chain's inertia. So a pivot is
+   judged in two steps.
 
-   First, for one comparison: all pivots are sound if each is above RBDI_DOUBT of the most inertia that its joint can
-   ever move, dof.scale. A rounding reaches that size only if magnified by 1/n^2 > RBDI_DOUBT / eps; then a pivot
-   before it was as small as n^2. RBDI_DOUBT is a few times sqrt(eps), so that the one or the other is noticed.
+   First, for one comparison: all pivots are sound if each is above RBDI_DOUBT of the most inertia that its
+   joint can ever move, dof.scale. A rounding reaches that size only if magnified by 1/n^2 > RBDI_DOUBT /
+   eps; then a pivot before it was as small as n^2. RBDI_DOUBT is a few times sqrt(eps), so that the one or
+   the other is noticed.
 
-   Second, where one is in doubt, a running bound. Let y_j be the motions of the links that go with unit motion of the
-   joint while those behind it give way. Then D = sum y_j' I_j y_j, and errors eps K_j of what stands for I_j change it
-   by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by the same recursion, RBDA table 7.1:
+   Second, where one is in doubt, a running bound. Let y_j be the motions of the links that go with unit
+   motion of the joint while those behind it give way. Then D = sum y_j' I_j y_j, and errors eps K_j of what
+   stands for I_j change it by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by the
+   same recursion, RBDA table 7.1:
 
        K_i = own_i + sum over the children of X' (P' K P + way) X,   e_i = S' K_i S,   P = 1 - S U'/D
 
-   (P' IA P = IA - U U'/D). own is the diagonal of the link's inertia at its origin, way what the change of frame rounds
-   (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE e. For M = L'DL likewise e = sum w_j^2 K_jj with w the
-   row of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
+   (P' IA P = IA - U U'/D). own is the diagonal of the link's inertia at its origin, way what the change of
+   frame rounds (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE e. For M = L'DL likewise e =
+   sum w_j^2 K_jj with w the row of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
 
-   Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many regular ones
-   aba refuses none in double and 5 in float: tests/fuzz/pivots.c. */
+   Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
+   regular ones aba refuses none in double and 5 in float: tests/fuzz/pivots.c. */
 
 /* Replaces a pivot by 1 if it is sound, by 0 if it is below its noise, by -1 if it is not a number. */
-RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e)
-{
+RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e) {
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
     const rbdi_mask clear = rbdi_less((e + m->dof[k].armature) * RBDI_NOISE, D);
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
@@ -3106,9 +3015,9 @@ RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e)
     w->pivot[k] = rbdi_select(clear, one, bad);
 }
 
-/* The first judged pivot, in the order of elimination, that is not sound; the n results x of its lanes become 0. */
-RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, int n)
-{
+/* The first judged pivot, in the order of elimination, that is not sound; the n results x of its lanes
+   become 0. */
+RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask sound = rbdi_less(o, half), number = sound;
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
@@ -3118,7 +3027,8 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k) x[k] = rbdi_select(sound, x[k], o);
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
+        x[k] = rbdi_select(sound, x[k], o);
     if (w->singular < 0) return RBD_OK;
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
@@ -3128,36 +3038,35 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
 typedef struct rbdi_gross {
     rbdi_v3 I;      /* diagonal of the own inertia about the origin */
     rbd_real m;     /* own mass */
-    rbd_real IA, M; /* absolute sums of the diagonals of the articulated inertia before and after the joint gives way */
+    rbd_real IA, M; /* absolute sums of the articulated inertia's diagonals, before and after giving way */
 } rbdi_gross;
 
-RBDI_INLINE void rbdi_gross_set(rbdi_scratch *to, rbdi_gross g)
-{
+RBDI_INLINE void rbdi_gross_set(rbdi_scratch *to, rbdi_gross g) {
     to->c.omega = g.I;
     to->c.v = rbdi_vec(g.m, g.IA, g.M);
 }
-RBDI_INLINE rbdi_gross rbdi_gross_of(const rbdi_scratch *from)
-{
+RBDI_INLINE rbdi_gross rbdi_gross_of(const rbdi_scratch *from) {
     rbdi_gross g;
     g.I = from->c.omega;
     g.m = from->c.v.x, g.IA = from->c.v.y, g.M = from->c.v.z;
     return g;
 }
 
-/* The own inertias, from those of the bodies. The build's rounding, relative to the trace, counts as well: it turns
-   a rod on an axis. */
-static void rbdi_gross_links(const rbd_model *m, rbd_work *w)
-{
+/* The own inertias, from those of the bodies. The build's rounding, relative to the trace, counts as well:
+   it turns a rod on an axis. */
+static void rbdi_gross_links(const rbd_model *m, rbd_work *w) {
     for (int i = 0; i < m->nl; ++i) w->scratch[i].c = rbdi_motion0();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         if (u->link < 0) continue;
         const rbdi_mat E = rbdi_mat_c(u->E);
         const rbdi_v3 r = rbdi_vec_c(u->r), c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
-        const rbd_real mass = rbdi_set(u->mass), x = p.x * p.x * mass, y = p.y * p.y * mass, z = p.z * p.z * mass;
+        const rbd_real mass = rbdi_set(u->mass), x = p.x * p.x * mass, y = p.y * p.y * mass,
+                       z = p.z * p.z * mass;
         const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
         const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
-        const rbd_real trace = I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c)), o = trace * RBDI_BUILD;
+        const rbd_real trace = I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c)),
+                       o = trace * RBDI_BUILD;
         rbdi_gross g = rbdi_gross_of(&w->scratch[u->link]);
         g.I = rbdi_add(g.I, rbdi_vec(I.x + y + z + o, I.y + x + z + o, I.z + x + y + o));
         g.m = g.m + mass;
@@ -3167,8 +3076,7 @@ static void rbdi_gross_links(const rbd_model *m, rbd_work *w)
 
 #ifndef RBD_NO_ABA
 /* A becomes P' A P, P = 1 - S V' with V = U/D; returns S' A S. */
-static rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6])
-{
+static rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6]) {
     rbd_real a[6], e = rbdi_zero();
     for (int i = 0; i < 6; ++i) {
         a[i] = rbdi_zero();
@@ -3180,10 +3088,9 @@ static rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_r
     return e;
 }
 
-/* Axis k of a link's joint, and U/D of pass 2. Where U_z/D = 1 it is not stored; of a free base U/D is there for the
-   axes before k only, the others are gone. */
-static void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6], rbd_real V[6])
-{
+/* Axis k of a link's joint, and U/D of pass 2. Where U_z/D = 1 it is not stored; of a free base U/D is there
+   for the axes before k only, the others are gone. */
+static void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6], rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
     for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
     if (l->kind == RBDI_BLOCK) {
@@ -3199,25 +3106,23 @@ static void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, rb
     if (!(l->flags & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
 }
 
-static rbdi_abi rbdi_abi_plus(rbdi_abi A, rbdi_v3 I, rbdi_v3 M)
-{
+static rbdi_abi rbdi_abi_plus(rbdi_abi A, rbdi_v3 I, rbdi_v3 M) {
     A.I.xx = A.I.xx + I.x, A.I.yy = A.I.yy + I.y, A.I.zz = A.I.zz + I.z;
     A.M.xx = A.M.xx + M.x, A.M.yy = A.M.yy + M.y, A.M.zz = A.M.zz + M.z;
     return A;
 }
 
-static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_abi A)
-{
+static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_abi A) {
     const rbdi_link *l = &m->link[i];
     if (l->kind == RBDI_BLOCK) return rbdi_abi_up_block(&w->block[l->block].X, A);
     return rbdi_abi_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), A);
 }
 
-/* The same for the bound K, with what release and way add: all but the row of a revolute axis, which is put to zero,
-   rounds by what it is the difference of; about that axis a twist does that is no right angle. A shift by r rounds by
-   r^2 M. Constants and angles hold to a rounding, which tells where all else vanishes: as its square. */
-static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K)
-{
+/* The same for the bound K, with what release and way add: all but the row of a revolute axis, which is put
+   to zero, rounds by what it is the difference of; about that axis a twist does that is no right angle. A
+   shift by r rounds by r^2 M. Constants and angles hold to a rounding, which tells where all else vanishes:
+   as its square. */
+static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K) {
     const rbdi_link *l = &m->link[i];
     const int block = l->kind == RBDI_BLOCK;
     const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
@@ -3233,18 +3138,16 @@ static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi
 }
 
 /* Adds the sums of the diagonals of IA to those of a link. */
-static void rbdi_gross_note(rbdi_scratch *to, rbdi_abi IA)
-{
+static void rbdi_gross_note(rbdi_scratch *to, rbdi_abi IA) {
     rbdi_gross g = rbdi_gross_of(to);
     g.IA = g.IA + rbdi_abs(IA.I.xx) + rbdi_abs(IA.I.yy) + rbdi_abs(IA.I.zz);
     g.M = g.M + rbdi_abs(IA.M.xx) + rbdi_abs(IA.M.yy) + rbdi_abs(IA.M.zz);
     rbdi_gross_set(to, g);
 }
 
-/* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of the bound,
-   to judge the pivots. */
-static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
-{
+/* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of
+   the bound, to judge the pivots. */
+static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
     rbdi_abi X = rbdi_abi_zero();
     for (int i = 0; i < m->nslot; ++i) w->slot[i].I = X;
     for (int i = m->nl - 1; i >= 0; --i) {
@@ -3274,8 +3177,7 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound)
 }
 
 /* Judges the pivots of the last call of aba. */
-RBDI_COLD void rbdi_aba_judge(const rbd_model *m, rbd_work *w)
-{
+RBDI_COLD void rbdi_aba_judge(const rbd_model *m, rbd_work *w) {
     rbdi_gross_links(m, w);
     rbdi_judge_sweep(m, w, 0);
     rbdi_judge_sweep(m, w, 1);
@@ -3283,8 +3185,7 @@ RBDI_COLD void rbdi_aba_judge(const rbd_model *m, rbd_work *w)
 #endif
 
 /* Adds S' K S of the links' own inertias to M, for each dof. */
-static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M)
-{
+static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M) {
     rbdi_gross_links(m, w);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -3300,10 +3201,9 @@ static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M)
     }
 }
 
-/* Judges the pivots of the last factorisation, L packed: M_jj = sum of L_kj^2 D_k, and row k of L^-1, which is zero
-   but for k and what lies behind it, by substitution. */
-RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real *L)
-{
+/* Judges the pivots of the last factorisation, L packed: M_jj = sum of L_kj^2 D_k, and row k of L^-1, which
+   is zero but for k and what lies behind it, by substitution. */
+RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real *L) {
     const int n = m->nv;
     rbd_real *M = w->F, *x = w->F + n; /* the scratch of crba */
     for (int k = 0; k < n; ++k) M[k] = rbdi_abs(w->pivot[k]);
@@ -3330,14 +3230,14 @@ RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real
 #endif
 
 /* What a call with pivots returns; doubt: any of them; L: the factor, if it is not aba; x: the n results. */
-RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, int aba, const rbd_real *L,
-                                      rbd_real *x, int n)
-{
+RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, int aba,
+                                      const rbd_real *L, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
 #ifdef RBD_SPECIALISE /* no room in straight-line code for the second step: e = dof.scale */
     (void)aba, (void)L;
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
+    RBDI_UNROLL for (int k = 0; k < m->nv; ++k)
+        rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
 #else
 #ifndef RBD_NO_ABA
     if (aba) rbdi_aba_judge(m, w);
@@ -3351,8 +3251,7 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
 
 #ifndef RBD_NO_ABA
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a)
-{
+                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
@@ -3369,10 +3268,8 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
 #endif
 
 #ifndef RBDI_NO_FD_CHOLESKY
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   rbd_real *a)
-{
+RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
@@ -3380,22 +3277,21 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     doubt = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
+    RBDI_UNROLL for (int k = 0; k < m->nv; ++k)
+        a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w->H, a);
     return rbdi_status_of(m, w, doubt, 0, w->H, a, m->nv);
 }
 #endif
 
 #ifndef RBD_NO_CHOLESKY
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H)
-{
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
     return rbdi_status_of(m, w, rbdi_factor(m, w, H), 0, H, H, rbd_packed_size(m));
 }
 
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L)
-{
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
@@ -3408,8 +3304,7 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
 }
 
 RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
-                                      rbd_real *x)
-{
+                                      rbd_real *x) {
     const rbd_status status = rbdi_check(m, w, L && b && x);
     if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
@@ -3423,16 +3318,14 @@ RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
-RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v)
-{
+RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v) {
     const rbdi_link *l = &m->link[i];
     if (l->kind == RBDI_BLOCK) return rbdi_mul(w->block[l->block].X.E, v);
     return rbdi_down(l, l->flags, rbdi_trig_of(m, w, i, l->flags), v);
 }
 
 /* World pose of link i and velocity of its origin; its angular velocity s.omega is known already. */
-static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v)
-{
+static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v) {
     const rbdi_link *l = &m->link[i];
     rbdi_kin *k = &w->kin[i];
     const rbdi_v3 wi = k->state.omega;
@@ -3467,8 +3360,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
 }
 
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                  const rbd_real *a)
-{
+                                  const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
@@ -3490,8 +3382,7 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
 }
 
 /* Pose and state of a body of the description, in its own frame. */
-static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body)
-{
+static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
@@ -3513,8 +3404,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body)
     return k;
 }
 
-static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body)
-{
+static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body) {
     const rbd_status status = rbdi_check(m, w, 1);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
@@ -3522,8 +3412,7 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
 }
 
 RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
-                                 rbd_real p[3])
-{
+                                 rbd_real p[3]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -3537,8 +3426,7 @@ RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6])
-{
+RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -3550,8 +3438,7 @@ RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int 
 }
 
 RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                         rbd_real acceleration[6])
-{
+                                         rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -3563,8 +3450,7 @@ RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, 
 }
 
 RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
-                                                   rbd_real acceleration[6])
-{
+                                                   rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -3575,8 +3461,7 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
     return RBD_OK;
 }
 
-RBD_API rbd_const rbd_mass(const rbd_model *m)
-{
+RBD_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
     for (int b = 0; m && b < m->nb; ++b)
         if (m->frame[b].link >= 0) mass += m->frame[b].mass;
@@ -3584,8 +3469,7 @@ RBD_API rbd_const rbd_mass(const rbd_model *m)
 }
 
 RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
-                           rbd_real acceleration[3])
-{
+                           rbd_real acceleration[3]) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_v3 p = rbdi_vec0(), v = p, a = p;
     rbd_const mass = rbd_mass(m);
@@ -3611,8 +3495,7 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential)
-{
+RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbd_real T, V = rbdi_zero();
     if (status) return status;
@@ -3639,8 +3522,7 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 /* ---- configuration manifold [manifold code] ---- */
 
 /* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
-static rbd_real rbdi_tail(rbd_real x, int n)
-{
+static rbd_real rbdi_tail(rbd_real x, int n) {
     rbd_real s = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = RBDI_TAIL_TERMS; k > 0; --k)
@@ -3656,8 +3538,7 @@ typedef struct rbdi_exp {
     rbd_real B, C;         /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
 } rbdi_exp;
 
-static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
-{
+static rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
     rbd_real theta, s, A;
     rbdi_mask near_zero;
@@ -3674,15 +3555,13 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn)
 }
 
 /* Shift of a screw motion with turn w and translation u: V u, V = 1 + B [w]x + C [w]x^2. */
-static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u)
-{
+static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
     rbdi_v3 wu = rbdi_cross(omega, u);
     return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(omega, wu))));
 }
 
 /* Its inverse: V^-1 u = u - w x u / 2 + k w x (w x u), k = (1 - A / (2 B)) / theta^2. */
-static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u)
-{
+static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
     rbdi_v3 wu = rbdi_cross(omega, u);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
@@ -3694,8 +3573,7 @@ static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u)
 
 /* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: a cubic
    start and Newton steps, each of which cubes the error. */
-static rbd_real rbdi_angle(rbd_real s, rbd_real c)
-{
+static rbd_real rbdi_angle(rbd_real s, rbd_real c) {
     rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, o);
     rbd_real positive = rbdi_select(obtuse, -c, c);
@@ -3709,16 +3587,14 @@ static rbd_real rbdi_angle(rbd_real s, rbd_real c)
 }
 
 /* The same with the sign of s, in [-pi, pi]. */
-static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c)
-{
+static rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
     rbdi_mask negative = rbdi_less(s, rbdi_zero());
     rbd_real angle = rbdi_angle(rbdi_select(negative, -s, s), c);
     return rbdi_select(negative, -angle, angle);
 }
 
 /* Unit quaternion of the same direction; identity for zero. */
-static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
-{
+static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
     rbdi_mask bad;
     rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
     for (int i = 0; i < 4; ++i) u[i] = u[i] * k;
@@ -3726,8 +3602,7 @@ static void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u)
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
-static void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out)
-{
+static void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
     rbdi_v3 u = rbdi_vec(a[0], a[1], a[2]), v = rbdi_vec(b[0], b[1], b[2]);
     rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
     rbdi_store(rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))), out);
@@ -3735,8 +3610,7 @@ static void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_re
 }
 
 /* q exp(turn), normalised. */
-static void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out)
-{
+static void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
     rbdi_store(rbdi_scale(e.half_sine, turn), step);
     step[3] = e.half_cosine;
@@ -3746,8 +3620,7 @@ static void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rb
 }
 
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
-static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1)
-{
+static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
     rbd_real a[4], b[4], c[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
@@ -3765,8 +3638,7 @@ static rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1
 }
 
 /* q_next = q (+) d for one joint of the description. */
-static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next)
-{
+static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next) {
     rbdi_v3 x;
     switch (u->type) {
     case RBD_CONTINUOUS_CS: {
@@ -3807,8 +3679,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
     }
 }
 
-static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d)
-{
+static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
     rbdi_v3 x, turn;
     rbd_real c, s;
     switch (u->type) {
@@ -3819,9 +3690,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
         break;
     }
-    case RBD_SPHERICAL:
-        rbdi_store(rbdi_quaternion_difference(q0, q1), d);
-        break;
+    case RBD_SPHERICAL: rbdi_store(rbdi_quaternion_difference(q0, q1), d); break;
     case RBD_PLANAR: {
         rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
         rbdi_sincos(angle, &s, &c);
@@ -3847,8 +3716,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
 }
 
 RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
-                                 rbd_real *q_next)
-{
+                                 rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -3859,8 +3727,7 @@ RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rb
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d)
-{
+RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
     if (!m || !q0 || !q1 || !d) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -3869,22 +3736,19 @@ RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q)
-{
+RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     if (!m || !q) return RBD_ERR_NULL;
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBD_C(1));
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING)
-            q[u->iq + u->nq - 1] = rbdi_set(RBD_C(1));
+        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) q[u->iq + u->nq - 1] = rbdi_set(RBD_C(1));
     }
     return RBD_OK;
 }
 
 /* Uniform in [0, 1), 24 bits so that any scalar holds them, by splitmix64. */
-static rbd_const rbdi_uniform(uint64_t *seed)
-{
+static rbd_const rbdi_uniform(uint64_t *seed) {
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -3892,8 +3756,7 @@ static rbd_const rbdi_uniform(uint64_t *seed)
 }
 
 /* Uniform between two bounds; each lane draws its own. */
-static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper)
-{
+static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
     for (int i = 0; i < RBD_LANES; ++i) {
@@ -3908,8 +3771,7 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper)
 }
 
 /* Uniform orientation: two points on circles with radii sqrt(u), sqrt(1 - u) (Shoemake 1992). */
-static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q)
-{
+static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real u = rbdi_draw(seed, RBD_C(0), RBD_C(1)), a, b, c, s;
     a = rbdi_sqrt(u);
     b = rbdi_sqrt(rbdi_set(RBD_C(1)) - u);
@@ -3919,8 +3781,7 @@ static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q)
     q[2] = b * s, q[3] = b * c;
 }
 
-RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
-{
+RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -3944,8 +3805,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
             rbd_real angle = x[0];
             rbdi_sincos(angle, &x[1], &x[0]);
         }
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING)
-            rbdi_draw_quaternion(seed, x + u->nq - 4);
+        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) rbdi_draw_quaternion(seed, x + u->nq - 4);
     }
     return RBD_OK;
 }
@@ -3953,30 +3813,26 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q)
 
 /* ---- work [work code] ---- */
 
-RBD_API size_t rbd_work_size(const rbd_model *m)
-{
+RBD_API size_t rbd_work_size(const rbd_model *m) {
     if (!m) return 0;
-    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0, m->nv,
-                           m->nh + m->nhx);
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
+                           m->nv, m->nh + m->nhx);
 }
 
 /* Cuts count objects of size bytes off the front of the memory. */
-RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size)
-{
+RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
     unsigned char *p = *memory;
     *memory += (size_t)count * size;
     return p;
 }
-RBDI_PART unsigned char *rbdi_aligned(void *memory)
-{
+RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 #ifdef RBD_SPECIALISE
     return (unsigned char *)memory;
 #endif
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 
-RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work)
-{
+RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
     int n, padded;
@@ -3990,7 +3846,8 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
-    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
+    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k)
+        w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -4015,15 +3872,17 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
         w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = m->nl; k < padded; ++k) w->angle[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
+        w->zero[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k)
+        w->F[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = m->nl; k < padded; ++k)
+        w->angle[k] = rbdi_zero();
     *work = w;
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3])
-{
+RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
     w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
     return RBD_OK;
@@ -4031,8 +3890,7 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3])
 
 /* ---- lookup [lookup code] ---- */
 
-RBDI_PART int rbdi_same(const char *a, const char *b)
-{
+RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
     while (*a && *a == *b) ++a, ++b;
     return *a == *b;
@@ -4043,32 +3901,27 @@ RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
 RBD_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
 #ifndef RBD_NO_LOOKUP
-RBD_API int rbd_body_index(const rbd_model *m, const char *name)
-{
+RBD_API int rbd_body_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].name, name)) return b;
     return -1;
 }
 
-RBD_API int rbd_joint_index(const rbd_model *m, const char *name)
-{
+RBD_API int rbd_joint_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].joint, name)) return b;
     return -1;
 }
 
-RBD_API const char *rbd_body_name(const rbd_model *m, int body)
-{
+RBD_API const char *rbd_body_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].name : NULL;
 }
 
-RBD_API const char *rbd_joint_name(const rbd_model *m, int body)
-{
+RBD_API const char *rbd_joint_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].joint : NULL;
 }
 
-RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
-{
+RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info) {
     const rbdi_frame *u;
     if (!m || !info) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
@@ -4082,8 +3935,7 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
     return RBD_OK;
 }
 
-RBD_API int rbd_dof_body(const rbd_model *m, int dof)
-{
+RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
     return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
 }
 #endif
@@ -4091,8 +3943,7 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof)
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT
-RBD_API const char *rbd_status_string(rbd_status status)
-{
+RBD_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
@@ -4133,15 +3984,13 @@ RBD_API const char *rbd_status_string(rbd_status status)
     return "unknown status";
 }
 
-static size_t rbdi_append(char *text, size_t size, size_t at, const char *more)
-{
+static size_t rbdi_append(char *text, size_t size, size_t at, const char *more) {
     for (; *more && at + 1 < size; ++more) text[at++] = *more;
     text[at] = 0;
     return at;
 }
 
-static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
-{
+static size_t rbdi_append_number(char *text, size_t size, size_t at, int number) {
     char digits[12];
     int n = 11;
     digits[n] = 0;
@@ -4152,8 +4001,7 @@ static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
     return rbdi_append(text, size, at, &digits[n]);
 }
 
-RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size)
-{
+RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
     size_t at = 0;
     if (!finding || !text || size == 0) return text;
     if (finding->body >= 0) {
@@ -4181,9 +4029,10 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 #endif
 
 /* ---- model build [model build] ----
-   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in steps:
+   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
+   steps:
      checks      rbdi_check_body, rbdi_moves_something: the first finding ends the build
-     1 and 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint in the users' frames; mass moments onto them
+     1 and 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
      3           rbdi_draft_axis: joint axis on z
      4           rbdi_draft_order: depth first, favourite child next
      5           rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
@@ -4206,95 +4055,81 @@ typedef struct rbdi_joint_fact {
     char axes[4];
 } rbdi_joint_fact;
 
-static const rbdi_joint_fact *rbdi_joint_facts(int type)
-{
+static const rbdi_joint_fact *rbdi_joint_facts(int type) {
     static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
-        {0, 0, 0, ""},    /* fixed */
-        {1, 1, 0, "a"},   /* revolute */
-        {1, 1, 0, "a"},   /* continuous */
-        {2, 1, 0, "a"},   /* continuous_cs */
-        {1, 1, 0, "a"},   /* prismatic */
-        {1, 1, 0, "a"},   /* helical */
-        {2, 2, 0, "aa"},  /* cylindrical */
-        {2, 2, 0, "ab"},  /* universal */
-        {4, 3, 0, ""},    /* spherical */
-        {3, 3, 0, "zyx"}, /* the four Euler types */
-        {3, 3, 0, "xyz"},
-        {3, 3, 0, "yxz"},
-        {3, 3, 0, "zxy"},
-        {3, 3, 2, ""}, /* planar */
-        {3, 3, 3, ""}, /* translation */
-        {7, 6, 0, ""}, /* floating */
+        {0, 0, 0, ""},                                                       /* fixed */
+        {1, 1, 0, "a"},                                                      /* revolute */
+        {1, 1, 0, "a"},                                                      /* continuous */
+        {2, 1, 0, "a"},                                                      /* continuous_cs */
+        {1, 1, 0, "a"},                                                      /* prismatic */
+        {1, 1, 0, "a"},                                                      /* helical */
+        {2, 2, 0, "aa"},                                                     /* cylindrical */
+        {2, 2, 0, "ab"},                                                     /* universal */
+        {4, 3, 0, ""},                                                       /* spherical */
+        {3, 3, 0, "zyx"},                                                    /* the four Euler types */
+        {3, 3, 0, "xyz"}, {3, 3, 0, "yxz"}, {3, 3, 0, "zxy"}, {3, 3, 2, ""}, /* planar */
+        {3, 3, 3, ""},                                                       /* translation */
+        {7, 6, 0, ""},                                                       /* floating */
     };
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
 
-static int rbdi_links_of(int type)
-{
+static int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
     int n = 0;
     while (fact->axes[n]) ++n;
     return n == 0 && fact->nv > 0 ? 1 : n;
 }
-static int rbdi_is_block(int type) { return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0]; }
-static int rbdi_can_mimic(int type)
-{
+static int rbdi_is_block(int type) {
+    return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0];
+}
+static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
 
 /* -- small dense algebra of the build -- */
 
-static void rbdi_widen(const double *x, int n, rbdi_wide *y)
-{
+static void rbdi_widen(const double *x, int n, rbdi_wide *y) {
     for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
 }
-static void rbdi_w_identity(rbdi_wide A[9])
-{
+static void rbdi_w_identity(rbdi_wide A[9]) {
     for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
 }
-static void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3])
-{
+static void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide z[3];
     for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
     for (int i = 0; i < 3; ++i) y[i] = z[i];
 }
-static void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9])
-{
+static void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
-static void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3])
-{
+static void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide B[9];
     rbdi_w_transpose(A, B);
     rbdi_w_apply(B, x, y);
 }
-static void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9])
-{
+static void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
     rbdi_wide D[9];
     for (int i = 0; i < 9; ++i)
         D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
     for (int i = 0; i < 9; ++i) C[i] = D[i];
 }
-static void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9])
-{
+static void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
 }
-static void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9])
-{
+static void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
-static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3])
-{
+static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 static rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
 static rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
 /* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
-static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close)
-{
+static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
     *c /= n, *s /= n;
     if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
@@ -4302,8 +4137,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close)
 }
 
 /* Angle in (-pi, pi] of a point on the unit circle; as rbdi_signed_angle, in the build's arithmetic. */
-static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s)
-{
+static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), cosine = rbdi_w_abs(c), t = sine / (1 + cosine);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int k = 0; k < 4; ++k)
@@ -4314,9 +4148,8 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s)
 
 /* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
    h' = A h + m t, S' = A S A' + t (A h)' + h' t'. */
-static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3], const rbdi_wide Sigma[6],
-                             const rbdi_wide h[3], rbdi_wide m)
-{
+static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3],
+                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
     for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
@@ -4333,8 +4166,7 @@ static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wi
 }
 
 /* Sees the moments of a link in the frame x' = A x + t. */
-static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3])
-{
+static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
     rbdi_draft old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
@@ -4345,8 +4177,7 @@ static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_
 /* -- the checks -- */
 
 /* Finite, and in the model's scalar too. */
-static int rbdi_finite(const double *x, int n)
-{
+static int rbdi_finite(const double *x, int n) {
     for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
         union {
             double x;
@@ -4357,22 +4188,19 @@ static int rbdi_finite(const double *x, int n)
     }
     return 1;
 }
-static int rbdi_finite_positive(const double *x, int n)
-{
+static int rbdi_finite_positive(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
     return 1;
 }
-static int rbdi_all_zero(const double *x, int n)
-{
+static int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if (x[k] < 0 || x[k] > 0) return 0;
     return 1;
 }
 
 /* y = x scaled to unit length, whatever its length is. */
-static void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3])
-{
+static void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide largest = 0, n;
     for (int k = 0; k < 3; ++k)
         if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
@@ -4381,8 +4209,7 @@ static void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3])
     for (int k = 0; k < 3; ++k) y[k] /= n;
 }
 
-static int rbdi_parallel(const double a[3], const double b[3])
-{
+static int rbdi_parallel(const double a[3], const double b[3]) {
     rbdi_wide x[3], y[3], cross[3];
     rbdi_widen(a, 3, x);
     rbdi_widen(b, 3, y);
@@ -4394,8 +4221,7 @@ static int rbdi_parallel(const double a[3], const double b[3])
 
 static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
 
-static int rbdi_is_rotation(const double R[9])
-{
+static int rbdi_is_rotation(const double R[9]) {
     double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
                  R[2] * (R[3] * R[7] - R[4] * R[6]);
     if (!rbdi_finite(R, 9)) return 0;
@@ -4409,18 +4235,18 @@ static int rbdi_is_rotation(const double R[9])
     return det > 0;
 }
 
-/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky pivots. */
-static int rbdi_semidefinite(const double A[6], double size)
-{
-    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1], yz, c;
+/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
+   pivots. */
+static int rbdi_semidefinite(const double A[6], double size) {
+    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
+           yz, c;
     if (!(a > 0) || !(b > 0)) return 0;
     yz = A[4] - l * A[2];
     c = A[5] + e - k * A[2] - yz * yz / b;
     return c > 0;
 }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field)
-{
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
         f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
@@ -4429,8 +4255,7 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
 }
 
 static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
-                              const char *field)
-{
+                              const char *field) {
     rbd_finding *f = &report->error;
     f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
@@ -4438,8 +4263,7 @@ static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, c
 
 /* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
    inequalities of the principal moments). Else dynamics can compute, but somebody should know. */
-static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report)
-{
+static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, S[6];
     for (int k = 0; k < 6; ++k) {
@@ -4458,8 +4282,7 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report)
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
-static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i)
-{
+static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
     for (int j = 0; j < nb; ++j)
         if (j != i && rbdi_same(bodies[j].joint, bodies[i].mimic))
             return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
@@ -4472,19 +4295,18 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i)
 #define RBDI_TEXT(sentence) sentence
 #endif
 
-static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report)
-{
+static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type;
     const char *axes;
 #define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
-#define RBDI_REQUIRE_SAYING(condition, status, field, sentence)                                         \
-    do {                                                                                                \
-        if (!(condition)) {                                                                             \
-            rbdi_refuse(report, status, i, b->name, field);                                             \
-            report->error.text = sentence;                                                              \
-            return status;                                                                              \
-        }                                                                                               \
+#define RBDI_REQUIRE_SAYING(condition, status, field, sentence) \
+    do { \
+        if (!(condition)) { \
+            rbdi_refuse(report, status, i, b->name, field); \
+            report->error.text = sentence; \
+            return status; \
+        } \
     } while (0)
     for (int j = 0; j < i; ++j) {
         RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
@@ -4513,8 +4335,10 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
     if (b->mimic) {
         RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", RBDI_TEXT("not finite"));
-        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC, "mimic_ratio",
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio",
+                            RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
+                            "mimic_ratio",
                             RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
         RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
     }
@@ -4526,8 +4350,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 
 /* Whether anything with mass, inertia or armature moves with body i: itself, what is fixed to it or
    hangs on it, or what mimics its joint. */
-static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i)
-{
+static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i) {
     const rbd_body *b = &bodies[i];
     if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
     if (b->mimic || !rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) return 1;
@@ -4565,8 +4388,7 @@ typedef struct rbdi_build {
     rbdi_place *place; /* nb */
 } rbdi_build;
 
-static rbdi_counts rbdi_count(const rbd_body *bodies, int nb)
-{
+static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
@@ -4579,29 +4401,25 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb)
     return n;
 }
 
-static size_t rbdi_model_bytes(rbdi_counts n, int nb)
-{
+static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
 /* Axis of the k-th link of a joint, unit length, joint frame. */
-static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3])
-{
+static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
     if (which == 'b') rbdi_widen(b->axis2, 3, axis);
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_draft_clear(rbdi_draft *l)
-{
+static void rbdi_draft_clear(rbdi_draft *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
 /* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
-static void rbdi_orthonormalise(rbdi_wide R[9])
-{
+static void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
     along = rbdi_w_dot(&R[0], &R[3]);
@@ -4613,8 +4431,7 @@ static void rbdi_orthonormalise(rbdi_wide R[9])
 
 /* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
    cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
-static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl)
-{
+static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl) {
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type, links = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
@@ -4661,8 +4478,7 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
-static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft)
-{
+static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft) {
     rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
     rbdi_widen(b->inertia, 6, Sigma);
@@ -4676,8 +4492,7 @@ static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_dra
 }
 
 /* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
-static void rbdi_draft_axis(rbdi_draft *draft, int i)
-{
+static void rbdi_draft_axis(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i];
     const rbdi_wide *s = l->axis;
     rbdi_wide x[3] = {0, 0, 0}, along, none[3] = {0, 0, 0};
@@ -4709,8 +4524,7 @@ static void rbdi_draft_axis(rbdi_draft *draft, int i)
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
    others, under a one-axis parent: only they can have the cheap form). draft[p].order = who stands at p. */
-static void rbdi_draft_order(rbdi_draft *draft, int nl)
-{
+static void rbdi_draft_order(rbdi_draft *draft, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) draft[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
@@ -4745,8 +4559,7 @@ static void rbdi_draft_order(rbdi_draft *draft, int nl)
 
 /* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
    and results stay, the constants around it change. */
-static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t)
-{
+static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
     rbdi_draft *l = &draft[i];
     rbdi_wide Z[9], T[9], down[3] = {0, 0, 0}, up[3] = {0, 0, 0};
     rbdi_w_turn_z(c, s, Z);
@@ -4771,8 +4584,7 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
-static void rbdi_draft_angles(rbdi_draft *l)
-{
+static void rbdi_draft_angles(rbdi_draft *l) {
     rbdi_wide *E = l->E, Z[9], sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
@@ -4793,17 +4605,15 @@ static void rbdi_draft_angles(rbdi_draft *l)
     rbdi_w_product(E, Z, E);
 }
 
-/* Second moment of mass, sum of m |x|^2, that the subtree of f can have about a point at this distance from f's
-   origin, its links stretched out away from it: what numbers about that point are the size of. */
-static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance)
-{
+/* Second moment of mass, sum of m |x|^2, that the subtree of f can have about a point at this distance from
+   f's origin, its links stretched out away from it: what numbers about that point are the size of. */
+static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance) {
     return f->all * (f->radius + distance) * (f->radius + distance);
 }
 
-/* Step 5, leaves to root: mass and radius of gyration of the subtree, so stretched, about the link's own origin.
-   Where the root stands is no part of it. */
-static void rbdi_draft_measure(rbdi_draft *draft, int i)
-{
+/* Step 5, leaves to root: mass and radius of gyration of the subtree, so stretched, about the link's own
+   origin. Where the root stands is no part of it. */
+static void rbdi_draft_measure(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
     if (own > 0) l->radius += own; /* else no real body is like this */
@@ -4814,28 +4624,29 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i)
     draft[l->parent].all += l->all;
 }
 
-/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this distance
-   from it. Numbers about a far point grow with the square of the distance and inertias are their differences, so
-   those of this subtree must stay of the size that they have about the origin that the user chose. Errors of M
-   grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ, Atlas) pass. */
-static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance)
-{
+/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
+   distance from it. Numbers about a far point grow with the square of the distance and inertias are their
+   differences, so those of this subtree must stay of the size that they have about the origin that the user
+   chose. Errors of M grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ, Atlas) pass.
+   */
+static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_draft *c = &draft[j];
         rbdi_wide from[3] = {c->r[0], c->r[1], c->r[2] - t};
         if (c->parent == i && c != f && c->all > 0 &&
-            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r))) return 0;
+            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r)))
+            return 0;
     }
-    const rbdi_wide before = rbdi_draft_spread(l, 0), rest = before - rbdi_draft_spread(f, rbdi_w_length(f->r));
+    const rbdi_wide before = rbdi_draft_spread(l, 0),
+                    rest = before - rbdi_draft_spread(f, rbdi_w_length(f->r));
     return rest + (l->all - f->all) * t * t + rbdi_draft_spread(f, distance) < 4 * before;
 }
 
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
-static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i)
-{
+static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
     rbdi_draft *l = &draft[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
@@ -4869,8 +4680,7 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i)
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
-static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
-{
+static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
@@ -4878,11 +4688,11 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3])
    configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia
    only what is about the axis counts, and the rounding of its change of frame, for a thin rod may well
    turn about itself. */
-static void rbdi_draft_scale(rbdi_draft *draft, int i)
-{
+static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     const rbdi_wide rod = 16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT;
     rbdi_draft *l = &draft[i], *up;
-    rbdi_wide r[3], distance, trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
+    rbdi_wide r[3], distance,
+        trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3] + rod * trace);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
@@ -4899,8 +4709,7 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i)
 /* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
-static void rbdi_draft_regroup(rbdi_draft *draft, int i)
-{
+static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i];
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
@@ -4922,14 +4731,12 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i)
     rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
 
-static rbdi_c3 rbdi_round3(const rbdi_wide x[3])
-{
+static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 c;
     c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
     return c;
 }
-static rbdi_csym rbdi_round6(const rbdi_wide x[6])
-{
+static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     rbdi_csym c;
     c.xx = RBD_C(x[0]), c.xy = RBD_C(x[1]), c.xz = RBD_C(x[2]);
     c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
@@ -4938,8 +4745,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6])
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
 /* Step 9: the solver's constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p)
-{
+static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p) {
     const rbdi_draft *l = &draft[draft[p].order];
     const rbd_body *b = &bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
@@ -4971,8 +4777,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     return out;
 }
 
-static rbdi_block rbdi_emit_block(const rbdi_draft *l)
-{
+static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_wide one[9];
     rbdi_block out;
@@ -4989,8 +4794,7 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l)
 
 /* The dofs of link p. */
 static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
-                           rbdi_dof *dof)
-{
+                           rbdi_dof *dof) {
     const rbdi_draft *l = &draft[draft[p].order];
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     const rbd_body *b = &bodies[l->body];
@@ -5021,8 +4825,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
 }
 
 /* What the user sees of body i. */
-static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft)
-{
+static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
     rbdi_wide E[9], r[3], T[9], com[3], I[6];
     rbdi_frame out;
     for (int k = 0; k < 9; ++k) E[k] = place->E[k];
@@ -5057,8 +4860,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
 }
 
 /* The steps that turn drafts in the users' frames into drafts in the solver's. */
-static void rbdi_draft_solve(rbdi_draft *draft, int nl)
-{
+static void rbdi_draft_solve(rbdi_draft *draft, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
     rbdi_draft_order(draft, nl);
     for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
@@ -5075,8 +4877,7 @@ static void rbdi_draft_solve(rbdi_draft *draft, int nl)
 }
 
 /* Coordinates and dofs in the order of the bodies; those of mimic joints behind all others. */
-static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place)
-{
+static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place) {
     int iq = 0, iv = 0, mimic = 0;
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
@@ -5091,23 +4892,21 @@ static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n
 }
 
 /* Four counts side by side. */
-static uint64_t rbdi_pack(int a, int b, int c, int d)
-{
+static uint64_t rbdi_pack(int a, int b, int c, int d) {
     return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
 }
 /* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
    the same. */
-static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE])
-{
+static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
     shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
-/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b. Eliminating a
-   row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become one from there on. */
-static void rbdi_couple(rbdi_dof *dof, int a, int b)
-{
+/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b.
+   Eliminating a row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become
+   one from there on. */
+static void rbdi_couple(rbdi_dof *dof, int a, int b) {
     while (a != b && b >= 0) {
         const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
@@ -5115,10 +4914,9 @@ static void rbdi_couple(rbdi_dof *dof, int a, int b)
     }
 }
 
-/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what they
-   follow with all that lies before and behind them. */
-static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
-{
+/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
+   they follow with all that lies before and behind them. */
+static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof) {
     const int nv = m->nv, n = nv + m->nmimic;
     for (int k = 0; k < n; ++k) {
         int up = dof[k].before;
@@ -5137,17 +4935,16 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
     }
 }
 
-/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the mechanism. */
-static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k)
-{
+/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the
+   mechanism. */
+static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k) {
     for (; k >= 0; k = dof[k].before)
         if (k >= m->nv || dof[k].lambda != dof[k].before) return 0;
     return 1;
 }
 
 /* Links, blocks, slots and dofs, in the solver's order. */
-static void rbdi_emit_links(const rbdi_build *b)
-{
+static void rbdi_emit_links(const rbdi_build *b) {
     rbd_model *m = b->m;
     int block = 0;
     m->nslot = 0;
@@ -5164,8 +4961,7 @@ static void rbdi_emit_links(const rbdi_build *b)
     }
 }
 
-static void rbdi_emit_frames(const rbdi_build *b)
-{
+static void rbdi_emit_frames(const rbdi_build *b) {
     int next = 0;
     for (int i = 0; i < b->nb; ++i) {
         b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->draft);
@@ -5179,8 +4975,7 @@ static void rbdi_emit_frames(const rbdi_build *b)
 }
 
 /* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
-static void rbdi_emit_order(const rbdi_build *b)
-{
+static void rbdi_emit_order(const rbdi_build *b) {
     rbd_model *m = b->m;
     int next = 0;
     m->nhx = 0;
@@ -5203,8 +4998,7 @@ static void rbdi_emit_order(const rbdi_build *b)
     }
 }
 
-static void rbdi_emit(const rbdi_build *b)
-{
+static void rbdi_emit(const rbdi_build *b) {
     rbd_model *m = b->m;
     m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
     m->frame = b->frame;
@@ -5220,8 +5014,7 @@ static void rbdi_emit(const rbdi_build *b)
 }
 
 /* Cuts the model and the build's own scratch off the memory. */
-static void rbdi_build_take(rbdi_build *b, void *memory)
-{
+static void rbdi_build_take(rbdi_build *b, void *memory) {
     const rbdi_counts n = b->n;
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
@@ -5235,15 +5028,13 @@ static void rbdi_build_take(rbdi_build *b, void *memory)
     b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
-RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb)
-{
+RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
     if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
     return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
 }
 
 RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                   const rbd_model **model, rbd_report *report)
-{
+                                   const rbd_model **model, rbd_report *report) {
     rbd_report own;
     if (!report) report = &own;
     report->warnings = 0;
@@ -5320,8 +5111,7 @@ static int rbdi_batch_output(const rbd_model *m) { return m->nv * m->nv > m->nv 
 #endif
 #endif
 #ifdef RBDI_SHUFFLE_LOW_1
-RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
-{
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
     RBDI_EXCHANGE(x, 1)
 #if RBD_LANES >= 4
     RBDI_EXCHANGE(x, 2)
@@ -5331,8 +5121,7 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
 #endif
 }
 #else
-RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
-{
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
     for (int i = 0; i < RBD_LANES; ++i)
         for (int j = 0; j < i; ++j) {
             const RBD_REAL t = x[i][j];
@@ -5342,13 +5131,13 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES])
 }
 #endif
 
-typedef RBD_REAL rbdi_lane_row __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
+typedef RBD_REAL rbdi_lane_row
+    __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
 /* x[k] lane s = column k of row s, for rows of the given width; lanes beyond the rest of the rows repeat
    the last one. Blocks of RBD_LANES columns; the last may overlap the one before. The rows of the next
    states are fetched meanwhile: the processor does not foresee so many streams. */
-static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x)
-{
+static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) {
     const int count = rest < RBD_LANES ? rest : RBD_LANES;
     const RBD_REAL *next = rest < 2 * RBD_LANES ? rows : rows + RBD_LANES * width;
     if (width < RBD_LANES) {
@@ -5368,8 +5157,7 @@ static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x)
 }
 
 /* The reverse, into the first count rows. */
-static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows)
-{
+static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows) {
     if (width < RBD_LANES) {
         for (int k = 0; k < width; ++k)
             for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
@@ -5387,11 +5175,11 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
 /* The calls, told apart by a constant so that each wrapper keeps its own alone. */
 enum { RBDI_CALL_RNEA, RBDI_CALL_CRBA, RBDI_CALL_CRBA_PACKED, RBDI_CALL_ABA, RBDI_CALL_FD_CHOLESKY };
 
-/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea a = NULL is zero. */
+/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea a = NULL is zero.
+   */
 RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                       const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                      RBD_REAL *out)
-{
+                                      RBD_REAL *out) {
     const size_t nq = (size_t)rbd_nq(m), nv = (size_t)rbd_nv(m), nf = 6 * (size_t)rbd_nb(m);
     const int full = call == RBDI_CALL_CRBA, packed = call == RBDI_CALL_CRBA_PACKED;
     size_t width;
@@ -5413,8 +5201,7 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
             status = rbd_rnea(m, b->w, b->q, b->v, a ? b->a : b->w->zero, f_ext ? b->f : NULL, b->out);
         if (full) status = rbd_crba(m, b->w, b->q, b->out);
         if (packed) status = rbd_crba_packed(m, b->w, b->q, b->out);
-        if (call == RBDI_CALL_ABA)
-            status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
+        if (call == RBDI_CALL_ABA) status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
         if (call == RBDI_CALL_FD_CHOLESKY)
             status = rbd_fd_cholesky(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
         for (int i = 0; status && i < count && b->state < 0; ++i)
@@ -5428,15 +5215,13 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
 
 RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
 
-RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m)
-{
+RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
            sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
 }
 
-RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch)
-{
+RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
     unsigned char *p;
     rbd_batch *b;
     rbd_status status;
@@ -5455,55 +5240,48 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     return status;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3])
-{
+RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
     return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
 }
 
 RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                        RBD_REAL *tau)
-{
+                                        RBD_REAL *tau) {
     if (!v || !a) return RBD_ERR_NULL;
     return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, a, f_ext, tau);
 }
 
 RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c)
-{
+                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
     return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, NULL, f_ext, c);
 }
 
-RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q, RBD_REAL *M)
-{
+RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        RBD_REAL *M) {
     return rbdi_batch_run(RBDI_CALL_CRBA, m, b, n, q, NULL, NULL, NULL, M);
 }
 
 RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *H)
-{
+                                               RBD_REAL *H) {
     return rbdi_batch_run(RBDI_CALL_CRBA_PACKED, m, b, n, q, NULL, NULL, NULL, H);
 }
 
 RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                       RBD_REAL *a)
-{
+                                       RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_run(RBDI_CALL_ABA, m, b, n, q, v, tau, f_ext, a);
 }
 
 RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau,
-                                               const RBD_REAL *f_ext, RBD_REAL *a)
-{
+                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                               RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_run(RBDI_CALL_FD_CHOLESKY, m, b, n, q, v, tau, f_ext, a);
 }
 
-RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof)
-{
+RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
     if (dof) *dof = b ? b->dof : -1;
     return b ? b->state : -1;
 }
