@@ -1034,9 +1034,9 @@ RBDI_EXTERN_C_END
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
-             '--- 4 -- 5          down: 1, 2, 5 take s, 3 and 4 the slot's; up: 5, 2, 1 carried, 4 and 3 by slots
+             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 carried, 4, 3 by slots
 
-   The dofs of a subtree are thus contiguous in the solver's order: link.first .. end - 1, as order[] lists them.
+   The dofs of a subtree are thus contiguous in the solver's order, order[]: link.first .. end - 1.
 
    Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
    has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
@@ -2136,8 +2136,8 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
-    if (!f_ext) return;
-    RBDI_UNROLL for (int b = 0; b < m->nb; ++b) {
+    const int bodies = f_ext ? m->nb : 0;
+    RBDI_UNROLL for (int b = 0; b < bodies; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_pose X;
         if (u->link < 0) continue;
