@@ -23,7 +23,7 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup] [batch]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [spatial algebra] [joints] [state]
+     [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
      [rnea] [crba] [aba] [cholesky] [pivots] [forward dynamics code]
      [kinematics code] [manifold code] [work code] [lookup code] [text code] [model build] [batch code]
      [licence]
@@ -159,7 +159,8 @@
 #include <stdint.h>
 
 #define RBD_VERSION "0.1.0"
-#define RBD_MODEL_VERSION 2 /* layout of the built model; generated tables check it */
+#define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_MODEL_VERSION 2    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
 
@@ -1044,6 +1045,11 @@ RBDI_EXTERN_C_END
    parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
    (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
 
+   Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory of
+   their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of [layout],
+   read only, [scalar], [spatial algebra] and [common]; of [joints] rbdi_joints, rbdi_trig_of, rbdi_down; of
+   [state] rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_kin and rbdi_body_kin.
+
      the book               here
      i, lambda(i)           i, link[i].parent
      S_i                    z; of a screw rho, kappa; of a block axes first .. first + n - 1
@@ -1678,6 +1684,143 @@ RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     return O;
 }
 
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
+    C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
+    C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
+    return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
+}
+
+RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
+    const rbd_real o = rbdi_zero();
+    rbdi_rbi C;
+    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
+    C.h = rbdi_vec0();
+    return C;
+}
+
+/* E' A E. */
+RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
+    return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
+}
+
+RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
+    rbdi_mat M;
+    rbdi_sym B;
+    M.xx = A.xx, M.xy = A.xy, M.xz = A.xz;
+    M.yx = A.xy, M.yy = A.yy, M.yz = A.yz;
+    M.zx = A.xz, M.zy = A.yz, M.zz = A.zz;
+    M = rbdi_mat_up(E, M);
+    B.xx = M.xx, B.xy = M.xy, B.xz = M.xz, B.yy = M.yy, B.yz = M.yz, B.zz = M.zz;
+    return B;
+}
+
+RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
+    IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
+    IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
+    return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(IA));
+}
+
+RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
+    const rbd_real o = rbdi_zero();
+    rbdi_abi X;
+    X.I.xx = X.I.xy = X.I.xz = X.I.yy = X.I.yz = X.I.zz = o;
+    X.H.xx = X.H.xy = X.H.xz = X.H.yx = X.H.yy = X.H.yz = X.H.zx = X.H.zy = X.H.zz = o;
+    X.M.xx = X.M.xy = X.M.xz = X.M.yy = X.M.yz = X.M.zz = o;
+    return X;
+}
+
+/* Row k of [I H; H' M]. */
+RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
+    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
+    A[0][5] = IA.H.xz;
+    A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
+    A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
+    A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
+    A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
+    A[5][5] = IA.M.zz;
+    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i) RBDI_UNROLL_SIX
+        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+}
+
+RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
+    rbdi_abi IA;
+    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4],
+    IA.H.xz = A[0][5];
+    IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
+    IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
+    IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
+    IA.M.yy = A[4][4], IA.M.yz = A[4][5];
+    IA.M.zz = A[5][5];
+    return IA;
+}
+
+/* Spatial vectors to and from six scalars, a stride apart. */
+RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
+    rbd_real *b = a + 3 * stride;
+    a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
+    b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
+}
+
+RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
+    const rbd_real *b = a + 3 * stride;
+    rbdi_force F;
+    F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
+    F.f = rbdi_vec(b[0], b[stride], b[2 * stride]);
+    return F;
+}
+
+/* ---- common [common] ----
+   What several sections call. */
+
+/* x = 0, a batch at a time: a call of memset costs more than it stores. */
+RBDI_PART void rbdi_clear(rbd_real *x, int n) {
+    int k = 0;
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)&x[k];
+        __asm__("" : "+r"(p)); /* or the compiler sees through it */
+        *p = zero;
+    }
+#endif
+    for (; k < n; ++k) x[k] = rbdi_zero();
+}
+
+/* From one component of the wrenches in w->F to the next. */
+RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return m->nv + m->nmimic + RBDI_CHUNK; }
+
+RBDI_PART int rbdi_same(const char *a, const char *b) {
+    if (!a || !b) return 0;
+    while (*a && *a == *b) ++a, ++b;
+    return *a == *b;
+}
+
+/* Cuts count objects of size bytes off the front of the memory. */
+RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
+    unsigned char *p = *memory;
+    *memory += (size_t)count * size;
+    return p;
+}
+
+RBDI_PART unsigned char *rbdi_aligned(void *memory) {
+#ifdef RBD_SPECIALISE
+    return (unsigned char *)memory;
+#endif
+    return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
+}
+
+/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
+   have been built there meanwhile, and the same table may stand at another. */
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
+    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+}
+
+/* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
+RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
+    if (!m || !w || !arrays) return RBD_ERR_NULL;
+    return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+}
+
 /* ---- joints [joints] ----
    What a joint type does, in four places: rbdi_joint_facts (build), rbdi_block_pose (here),
    rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if zero or an angle
@@ -1859,20 +2002,6 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
         y.z = y.z + omega.x * l->r.y;
     }
     return y;
-}
-
-/* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
-    rbd_real *b = a + 3 * stride;
-    a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
-    b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
-}
-RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
-    const rbd_real *b = a + 3 * stride;
-    rbdi_force F;
-    F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
-    F.f = rbdi_vec(b[0], b[stride], b[2 * stride]);
-    return F;
 }
 
 /* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
@@ -2095,17 +2224,6 @@ RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i,
     return s;
 }
 
-/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
-   have been built there meanwhile, and the same table may stand at another. */
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
-}
-/* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
-RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
-    if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
-}
-
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
 RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q) {
@@ -2129,11 +2247,6 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 
-/* ---- rnea [rnea] ----
-   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
-   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
-   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
-
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
@@ -2147,6 +2260,11 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
             rbdi_force_sub(w->scratch[u->link].f, rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
     }
 }
+
+/* ---- rnea [rnea] ----
+   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
+   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
+   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
 
 /* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
 RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
@@ -2243,52 +2361,6 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
    parent together, a batch at a time, and the entries of link i's dof with all of them are then one
    component (the moment about z) of that row. Of I^c only Sigma and h depend on q: the subtree's mass is a
    constant. */
-
-/* From one component of the wrenches in w->F to the next. */
-RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return m->nv + m->nmimic + RBDI_CHUNK; }
-
-/* x = 0, a batch at a time: a call of memset costs more than it stores. */
-RBDI_PART void rbdi_clear(rbd_real *x, int n) {
-    int k = 0;
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)&x[k];
-        __asm__("" : "+r"(p)); /* or the compiler sees through it */
-        *p = zero;
-    }
-#endif
-    for (; k < n; ++k) x[k] = rbdi_zero();
-}
-
-RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
-    C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
-    C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
-    return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
-}
-
-RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
-    const rbd_real o = rbdi_zero();
-    rbdi_rbi C;
-    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
-    C.h = rbdi_vec0();
-    return C;
-}
-
-/* E' A E. */
-RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
-    return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
-}
-RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
-    rbdi_mat M;
-    rbdi_sym B;
-    M.xx = A.xx, M.xy = A.xy, M.xz = A.xz;
-    M.yx = A.xy, M.yy = A.yy, M.yz = A.yz;
-    M.zx = A.xz, M.zy = A.yz, M.zz = A.zz;
-    M = rbdi_mat_up(E, M);
-    B.xx = M.xx, B.xy = M.xy, B.xz = M.xz, B.yy = M.yy, B.yz = M.yz, B.zz = M.zz;
-    return B;
-}
 
 /* Composite body of a link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
@@ -2554,12 +2626,6 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
    S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent feels about the joint's axis is
    its torque. */
 
-RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
-    IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
-    IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
-    return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(IA));
-}
-
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
     if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
@@ -2574,15 +2640,6 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
     IA.H = rbdi_mat_up(P->E, IA.H);
     IA.M = rbdi_sym_up(P->E, IA.M);
     return rbdi_abi_shift(P->r, IA);
-}
-
-RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
-    const rbd_real o = rbdi_zero();
-    rbdi_abi X;
-    X.I.xx = X.I.xy = X.I.xz = X.I.yy = X.I.yz = X.I.zz = o;
-    X.H.xx = X.H.xy = X.H.xz = X.H.yx = X.H.yy = X.H.yz = X.H.zx = X.H.zy = X.H.zz = o;
-    X.M.xx = X.M.xy = X.M.xz = X.M.yy = X.M.yz = X.M.zz = o;
-    return X;
 }
 
 /* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
@@ -2736,30 +2793,6 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
         IA->I.xz = IA->I.yz = IA->I.zz = IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
         pA->n.z = tau;
     }
-}
-
-/* Row k of [I H; H' M]. */
-RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
-    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
-    A[0][5] = IA.H.xz;
-    A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
-    A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
-    A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
-    A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
-    A[5][5] = IA.M.zz;
-    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i) RBDI_UNROLL_SIX
-        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
-}
-RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
-    rbdi_abi IA;
-    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4],
-    IA.H.xz = A[0][5];
-    IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
-    IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
-    IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
-    IA.M.yy = A[4][4], IA.M.yz = A[4][5];
-    IA.M.zz = A[5][5];
-    return IA;
 }
 
 /* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
@@ -3819,19 +3852,6 @@ RBD_API size_t rbd_work_size(const rbd_model *m) {
                            m->nv, m->nh + m->nhx);
 }
 
-/* Cuts count objects of size bytes off the front of the memory. */
-RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *p = *memory;
-    *memory += (size_t)count * size;
-    return p;
-}
-RBDI_PART unsigned char *rbdi_aligned(void *memory) {
-#ifdef RBD_SPECIALISE
-    return (unsigned char *)memory;
-#endif
-    return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
-}
-
 RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
@@ -3889,12 +3909,6 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
 }
 
 /* ---- lookup [lookup code] ---- */
-
-RBDI_PART int rbdi_same(const char *a, const char *b) {
-    if (!a || !b) return 0;
-    while (*a && *a == *b) ++a, ++b;
-    return *a == *b;
-}
 
 RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
 RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
