@@ -1045,9 +1045,9 @@ RBDI_EXTERN_C_END
    parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
    (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
 
-   Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory of
-   their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of [layout],
-   read only, [scalar], [spatial algebra] and [common]; of [joints] rbdi_joints, rbdi_trig_of, rbdi_down; of
+   Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory
+   of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
+   [layout], read only, [scalar], [spatial algebra], [common]; rbdi_joints, rbdi_trig_of and rbdi_down; of
    [state] rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_kin and rbdi_body_kin.
 
      the book               here
