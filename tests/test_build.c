@@ -407,8 +407,7 @@ static void turn_moments(const double R[9], const double moment[3], double I[6])
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++, entry++) {
             I[entry] = 0;
-            for (int k = 0; k < 3; k++)
-                I[entry] += R[3 * i + k] * moment[k] * R[3 * j + k];
+            for (int k = 0; k < 3; k++) I[entry] += R[3 * i + k] * moment[k] * R[3 * j + k];
         }
 }
 
@@ -422,26 +421,22 @@ START_TEST(warnings_of_inertia_are_those_of_its_principal_moments) {
         double R[9], moment[3];
         sound(b);
         random_rotation(&seed, R);
-        for (int k = 0; k < 3; k++)
-            moment[k] = uniform(&seed, k == 0 ? -0.5 : 0.1, 1);
+        for (int k = 0; k < 3; k++) moment[k] = uniform(&seed, k == 0 ? -0.5 : 0.1, 1);
         const double least = fmin(moment[0], fmin(moment[1], moment[2]));
         const double most = fmax(moment[0], fmax(moment[1], moment[2]));
         const double beyond = 2 * most - moment[0] - moment[1] - moment[2];
         const int expected = least < 0    ? RBD_WARN_INERTIA_NEGATIVE
                              : beyond > 0 ? RBD_WARN_INERTIA_TRIANGLE
                                           : RBD_OK;
-        if (fabs(least) < 1e-6 || fabs(beyond) < 1e-6)
-            continue;
+        if (fabs(least) < 1e-6 || fabs(beyond) < 1e-6) continue;
         turn_moments(R, moment, b[1].inertia);
         ck_assert_int_eq(build(b, NB, &report), RBD_OK);
         ck_assert_msg(report.warnings == (expected != RBD_OK), "%g %g %g: %d warnings", moment[0], moment[1],
                       moment[2], report.warnings);
-        if (expected != RBD_OK)
-            ck_assert_int_eq(report.warning[0].status, expected);
+        if (expected != RBD_OK) ck_assert_int_eq(report.warning[0].status, expected);
         seen[expected]++;
     }
-    for (int k = 0; k < 3; k++)
-        ck_assert_int_gt(seen[k], 100);
+    for (int k = 0; k < 3; k++) ck_assert_int_gt(seen[k], 100);
 }
 END_TEST
 

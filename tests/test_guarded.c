@@ -1,5 +1,5 @@
-/* test_guarded.c - whatever the library is given, and its model, ends or begins at a page that may not be touched:
-   a loop one too far, or one too early, ends the test. */
+/* test_guarded.c - whatever the library is given, and its model, ends or begins at a page that may not be
+   touched: a loop one too far, or one too early, ends the test. */
 #define _DEFAULT_SOURCE
 #include <string.h>
 #include <sys/mman.h>
@@ -36,8 +36,7 @@ static void *fenced(size_t size) {
 
 static void *fenced_copy(const void *data, int count, size_t size) {
     void *copy = fenced((size_t)count * size);
-    if (count > 0)
-        memcpy(copy, data, (size_t)count * size);
+    if (count > 0) memcpy(copy, data, (size_t)count * size);
     return copy;
 }
 
@@ -48,12 +47,8 @@ static void free_all(void) {
     }
 }
 
-static double *numbers(int n) {
-    return fenced((size_t)n * sizeof(double));
-}
-static const double *inputs(const double *x, int n) {
-    return fenced_copy(x, n, sizeof(double));
-}
+static double *numbers(int n) { return fenced((size_t)n * sizeof(double)); }
+static const double *inputs(const double *x, int n) { return fenced_copy(x, n, sizeof(double)); }
 
 /* A model whose tables have a fence each, and a work with one. */
 static robot fenced_robot(const robot *r) {
@@ -75,25 +70,25 @@ static robot fenced_robot(const robot *r) {
 
 /* ---- every call ---- */
 
-static void expect_same(const char *what, const robot *r, int number, const double *found, const double *expected,
-                        int n) {
+static void expect_same(const char *what, const robot *r, int number, const double *found,
+                        const double *expected, int n) {
     expect_close(what, r, number, found, expected, n, 1e-12);
 }
 
 /* Runs a call with the fenced robot and with the other: the results are the same. */
-#define BOTH(call_fenced, call_plain, found, n)                                                              \
-    do {                                                                                                     \
-        double expected[MAX_V * MAX_V];                                                                      \
-        double *plain = expected;                                                                            \
-        const rbd_status status = call_plain;                                                                \
-        ck_assert_int_eq(call_fenced, status);                                                               \
-        if (status == RBD_OK)                                                                                \
-            expect_same(#call_fenced, r, number, found, plain, n);                                           \
+#define BOTH(call_fenced, call_plain, found, n) \
+    do { \
+        double expected[MAX_V * MAX_V]; \
+        double *plain = expected; \
+        const rbd_status status = call_plain; \
+        ck_assert_int_eq(call_fenced, status); \
+        if (status == RBD_OK) expect_same(#call_fenced, r, number, found, plain, n); \
     } while (0)
 
 static void call_dynamics(const robot *r, const robot *f, const state *s, int number) {
     const int nq = r->nq, nv = r->nv, nh = rbd_packed_size(r->m);
-    const double *q = inputs(s->q, nq), *v = inputs(s->v, nv), *a = inputs(s->a, nv), *tau = inputs(s->tau, nv);
+    const double *q = inputs(s->q, nq), *v = inputs(s->v, nv), *a = inputs(s->a, nv),
+                 *tau = inputs(s->tau, nv);
     const double *f_ext = inputs(s->f_ext, 6 * r->nb);
     double *x = numbers(nv), *M = numbers(nv * nv), *H = numbers(nh);
     BOTH(rbd_rnea(f->m, f->w, q, v, a, f_ext, x), rbd_rnea(r->m, r->w, q, v, a, f_ext, plain), x, nv);
@@ -152,8 +147,7 @@ static void call_lookup(const robot *r, const robot *f) {
         ck_assert_ptr_eq(rbd_body_name(f->m, b), rbd_body_name(r->m, b));
         ck_assert_ptr_eq(rbd_joint_name(f->m, b), rbd_joint_name(r->m, b));
     }
-    for (int k = 0; k < r->nv; k++)
-        ck_assert_int_eq(rbd_dof_body(f->m, k), rbd_dof_body(r->m, k));
+    for (int k = 0; k < r->nv; k++) ck_assert_int_eq(rbd_dof_body(f->m, k), rbd_dof_body(r->m, k));
 }
 
 static void check_fenced(const robot *r, const state *s, int number) {

@@ -506,8 +506,9 @@ END_TEST
 /* A common normal that is nearer to the child than to its parent, whose frame would have to move far. */
 START_TEST(common_normal_far_from_the_parent_alone_is_no_loss) {
     const double sine = 0.05, cosine = sqrt(1 - sine * sine);
-    const rbd_body b[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
-                           {.type = RBD_REVOLUTE, .axis = {sine, 0, cosine}, .position = {0.495, 0, 0.868}, BOX}};
+    const rbd_body b[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
+        {.type = RBD_REVOLUTE, .axis = {sine, 0, cosine}, .position = {0.495, 0, 0.868}, BOX}};
     for (int side = -1; side <= 1; side += 2) {
         rbd_body sided[2] = {b[0], b[1]};
         uint64_t seed = 77;

@@ -239,10 +239,19 @@ START_TEST(random_knows_angles_from_lengths) {
     const rbd_body b[4] = {
         {.parent = -1, .type = RBD_CYLINDRICAL, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
         {.type = RBD_TRANSLATION, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
-        {.parent = 1, .type = RBD_UNIVERSAL, .axis = {1, 0, 0}, .axis2 = {0, 1, 0}, .mass = 1,
+        {.parent = 1,
+         .type = RBD_UNIVERSAL,
+         .axis = {1, 0, 0},
+         .axis2 = {0, 1, 0},
+         .mass = 1,
          .inertia = {1, 0, 0, 1, 0, 1}},
-        {.parent = 2, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1,
-         .inertia = {1, 0, 0, 1, 0, 1}, .lower = 2, .upper = 3}};
+        {.parent = 2,
+         .type = RBD_CONTINUOUS_CS,
+         .axis = {0, 0, 1},
+         .mass = 1,
+         .inertia = {1, 0, 0, 1, 0, 1},
+         .lower = 2,
+         .upper = 3}};
     enum { NQ = 9, LIMITED = 7 };
     const double range[NQ] = {pi, 1, 1, 1, 1, pi, pi, 1, 1};
     double low[NQ] = {0}, high[NQ] = {0}, q[MAX_Q];
@@ -267,10 +276,13 @@ END_TEST
 
 /* What has no direction is the identity, here as in the dynamics. */
 START_TEST(zero_quaternions_and_angles_are_the_identity) {
-    const rbd_body b[3] = {
-        {.parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
-        {.type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
-        {.parent = 1, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}}};
+    const rbd_body b[3] = {{.parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+                           {.type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+                           {.parent = 1,
+                            .type = RBD_CONTINUOUS_CS,
+                            .axis = {0, 0, 1},
+                            .mass = 1,
+                            .inertia = {1, 0, 0, 1, 0, 1}}};
     enum { NQ = 13, NV = 10 };
     const double none[NQ] = {0.1, 0.2, 0.3}, step[NV] = {0.3, -0.2, 0.1, 1, 2, 3, 0.4, 0.5, -0.6, 0.7};
     double identity[NQ], moved[NQ], expected[NQ], d[NV], back[NV];

@@ -263,14 +263,18 @@ START_TEST(work_of_another_model_is_refused) {
 END_TEST
 
 static rbd_body massive(rbd_joint_type type, int parent) {
-    const rbd_body b = {.parent = parent, .type = type, .axis = {0, 0, 1}, .axis2 = {1, 0, 0}, .mass = 1,
-                        .com = {0.1, 0.2, 0.3}, .inertia = {1, 0, 0, 1, 0, 1}};
+    const rbd_body b = {.parent = parent,
+                        .type = type,
+                        .axis = {0, 0, 1},
+                        .axis2 = {1, 0, 0},
+                        .mass = 1,
+                        .com = {0.1, 0.2, 0.3},
+                        .inertia = {1, 0, 0, 1, 0, 1}};
     return b;
 }
 
 static void chain(rbd_body *b, const rbd_joint_type *types, int nb) {
-    for (int i = 0; i < nb; i++)
-        b[i] = massive(types[i], i - 1);
+    for (int i = 0; i < nb; i++) b[i] = massive(types[i], i - 1);
 }
 
 /* Two models that differ in one of the numbers that a work's arrays depend on, and in none before it. */
@@ -305,8 +309,7 @@ START_TEST(works_of_models_that_differ_in_one_number_are_refused) {
     chain(a, hinges, 5), chain(b, hinges, 5);
     a[0].type = RBD_FLOATING, b[0].type = RBD_SPHERICAL;
     a[1].joint = "leader";
-    for (int i = 2; i < 5; i++)
-        a[i].mimic = "leader", a[i].mimic_ratio = 0.5;
+    for (int i = 2; i < 5; i++) a[i].mimic = "leader", a[i].mimic_ratio = 0.5;
     expect_apart("nmimic", a, 5, b, 5);
     chain(a, hinges, 2), chain(b, hinges, 2);
     b[1].parent = -1;

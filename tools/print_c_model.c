@@ -62,8 +62,7 @@ static void write_flags(int flags) {
             printf("%s%s", between, names[i].name);
             between = " | ";
         }
-    if (!*between)
-        putchar('0');
+    if (!*between) putchar('0');
 }
 
 static void write_links(const char *name, const rbd_model *m) {
@@ -119,7 +118,8 @@ static void write_dofs(const char *name, const rbd_model *m) {
     for (int i = 0; i < m->nv + m->nmimic; ++i) {
         const rbdi_dof *d = &m->dof[i];
         const double passive[] = {d->armature, d->damping, d->friction};
-        printf("    {%d, %d, %d, %d, %d, %d, ", d->body, d->lambda, (int)d->row, d->depth, d->before, d->level);
+        printf("    {%d, %d, %d, %d, %d, %d, ", d->body, d->lambda, (int)d->row, d->depth, d->before,
+               d->level);
         list(passive, 3);
         putchar(' ');
         number(d->scale);
