@@ -908,17 +908,17 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 typedef struct rbdi_scratch { /* per link, of one call */
-    rbdi_force f;             /* wrench (rnea), bias wrench (aba) */
+    rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
     rbdi_motion c;            /* aba: velocity-product acceleration */
     rbdi_force U_D;           /* aba: U / D */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
 typedef struct rbdi_slot { /* per link with a child that is not the next link */
-    rbdi_state state;
-    rbdi_motion y;
-    rbdi_abi I;
-    rbdi_rbi C;
+    rbdi_state state;      /* rnea, kinematics; aba's pass 1: omega */
+    rbdi_motion y;         /* aba's pass 3 */
+    rbdi_abi I;            /* aba's pass 2; pass 1 clears it */
+    rbdi_rbi C;            /* crba */
 } rbdi_slot;
 
 typedef struct rbdi_block_work { /* per block */
@@ -1004,38 +1004,39 @@ RBDI_EXTERN_C_END
    shifted along z without any result knowing; that freedom brings the way from the parent to the form of
    Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
    by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
-   four multiplications, a twist of 90 degrees none. Children that cannot have it (all but one of a link with
-   several; those under a block) keep a general shift r and a turn by beta about the parent's z before the
-   twist. A body of the description, the user's frame, is a constant pose on its link (rbdi_frame): poses,
-   wrenches and results are converted there and nowhere else.
+   four multiplications, by 90 degrees two (by +-1), by 0 none. Children that cannot have it (all but one of
+   a link with several; those of the world, under a block, or nearly parallel) keep a general shift r and a
+   turn by beta about the parent's z before the twist. A body of the description, the user's frame, is a
+   constant pose on its link (rbdi_frame): poses, wrenches and results are converted there and nowhere else.
 
    Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
    m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
    Sigma than in I.
 
    Regrouping (Khalil and Gautier 1990; Gautier 1990). What does not depend on a joint's motion is moved to
-   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m), of a sliding one all of Sigma. M, c
-   and tau stay, exactly; seven constants of ten remain. After it a link's numbers are no body's any more: m
-   and Sigma may be zero or below.
+   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m; seven constants of ten remain), of a
+   sliding one all of Sigma (four remain); others: rbdi_draft_regroup. M, c and tau stay, exactly. After it a
+   link's numbers are no body's any more: m and Sigma may be zero or below.
 
    Classical accelerations. A link's state is omega, its rate, and the acceleration of the frame's origin as
    a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
-   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is F = Omega h + m acc, N = axial part
+   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is f = Omega h + m acc, n = axial part
    of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
-   that is in Omega. Where a spatial acceleration is meant, omega x v is taken away at the end: of bodies in
-   rbd_body_acceleration, of the dofs of a floating joint in its c (rbdi_joint_product).
+   that is in Omega. Where a spatial acceleration is meant, rbd_body_acceleration takes omega x v away; of
+   floating and planar joints, whose v is in body axes, c adds it (rbdi_joint_product).
 
    Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
    the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
 
-   Order. Links stand depth first, the child with the largest subtree right behind its parent, so that on
-   most steps the parent is link i - 1, and what goes between the two stays in registers: `carried` upward,
-   the state s or y downward. What a later child needs of its parent, or gives it, is kept in the parent's
-   slot:
+   Order. Links stand depth first, behind each the child with the largest subtree (under a one-axis link a
+   one-axis child before blocks), so that on most steps the parent is link i - 1, and what goes between the
+   two stays in registers: up the wrench F, IA and pA, or the composite C (`carried` in rnea and crba), down
+   the state s, y or omega. For its other children a link has a slot, which keeps state and y and sums IA and
+   C; wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
-             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 carried, 4, 3 by slots
+             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 in registers, 4, 3 added
 
    The dofs of a subtree are thus contiguous in the solver's order, order[]: link.first .. end - 1.
 
@@ -1050,18 +1051,23 @@ RBDI_EXTERN_C_END
    [layout], read only, [scalar], [spatial algebra], [common]; rbdi_joints, rbdi_trig_of and rbdi_down; of
    [state] rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_kin and rbdi_body_kin.
 
+   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
+   rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
+
      the book               here
      i, lambda(i)           i, link[i].parent
      S_i                    z; of a screw rho, kappa; of a block axes first .. first + n - 1
-     iX_lambda(i)           rbdi_down (vectors), rbdi_pose; transposed: what ends in _up
-     v_i, a_i               rbdi_state: omega, omega_dot, acc
+     iX_lambda(i)           rbdi_down (vectors), rbdi_pose; transposed: rbdi_force_up, _rbi_up, _abi_up
+     v_i, a_i               rbdi_state: omega, omega_dot, acc (no linear v); aba's pass 3: y
      I_i, I^c_i             Sigma, h, mass of rbdi_link; rbdi_rbi and subtree_mass
      I^A_i, p^A_i           IA = [I H; H' M] (rbdi_abi), pA
      U_i, D_i, u_i          U, D, u; kept as U_D = U/D, u_D = u/D
-     c_i (7.1), f_i, tau_i  scratch.c, scratch.f, tau
+     c_i (7.1), f_i, tau_i  scratch.c, scratch.f (aba: pA_i), tau
      H, L, D (chapter 6)    packed rows: dof[k].row, by the path to the root
      lambda(k) (6.5)        dof[k].lambda
-   */
+
+   In IA = [I H; H' M], H and M are blocks; elsewhere M is the mass matrix and H its packed rows. A prime is
+   the transpose. */
 
 /* ---- compiler [compiler] ----
    All that depends on the compiler and its target; no other place asks for them, but that [configuration]
@@ -1182,7 +1188,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
 #define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
 #endif
-#define RBDI_TURN RBD_C(0.0625) /* two roundings */
+#define RBDI_TURN RBD_C(0.0625) /* times RBDI_NOISE: two roundings */
 #define RBDI_BUILD \
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 
@@ -1510,7 +1516,7 @@ RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
 }
 
-/* Change of axes of a symmetric matrix, child to parent: Rz' S Rz with four multiplications for the
+/* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
    block (x, y) instead of the twelve of the plain product. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
@@ -1593,7 +1599,7 @@ RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
     return A;
 }
 
-/* Composite body (Sigma, h, m): same moves. S' = S + r h' + h_new r', h_new = h + m r. */
+/* Composite body (Sigma, h, m): same moves. Sigma_new = Sigma + r h' + h_new r', h_new = h + m r. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     rbd_real k = C.h.z + d * m;
     C.Sigma.xz = C.Sigma.xz + d * C.h.x;
@@ -1624,7 +1630,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
     return A;
 }
 
-/* Articulated-body inertia [I H; H' M]: H' = H + [r]x M, I' = I - H [r]x + [r]x H'^T for r = d z.
+/* Articulated-body inertia [I H; H' M]: H_new = H + [r]x M, I_new = I - H [r]x + [r]x H_new' for r = d z.
    full = 0: row z of I and H is zero and stays so. */
 RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
     rbdi_abi Y = IA;
@@ -1665,7 +1671,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     return A;
 }
 
-/* [w]x [w]x. */
+/* [omega]x [omega]x. */
 RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
     rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
     rbdi_mat O;
@@ -1675,7 +1681,7 @@ RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
     O.yz = O.zy = omega.y * omega.z;
     return O;
 }
-/* Omega = [wd]x + [w]x [w]x: a point x of the body accelerates with acc + Omega x. */
+/* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body accelerates with acc + Omega x. */
 RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     rbdi_mat O = rbdi_omega_steady(omega);
     O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
@@ -1822,9 +1828,9 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 }
 
 /* ---- joints [joints] ----
-   What a joint type does, in four places: rbdi_joint_facts (build), rbdi_block_pose (here),
-   rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if zero or an angle
-   will not do. One-axis types need the first only. */
+   What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
+   rbdi_block_pose (here), rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if
+   zero or an angle will not do. One-axis types mostly need the first two only. */
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
@@ -1993,7 +1999,7 @@ RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3
     return rbdi_turn_z(0, t.c, t.s, v);
 }
 
-/* w x r, for the parent-side shift r. */
+/* omega x r, for the parent-side shift r. */
 RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
     rbdi_v3 y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (form & RBDI_SHIFT_XYZ) {
@@ -2004,7 +2010,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
     return y;
 }
 
-/* Force (N; F) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
+/* Force (n; f) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
    branch turn, shift. Written once for T = one scalar and T = a batch of them. */
 #define RBDI_DEFINE_FORCE_UP(name, T) \
     RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) { \
@@ -2084,10 +2090,10 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
        omega_dot = E omega_dot_p + (E omega_p) x z turn + z turn_dot
        acc       = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot
 
-   The book (5.7) has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega
+   Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega
    here. */
 
-/* Velocity-product terms that a joint with velocity J adds to (wd, acc): w is the parent's angular
+/* Velocity-product terms that a joint with velocity J adds to (omega_dot, acc); omega is the parent's angular
    velocity in link axes. */
 RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
     rbdi_motion c;
@@ -2164,7 +2170,7 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
     return s;
 }
 
-/* Wrench that moves a link: F = Omega h + m acc, N = the axial part of K = Omega Sigma + acc h'.
+/* Wrench that moves a link: f = Omega h + m acc, n_x = K_zy - K_yz and so on of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
 RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;
@@ -2356,11 +2362,10 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
-   every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches F of a subtree do not climb one
-   by one: standing side by side, by component, those of all dofs of link i's subtree take the step to its
-   parent together, a batch at a time, and the entries of link i's dof with all of them are then one
-   component (the moment about z) of that row. Of I^c only Sigma and h depend on q: the subtree's mass is a
-   constant. */
+   every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches of all dofs of link i's subtree
+   stand side by side, by component, in link i's frame: the entries of its dof with all of them are one
+   component (the moment about z; of a screw two, of a block n). Then all take the step to the parent
+   together, a batch at a time. Of I^c only Sigma and h depend on q: the subtree's mass is a constant. */
 
 /* Composite body of a link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
@@ -2613,18 +2618,19 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 }
 
 /* ---- aba [aba] ----
-   RBDA table 7.1, its c and a classical ([design]):
+   RBDA table 7.1, its c, pA and a classical ([design]):
 
-       pass 1   v_i, c_i;  pA_i = v_i x* I_i v_i - X* f_ext        rbdi_aba_velocity, rbdi_wrench with acc = 0
+       pass 1   omega_i, c_i,  pA_i = wrench with omega_dot = acc = 0   rbdi_aba_velocity, rbdi_wrench
+                pA_i -= X* f_ext                                    rbdi_external
        pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_release
                 Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
                 IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays so through the turn about z, which rbdi_aba_release and rbdi_abi_shift_z make use of; and
-   S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent feels about the joint's axis is
-   its torque. */
+   zero and stays so through the shift along z and the turn about it, which rbdi_aba_release and
+   rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
+   feels about the joint's axis is its torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
@@ -2642,7 +2648,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
     return rbdi_abi_shift(P->r, IA);
 }
 
-/* X plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
+/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
 RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
@@ -2657,7 +2663,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA
     return IA;
 }
 
-/* Pass 1, one-axis link: velocity w (in: the parent's) and velocity-product acceleration c. */
+/* Pass 1, one-axis link: velocity omega (in: the parent's) and velocity-product acceleration c. */
 RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd,
                                           rbdi_v3 *omega) {
     const int screw = form & RBDI_SLIDES;
@@ -2729,7 +2735,7 @@ RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v
 
 /* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
    Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
-   about z is tau: above. */
+   about z is tau: above. c.omega.z = 0 (omega x z turn). */
 RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
                                   rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
@@ -2737,8 +2743,8 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];
     const rbdi_motion *c = &own->c;
-    rbdi_force U, V;
-    rbd_real D, inverse, u;
+    rbdi_force U, U_D;
+    rbd_real D, inverse, u_D;
     U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
     U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
     if (form & RBDI_SLIDES) {
@@ -2751,43 +2757,43 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     if (full) D = D + dof->armature;
     w->pivot[l->iv] = D;
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    u = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
-    V.n.x = inverse * U.n.x;
-    V.n.y = inverse * U.n.y;
-    V.f = rbdi_scale(inverse, U.f);
-    own->U_D.n.x = V.n.x;
-    own->U_D.n.y = V.n.y;
-    own->U_D.f = V.f;
-    own->u_D = u;
+    u_D = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
+    U_D.n.x = inverse * U.n.x;
+    U_D.n.y = inverse * U.n.y;
+    U_D.f = rbdi_scale(inverse, U.f);
+    own->U_D.n.x = U_D.n.x;
+    own->U_D.n.y = U_D.n.y;
+    own->U_D.f = U_D.f;
+    own->u_D = u_D;
 
-    IA->I.xx = IA->I.xx - U.n.x * V.n.x;
-    IA->I.xy = IA->I.xy - U.n.x * V.n.y;
-    IA->I.yy = IA->I.yy - U.n.y * V.n.y;
-    IA->H.xx = IA->H.xx - U.n.x * V.f.x, IA->H.xy = IA->H.xy - U.n.x * V.f.y,
-    IA->H.xz = IA->H.xz - U.n.x * V.f.z;
-    IA->H.yx = IA->H.yx - U.n.y * V.f.x, IA->H.yy = IA->H.yy - U.n.y * V.f.y,
-    IA->H.yz = IA->H.yz - U.n.y * V.f.z;
-    IA->M.xx = IA->M.xx - U.f.x * V.f.x, IA->M.xy = IA->M.xy - U.f.x * V.f.y,
-    IA->M.xz = IA->M.xz - U.f.x * V.f.z;
-    IA->M.yy = IA->M.yy - U.f.y * V.f.y, IA->M.yz = IA->M.yz - U.f.y * V.f.z,
-    IA->M.zz = IA->M.zz - U.f.z * V.f.z;
-    pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u;
-    pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u;
+    IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
+    IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
+    IA->I.yy = IA->I.yy - U.n.y * U_D.n.y;
+    IA->H.xx = IA->H.xx - U.n.x * U_D.f.x, IA->H.xy = IA->H.xy - U.n.x * U_D.f.y,
+    IA->H.xz = IA->H.xz - U.n.x * U_D.f.z;
+    IA->H.yx = IA->H.yx - U.n.y * U_D.f.x, IA->H.yy = IA->H.yy - U.n.y * U_D.f.y,
+    IA->H.yz = IA->H.yz - U.n.y * U_D.f.z;
+    IA->M.xx = IA->M.xx - U.f.x * U_D.f.x, IA->M.xy = IA->M.xy - U.f.x * U_D.f.y,
+    IA->M.xz = IA->M.xz - U.f.x * U_D.f.z;
+    IA->M.yy = IA->M.yy - U.f.y * U_D.f.y, IA->M.yz = IA->M.yz - U.f.y * U_D.f.z,
+    IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
+    pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u_D;
+    pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u_D;
     pA->n.x = pA->n.x + (IA->H.xx * c->v.x + IA->H.xy * c->v.y + IA->H.xz * c->v.z);
     pA->n.y = pA->n.y + (IA->H.yx * c->v.x + IA->H.yy * c->v.y + IA->H.yz * c->v.z);
-    pA->f.x = pA->f.x + (IA->H.xx * c->omega.x + IA->H.yx * c->omega.y) + U.f.x * u;
-    pA->f.y = pA->f.y + (IA->H.xy * c->omega.x + IA->H.yy * c->omega.y) + U.f.y * u;
-    pA->f.z = pA->f.z + (IA->H.xz * c->omega.x + IA->H.yz * c->omega.y) + U.f.z * u;
+    pA->f.x = pA->f.x + (IA->H.xx * c->omega.x + IA->H.yx * c->omega.y) + U.f.x * u_D;
+    pA->f.y = pA->f.y + (IA->H.xy * c->omega.x + IA->H.yy * c->omega.y) + U.f.y * u_D;
+    pA->f.z = pA->f.z + (IA->H.xz * c->omega.x + IA->H.yz * c->omega.y) + U.f.z * u_D;
     pA->f = rbdi_add(pA->f, rbdi_mul_sym(IA->M, c->v));
     if (full) {
-        own->U_D.n.z = V.n.z = inverse * U.n.z;
-        IA->I.xz = IA->I.xz - U.n.x * V.n.z;
-        IA->I.yz = IA->I.yz - U.n.y * V.n.z;
-        IA->I.zz = IA->I.zz - U.n.z * V.n.z;
-        IA->H.zx = IA->H.zx - U.n.z * V.f.x;
-        IA->H.zy = IA->H.zy - U.n.z * V.f.y;
-        IA->H.zz = IA->H.zz - U.n.z * V.f.z;
-        pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u;
+        own->U_D.n.z = U_D.n.z = inverse * U.n.z;
+        IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
+        IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
+        IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
+        IA->H.zx = IA->H.zx - U.n.z * U_D.f.x;
+        IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
+        IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
+        pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
         pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
     } else {
         IA->I.xz = IA->I.yz = IA->I.zz = IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
@@ -3021,20 +3027,22 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
    judged in two steps.
 
    First, for one comparison: all pivots are sound if each is above RBDI_DOUBT of the most inertia that its
-   joint can ever move, dof.scale. A rounding reaches that size only if magnified by 1/n^2 > RBDI_DOUBT /
-   eps; then a pivot before it was as small as n^2. RBDI_DOUBT is a few times sqrt(eps), so that the one or
-   the other is noticed.
+   joint can ever move, dof.scale. A rounding reaches that size only if magnified by more than RBDI_DOUBT /
+   eps; then some pivot before it was small beside its own scale too. RBDI_DOUBT is at least sqrt(eps), so
+   that the one or the other is noticed.
 
-   Second, where one is in doubt, a running bound. Let y_j be the motions of the links that go with unit
-   motion of the joint while those behind it give way. Then D = sum y_j' I_j y_j, and errors eps K_j of what
-   stands for I_j change it by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by the
-   same recursion, RBDA table 7.1:
+   Second, where any is in doubt, all get a running bound. Let y_j be the motions of the links that go with
+   unit motion of the joint while those behind it give way. Then D = sum y_j' I_j y_j, and errors eps K_j of
+   what stands for I_j change it by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by
+   the same recursion, RBDA table 7.1:
 
        K_i = own_i + sum over the children of X' (P' K P + way) X,   e_i = S' K_i S,   P = 1 - S U'/D
 
    (P' IA P = IA - U U'/D). own is the diagonal of the link's inertia at its origin, way what the change of
-   frame rounds (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE e. For M = L'DL likewise e =
-   sum w_j^2 K_jj with w the row of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
+   frame rounds (rbdi_bound_up). A pivot counts as zero unless
+   D > RBDI_NOISE (e + armature); with RBD_SPECIALISE e = dof.scale. For M = L'DL likewise e =
+   sum w_j^2 K_jj with w the dof's
+   column of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
 
    Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
    regular ones aba refuses none in double and 5 in float: tests/fuzz/pivots.c. */
@@ -3234,8 +3242,8 @@ static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M) {
     }
 }
 
-/* Judges the pivots of the last factorisation, L packed: M_jj = sum of L_kj^2 D_k, and row k of L^-1, which
-   is zero but for k and what lies behind it, by substitution. */
+/* Judges the pivots of the last factorisation, L packed: M_jj = sum of L_kj^2 D_k, and column k of L^-1,
+   which is zero but for k and what lies behind it, by substitution. */
 RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real *L) {
     const int n = m->nv;
     rbd_real *M = w->F, *x = w->F + n; /* the scratch of crba */
@@ -3587,13 +3595,13 @@ static rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     return e;
 }
 
-/* Shift of a screw motion with turn w and translation u: V u, V = 1 + B [w]x + C [w]x^2. */
+/* Shift of a screw motion with turn omega and translation u: V u, V = 1 + B [omega]x + C [omega]x^2. */
 static rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
     rbdi_v3 wu = rbdi_cross(omega, u);
     return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(omega, wu))));
 }
 
-/* Its inverse: V^-1 u = u - w x u / 2 + k w x (w x u), k = (1 - A / (2 B)) / theta^2. */
+/* Its inverse: V^-1 u = u - omega x u / 2 + k omega x (omega x u), k = (1 - A / (2 B)) / theta^2. */
 static rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
     rbdi_v3 wu = rbdi_cross(omega, u);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
@@ -4045,14 +4053,13 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
-     checks      rbdi_check_body, rbdi_moves_something: the first finding ends the build
-     1 and 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
-     3           rbdi_draft_axis: joint axis on z
-     4           rbdi_draft_order: depth first, favourite child next
-     5           rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
-     6           rbdi_draft_scale: bounds for the pivots
-     7           rbdi_draft_regroup: leaves to root, base parameters
-     8           rbdi_emit: constants in the model's scalar, dofs, rows of the packed matrix, users' frames */
+     checks   rbdi_check_body; after step 2 rbdi_moves_something: the first error ends the build
+     1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
+     3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
+     5        rbdi_draft_measure: mass and radius of each subtree
+     6        rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
+     7, 8     rbdi_draft_scale: bounds for the pivots; rbdi_draft_regroup: leaves to root, base parameters
+     9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
 #ifndef RBD_NO_BUILD
 
@@ -4161,7 +4168,7 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
 }
 
 /* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
-   h' = A h + m t, S' = A S A' + t (A h)' + h' t'. */
+   h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
 static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3],
                              const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
