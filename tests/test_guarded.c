@@ -168,6 +168,24 @@ START_TEST(no_call_reaches_beyond_what_it_is_given) {
 }
 END_TEST
 
+/* Every joint with rotors alone, so that its last coordinate and degree of freedom are the last of all. */
+START_TEST(no_joint_with_armature_reaches_beyond_its_own) {
+    for (int type = RBD_REVOLUTE; type < RBD_JOINT_TYPES; type++) {
+        uint64_t seed = 91;
+        rbd_body b[1];
+        state s;
+        random_joint(&seed, b, 0, (rbd_joint_type)type);
+        random_mass(&seed, &b[0]);
+        for (int k = 0; k < 6; k++)
+            b[0].armature[k] = 0.1 + 0.1 * k;
+        robot r = BUILD(b);
+        draw_state(&r, &seed, &s);
+        check_fenced(&r, &s, type);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* What is refused is not read beyond either: the checks, and names that do not end as expected. */
 START_TEST(no_refusal_reaches_beyond_the_description) {
     for (side = FENCE_BEHIND; side < FENCES; side++)
@@ -197,6 +215,7 @@ Suite *guarded_suite(void) {
     TCase *c = tcase_create("guarded");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, no_call_reaches_beyond_what_it_is_given);
+    tcase_add_test(c, no_joint_with_armature_reaches_beyond_its_own);
     tcase_add_test(c, no_refusal_reaches_beyond_the_description);
     suite_add_tcase(suite, c);
     return suite;
