@@ -176,8 +176,7 @@ START_TEST(no_joint_with_armature_reaches_beyond_its_own) {
         state s;
         random_joint(&seed, b, 0, (rbd_joint_type)type);
         random_mass(&seed, &b[0]);
-        for (int k = 0; k < 6; k++)
-            b[0].armature[k] = 0.1 + 0.1 * k;
+        for (int k = 0; k < 6; k++) b[0].armature[k] = 0.1 + 0.1 * k;
         robot r = BUILD(b);
         draw_state(&r, &seed, &s);
         check_fenced(&r, &s, type);
