@@ -3039,13 +3039,12 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
        K_i = own_i + sum over the children of X' (P' K P + way) X,   e_i = S' K_i S,   P = 1 - S U'/D
 
    (P' IA P = IA - U U'/D). own is the diagonal of the link's inertia at its origin, way what the change of
-   frame rounds (rbdi_bound_up). A pivot counts as zero unless
-   D > RBDI_NOISE (e + armature); with RBD_SPECIALISE e = dof.scale. For M = L'DL likewise e =
-   sum w_j^2 K_jj with w the dof's
-   column of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
+   frame rounds (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE (e + armature); with
+   RBD_SPECIALISE e = dof.scale. For M = L'DL likewise e = sum w_j^2 K_jj with w the dof's column of L^-1, and
+   K_jj = M_jj + own + scale / 4, for the turns in M.
 
    Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
-   regular ones aba refuses none in double and 5 in float: tests/fuzz/pivots.c. */
+   regular ones aba refuses none in double and 15 in float: docs/accuracy.md. */
 
 /* Replaces a pivot by 1 if it is sound, by 0 if it is below its noise, by -1 if it is not a number. */
 RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e) {
