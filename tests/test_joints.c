@@ -631,6 +631,25 @@ START_TEST(zero_quaternion_is_the_identity) {
 }
 END_TEST
 
+/* A single long component is enough to overflow the sum of squares, wherever it stands. */
+START_TEST(quaternion_with_one_long_component_counts_by_direction) {
+    const rbd_body ball[1] = {
+        {.parent = -1, .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 2, 0, 3}}};
+    robot r = BUILD(ball);
+    for (int k = 0; k < 4; k++) {
+        double unit[4] = {0}, q[4] = {0}, expected[9], R[9];
+        unit[k] = 0.6, unit[(k + 1) % 4] = 0.8;
+        for (int j = 0; j < 4; j++) q[j] = 1e200 * unit[j];
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, unit, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, expected, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, R, NULL), RBD_OK);
+        expect_close("long quaternion", &r, k, R, expected, 9, 1e-15);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 Suite *joints_suite(void) {
     Suite *suite = suite_create("joints");
     TCase *c = tcase_create("joints");
@@ -656,6 +675,7 @@ Suite *joints_suite(void) {
     tcase_add_test(c, sine_and_cosine_are_right_to_the_last_bits);
     tcase_add_test(c, only_the_direction_of_a_quaternion_counts);
     tcase_add_test(c, zero_quaternion_is_the_identity);
+    tcase_add_test(c, quaternion_with_one_long_component_counts_by_direction);
     suite_add_tcase(suite, c);
     return suite;
 }
