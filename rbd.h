@@ -518,7 +518,8 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
    q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
    same shape, but must not overlap otherwise. All include armature; none includes damping and
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
-   after either all results are 0. */
+   after either all results are 0. A call near a singular
+   state, where pivots have to be judged, takes up to five times as long. */
 
 #ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
