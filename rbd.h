@@ -518,8 +518,8 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
    q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
    same shape, but must not overlap otherwise. All include armature; none includes damping and
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
-   after either all results are 0. A call near a singular
-   state, where pivots have to be judged, takes up to five times as long. */
+   after either all results are 0. A call near a singular state, where pivots have to be judged, takes up to
+   five times as long. */
 
 #ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
@@ -3232,8 +3232,8 @@ static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M) {
         const rbdi_link *l = &m->link[i];
         const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
         const rbd_real moment[3] = {g.I.x, g.I.y, g.I.z};
-        const int follows = l->iv >= m->nv, iv = follows ? m->mimic[l->iv - m->nv].source_v : l->iv;
-        const rbd_const ratio = follows ? m->mimic[l->iv - m->nv].ratio : RBD_C(1);
+        const int iv = rbdi_source(m, l->iv);
+        const rbd_real ratio = rbdi_ratio(m, l->iv);
         if (l->kind != RBDI_BLOCK)
             M[iv] = M[iv] + (g.I.z * l->rho + g.m * (l->kappa * l->kappa)) * (ratio * ratio);
         else
