@@ -4928,7 +4928,7 @@ static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
    Eliminating a row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become
    one from there on. */
 static void rbdi_couple(rbdi_dof *dof, int a, int b) {
-    while (a != b && b >= 0) {
+    while (a != b) {
         const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
         a = low, b = next;
