@@ -280,6 +280,18 @@ void for_reference_states(reference_check *check) {
     }
 }
 
+void for_control_states(control_check *check) {
+    for (int i = 0; i < control_count; i++) {
+        const ref_control *control = reference_control(i);
+        robot r = build_reference(control->model);
+        for (int k = 0; k < control->nstates; k++) {
+            ck_assert(rbd_set_gravity(r.w, control->states[k].gravity) == RBD_OK);
+            check(&r, &control->states[k], k);
+        }
+        robot_free(&r);
+    }
+}
+
 /* ---- comparison ---- */
 
 double largest(const double *x, int n) {

@@ -61,13 +61,15 @@ void random_tree(uint64_t *seed, rbd_body *bodies, int nb);
 
 typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
+typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
 /* On `trees` random trees of 1 to 25 bodies, two random states each. */
 void for_random_trees(int trees, state_check *check);
-/* On every state of every reference model, with its gravity set. */
+/* On every state of every reference model, with its gravity set; on those of what controllers ask. */
 void for_reference_states(reference_check *check);
+void for_control_states(control_check *check);
 
 /* ---- comparison ---- */
 

@@ -35,7 +35,7 @@ def programs():
     """(name, sources with the header's implementation, other sources, flags, libraries). Every build here reaches
     something that those before it do not."""
     out = [("suites", ["rbd.c"], [s for s in suite_sources() if s != "rbd.c"], QUICK, [])]
-    out.append(("scalar lanes", ["scalars.c"], ["reference.c"], [*QUICK, "-DRBD_LANES=4"], []))
+    out.append(("scalar lanes", ["scalars.c"], ["reference.c", "control.c"], [*QUICK, "-DRBD_LANES=4"], []))
     for name, flags in {"double": [], "scalars": ["-U__SSE2__"]}.items():
         out.append(("sincos " + name, ["test_sincos.c"], [], [*QUICK, *flags], ["-lquadmath"]))
     for real, lanes in ("double", 8), ("float", 16):

@@ -230,7 +230,7 @@ def stages():
     """Fast to slow: a mutant meets each until one sees it."""
     suites = suite_sources()
     fast = tuple((name, ("-O1",)) for name in suites)
-    ref = (("reference.c", ("-O1",)),)
+    ref = (("reference.c", ("-O1",)), ("control.c", ("-O1",)))
     def scalar(name, *flags):
         return Stage("scalar " + name, (("scalars.c", ("-O0", *flags)),), ref)
 
