@@ -149,7 +149,7 @@ typedef struct ref_control_state {
     const double *dtau_dv_ext;                 /* nv x nv */
     const double *dqdd_dq_ext;                 /* nv x nv: of qdd_ext, likewise */
     const double *dqdd_dv_ext;                 /* nv x nv */
-    const double *C;                           /* nv x nv: Coriolis matrix: C v = c - g, dM/dt - 2 C is skew */
+    const double *C;                           /* nv x nv: Coriolis matrix: C v = c - g */
     const double *Mdot;                        /* nv x nv: dM / dt along v, which is C + C' */
     int npoints;                               /* 3 */
     const ref_point *points;                   /* npoints */
@@ -168,7 +168,7 @@ typedef struct ref_control_state {
     const double *Y_potential;                 /* nb x 10: potential = Y_potential pi */
     const double *integrate_d;                 /* nv: a tangent step from q */
     const double *integrate_q_plus;            /* nq: integrate(q, d) */
-    const double *integrate_d_dq;              /* nv x nv: d q_plus / tangent step of q; row: tangent at q_plus */
+    const double *integrate_d_dq;              /* nv x nv: d q_plus / tangent step of q */
     const double *integrate_d_dd;              /* nv x nv: d q_plus / dd */
     const double *difference_q1;               /* nq */
     const double *difference_d;                /* nv: difference(q, q1): q1 = integrate(q, d) */
