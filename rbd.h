@@ -75,6 +75,7 @@
      RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
      RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, rbd_joint, rbd_dof_body
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
+     RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
                       mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
@@ -288,6 +289,8 @@ extern "C" {
 #define rbd_cholesky_factor RBDI_SYMBOL(rbd_cholesky_factor)
 #define rbd_cholesky_factor_packed RBDI_SYMBOL(rbd_cholesky_factor_packed)
 #define rbd_cholesky_solve RBDI_SYMBOL(rbd_cholesky_solve)
+#define rbd_cholesky_solve_many RBDI_SYMBOL(rbd_cholesky_solve_many)
+#define rbd_minverse RBDI_SYMBOL(rbd_minverse)
 #define rbd_passive RBDI_SYMBOL(rbd_passive)
 #define rbd_kinematics RBDI_SYMBOL(rbd_kinematics)
 #define rbd_body_pose RBDI_SYMBOL(rbd_body_pose)
@@ -324,6 +327,9 @@ extern "C" {
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
+#endif
+#if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
+#define RBDI_NO_MINVERSE
 #endif
 #if defined RBD_BATCH_IMPLEMENTATION && (defined RBDI_NO_FD_CHOLESKY || defined RBD_NO_ABA)
 #error "rbd: the batch calls need RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA and RBD_NO_CHOLESKY undefined"
@@ -576,6 +582,17 @@ RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, r
 /* Solves M x = b with the factor L. b, x: nv; may be the same. */
 RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
                                       rbd_real *x);
+
+/* Solves M X = B for n right-hand sides, which are the columns of B. B, X: nv x n; may be the same. With n <=
+   0 nothing is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                           const rbd_real *B, rbd_real *X);
+#endif
+
+#ifndef RBDI_NO_MINVERSE
+/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
+   M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
@@ -3152,6 +3169,43 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
     }
 }
 
+/* The same for X of n columns. */
+RBDI_PART void rbdi_solve_many(const rbd_model *m, const rbd_real *L, int n, rbd_real *X) {
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbd_real *l = &L[m->dof[k].row];
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            rbdi_subtract(&X[(ptrdiff_t)i * n], l[t], &X[(ptrdiff_t)k * n], n);
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = &L[m->dof[k].row];
+        const int d = m->dof[k].depth;
+        rbd_real *x = &X[(ptrdiff_t)k * n];
+        for (int j = 0; j < n; ++j) x[j] = x[j] * l[d];
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            rbdi_subtract(x, l[t], &X[(ptrdiff_t)i * n], n);
+    }
+}
+
+/* Z = M^-1, full. L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the
+   diagonal, is a sum over the rows of the dofs on its path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k -
+   sum L_ki Z_ik. */
+RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) {
+    const ptrdiff_t n = m->nv;
+    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = &L[m->dof[k].row];
+        const int d = m->dof[k].depth;
+        rbd_real *row = &Z[k * n], z = l[d];
+        rbdi_clear(row, k);
+        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            rbdi_subtract(row, l[t], &Z[i * n], k);
+        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            z = z - l[t] * row[i];
+        row[k] = z;
+        RBDI_UNROLL for (int j = 0; j < k; ++j)
+            Z[j * n + k] = row[j];
+    }
+}
+
 /* ---- pivots [pivots] ----
    M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint
    and, all joints behind it giving way, move no mass. D is computed as a difference, and carries the
@@ -3483,6 +3537,27 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
     rbdi_solve(m, L, x);
     return RBD_OK;
+}
+
+RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                           const rbd_real *B, rbd_real *X) {
+    const rbd_status status = rbdi_check(m, w, L && B && X);
+    if (status) return status;
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+    rbdi_solve_many(m, L, n, X);
+    return RBD_OK;
+}
+#endif
+
+#ifndef RBDI_NO_MINVERSE
+RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
+    rbdi_mask doubt;
+    const rbd_status status = rbdi_check(m, w, q && Minv);
+    if (status) return status;
+    rbd_crba_packed(m, w, q, w->H);
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_inverse(m, w->H, Minv);
+    return rbdi_status_of(m, w, doubt, 0, w->H, Minv, m->nv * m->nv);
 }
 #endif
 

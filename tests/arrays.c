@@ -64,6 +64,8 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     (void)rbd_cholesky_factor_packed(m, w, H);
     (void)rbd_cholesky_factor(m, w, M, H);
     CLAIM(rbd_cholesky_solve(m, w, H, v, out) == RBD_OK);
+    CLAIM(rbd_cholesky_solve_many(m, w, H, nv, M, M) == RBD_OK);
+    (void)rbd_minverse(m, w, q, M);
     CLAIM(rbd_kinematics(m, w, q, v, v) == RBD_OK);
     for (int b = 0; b < nb; b++) {
         CLAIM(rbd_body_pose(m, w, b, R, x) == RBD_OK);

@@ -10,7 +10,7 @@ root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-parts="BUILD RNEA CRBA ABA CHOLESKY KINEMATICS MANIFOLD LOOKUP TEXT"
+parts="BUILD RNEA CRBA ABA CHOLESKY MINVERSE KINEMATICS MANIFOLD LOOKUP TEXT"
 combinations=0
 failures=0
 
@@ -65,9 +65,11 @@ leave_out
 cp "$scratch/defined" "$scratch/all"
 holds BUILD rbd_model_build rbd_model_size
 holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
-holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky
+holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse
 holds ABA rbd_aba
-holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_fd_cholesky
+holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
+    rbd_fd_cholesky rbd_minverse
+holds MINVERSE rbd_minverse
 holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceleration \
     rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass
 holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random
@@ -84,7 +86,7 @@ for one in $parts; do
 done
 # shellcheck disable=SC2086 # words wanted
 leave_out $parts
-later="BUILD RNEA CRBA ABA CHOLESKY" # those that depend on each other
+later="BUILD RNEA CRBA ABA CHOLESKY MINVERSE" # those that depend on each other
 for one in $later; do
     later=${later#"$one"}
     later=${later# }

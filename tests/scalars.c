@@ -177,6 +177,38 @@ static void check_forward(void) {
 START_TEST(forward_dynamics_match_the_reference) { for_models(check_forward); }
 END_TEST
 
+/* M times its inverse, in the scalar's own precision. */
+static void compare_with_one(const char *what, int lane, const rbd_real *M, const rbd_real *inverse) {
+    static rbd_real one;
+    const int nv = reference->nv;
+    double error = 0;
+    for (int i = 0; i < nv; i++)
+        for (int j = 0; j < nv; j++) {
+            put(&one, lane, i == j);
+            rbd_real sum = M[i * nv] * inverse[j];
+            for (int k = 1; k < nv; k++) sum = sum + M[i * nv + k] * inverse[k * nv + j];
+            error = fmax(error, fabs(get(sum - one, lane)));
+        }
+    judge(what, lane, error, INVERSE(lane_state[lane]->cond_M));
+}
+
+/* The reference's inverse has an error of its own. */
+static void check_minverse(void) {
+    static rbd_real M[MAX_M], L[MAX_M];
+    const int nv = reference->nv;
+    RUN(rbd_crba(model, work, q, M));
+    RUN(rbd_minverse(model, work, q, found));
+    COMPARE("minverse", found, Minv, nv * nv, fmax(1e-12, INVERSE(lane_state[lane]->cond_M)));
+    EACH_LANE compare_with_one("M minverse", lane, M, found);
+    RUN(rbd_cholesky_factor(model, work, M, L));
+    for (int k = 0; k < nv * nv; k++) EACH_LANE put(&found[k], lane, k % (nv + 1) == 0);
+    RUN(rbd_cholesky_solve_many(model, work, L, nv, found, found));
+    EACH_LANE compare_with_one("M times the solutions for 1", lane, M, found);
+}
+
+START_TEST(minverse_and_many_solutions_match_the_reference) { for_models(check_minverse); }
+END_TEST
+
 /* Compared in the scalar's own precision: shows that nothing on the way is rounded to double. */
 static void check_round_trip(void) {
     const int nv = reference->nv;
@@ -475,6 +507,7 @@ static TCase *scalar_tests(void) {
     tcase_set_timeout(c, 60);
     tcase_add_test(c, inverse_dynamics_and_mass_matrix_match_the_reference);
     tcase_add_test(c, forward_dynamics_match_the_reference);
+    tcase_add_test(c, minverse_and_many_solutions_match_the_reference);
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);

@@ -23,6 +23,8 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
         for (int i = 0; i < nv; i++) inverse[i * nv + k] = x[i];
     }
     expect_close("factor, solve", r, number, inverse, s->Minv, nv * nv, inverse_bound(s->cond_M));
+    RUN(rbd_minverse(r->m, r->w, s->q, inverse));
+    expect_close("minverse", r, number, inverse, s->Minv, nv * nv, inverse_bound(s->cond_M));
 }
 
 START_TEST(factor_and_forward_dynamics_match_the_reference) { for_reference_states(check_reference); }
@@ -91,6 +93,65 @@ static void check_lower_triangle(const robot *r, const state *s, int number) {
 START_TEST(only_the_lower_triangle_is_read) { for_random_states(2, check_lower_triangle); }
 END_TEST
 
+/* M M^-1 = 1 where the textbook can invert M; else an error, and zeros. Between, to the error of the solver:
+   |M| |M^-1| eps n. Symmetric to the bit, and so where the trees of several roots make it zero. */
+static void check_inverse(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    double M[MAX_M], inverse[MAX_M], product[MAX_M];
+    tb_real a[TB_MAX_DOFS];
+    const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, a);
+    for (int k = 0; k < nv * nv; k++) inverse[k] = NAN;
+    const rbd_status status = rbd_minverse(r->m, r->w, s->q, inverse);
+    ck_assert(status == RBD_OK || status == RBD_ERR_SINGULAR);
+    if (status != RBD_OK) ck_assert_msg(largest(inverse, nv * nv) == 0, "%s: not zero", r->name);
+    for (int i = 0; i < nv; i++)
+        for (int j = 0; j < i; j++)
+            ck_assert_msg(memcmp(&inverse[i * nv + j], &inverse[j * nv + i], sizeof(double)) == 0,
+                          "%s, state %d: not symmetric at %d, %d", r->name, number, i, j);
+    if (!(condition > 0 && condition < 1e12L)) return;
+    ck_assert_msg(status == RBD_OK, "%s, state %d: %d", r->name, number, status);
+    RUN(rbd_crba(r->m, r->w, s->q, M));
+    for (int i = 0; i < nv; i++)
+        for (int j = 0; j < nv; j++) {
+            product[i * nv + j] = i == j ? -1 : 0;
+            for (int k = 0; k < nv; k++) product[i * nv + j] += M[i * nv + k] * inverse[k * nv + j];
+        }
+    expect_small("M minverse - 1", r, number, largest(product, nv * nv), inverse_bound((double)condition));
+}
+
+START_TEST(minverse_is_the_inverse_on_random_trees) { for_random_trees(400, check_inverse); }
+END_TEST
+
+/* Columns of any number, apart and in place, are those of single solutions; nothing is written behind. */
+static void check_many(const robot *r, const state *s, int number) {
+    enum { MOST = 19 };
+    static double B[MAX_V * MOST], X[MAX_V * MOST + 1], expected[MAX_V * MOST];
+    const int nv = r->nv;
+    double M[MAX_M], L[MAX_M], x[MAX_V];
+    RUN(rbd_crba(r->m, r->w, s->q, M));
+    RUN(rbd_cholesky_factor(r->m, r->w, M, L));
+    for (int n = 0; n <= MOST; n++) {
+        for (int k = 0; k < nv * n; k++) B[k] = sin(k + 1) + s->tau[k % nv];
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < nv; i++) x[i] = B[i * n + j];
+            RUN(rbd_cholesky_solve(r->m, r->w, L, x, x));
+            for (int i = 0; i < nv; i++) expected[i * n + j] = x[i];
+        }
+        X[nv * n] = 5;
+        RUN(rbd_cholesky_solve_many(r->m, r->w, L, n, B, X));
+        expect_close("solve_many", r, number, X, expected, nv * n, 1e-11);
+        RUN(rbd_cholesky_solve_many(r->m, r->w, L, n, B, B));
+        ck_assert_msg(memcmp(X, B, (size_t)(nv * n) * sizeof(double)) == 0, "%s: X may be B", r->name);
+        ck_assert_double_eq(X[nv * n], 5);
+    }
+    X[0] = 5;
+    RUN(rbd_cholesky_solve_many(r->m, r->w, L, -1, B, X));
+    ck_assert_double_eq(X[0], 5);
+}
+
+START_TEST(many_solutions_are_single_ones_side_by_side) { for_random_states(3, check_many); }
+END_TEST
+
 START_TEST(null_arguments_are_refused) {
     robot r = robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb);
     const ref_state *s = &reference_model(2)->states[0];
@@ -108,6 +169,15 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_cholesky_solve(r.m, r.w, NULL, x, x), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_cholesky_solve(r.m, r.w, L, NULL, x), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_cholesky_solve(r.m, r.w, L, x, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_cholesky_solve_many(NULL, r.w, L, 1, x, x), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_cholesky_solve_many(r.m, NULL, L, 1, x, x), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_cholesky_solve_many(r.m, r.w, NULL, 1, x, x), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_cholesky_solve_many(r.m, r.w, L, 1, NULL, x), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_cholesky_solve_many(r.m, r.w, L, 1, x, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_minverse(NULL, r.w, s->q, L), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_minverse(r.m, NULL, s->q, L), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_minverse(r.m, r.w, NULL, L), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_minverse(r.m, r.w, s->q, NULL), RBD_ERR_NULL);
     robot_free(&r);
 }
 END_TEST
@@ -121,6 +191,8 @@ Suite *cholesky_suite(void) {
     tcase_add_test(c, factors_multiply_to_the_matrix);
     tcase_add_test(c, packed_and_in_place_variants_agree);
     tcase_add_test(c, only_the_lower_triangle_is_read);
+    tcase_add_test(c, minverse_is_the_inverse_on_random_trees);
+    tcase_add_test(c, many_solutions_are_single_ones_side_by_side);
     tcase_add_test(c, null_arguments_are_refused);
     suite_add_tcase(suite, c);
     return suite;

@@ -103,6 +103,9 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
     BOTH(rbd_cholesky_factor_packed(f->m, f->w, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
     BOTH(rbd_cholesky_factor(f->m, f->w, M, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
     BOTH(rbd_cholesky_solve(f->m, f->w, H, tau, x), rbd_cholesky_solve(r->m, r->w, H, tau, plain), x, nv);
+    BOTH(rbd_cholesky_solve_many(f->m, f->w, H, nv, M, M),
+         rbd_cholesky_solve_many(r->m, r->w, H, nv, M, plain), M, nv * nv);
+    BOTH(rbd_minverse(f->m, f->w, q, M), rbd_minverse(r->m, r->w, q, plain), M, nv * nv);
     for (int i = 0; i < nv; i++)
         for (int j = 0; j < nv; j++)
             ck_assert_int_eq(rbd_packed_index(f->m, i, j), rbd_packed_index(r->m, i, j));

@@ -102,6 +102,12 @@ static void check_solve(const robot *r, const state *s, int number) {
     RUN(rbd_cholesky_factor(r->m, r->w, M, L));
     RUN(rbd_cholesky_solve(r->m, r->w, L, b, x));
     expect_close("mimic: solve", r, number, x, s->a, nv, inverse_bound((double)condition));
+    RUN(rbd_cholesky_solve_many(r->m, r->w, L, nv, M, M)); /* M^-1 M = 1 */
+    for (int k = 0; k < nv; k++) M[k * (nv + 1)] -= 1;
+    expect_small("mimic: solve_many", r, number, largest(M, nv * nv), inverse_bound((double)condition));
+    RUN(rbd_minverse(r->m, r->w, s->q, M));
+    multiply(M, b, nv, nv, x);
+    expect_close("mimic: minverse", r, number, x, s->a, nv, inverse_bound((double)condition));
 }
 
 START_TEST(factor_and_solve) { for_mimic_trees(check_solve); }

@@ -23,8 +23,8 @@ static void expect_singular(const char *what, const robot *r, const double *q, i
         v[k] = 0.5 + k;
         tau[k] = 1 - k;
     }
-    rbd_status status[4];
-    int dof[4];
+    rbd_status status[5];
+    int dof[5];
     status[0] = rbd_aba(r->m, r->w, q, v, tau, NULL, a[0]);
     dof[0] = rbd_singular_dof(r->w);
     status[1] = rbd_fd_cholesky(r->m, r->w, q, v, tau, NULL, a[1]);
@@ -39,7 +39,11 @@ static void expect_singular(const char *what, const robot *r, const double *q, i
     status[3] = rbd_cholesky_factor_packed(r->m, w, L);
     dof[3] = rbd_singular_dof(w);
     ck_assert_msg(largest(L, rbd_packed_size(r->m)) == 0, "%s: packed factor not zero", what);
-    for (int i = 0; i < 4; i++) {
+    w = fresh_work(r);
+    status[4] = rbd_minverse(r->m, w, q, M);
+    dof[4] = rbd_singular_dof(w);
+    ck_assert_msg(largest(M, r->nv * r->nv) == 0, "%s: inverse not zero", what);
+    for (int i = 0; i < 5; i++) {
         ck_assert_msg(status[i] == RBD_ERR_SINGULAR, "%s: call %d gives %d", what, i, status[i]);
         ck_assert_msg(first <= dof[i] && dof[i] <= last, "%s: call %d names dof %d", what, i, dof[i]);
     }
@@ -245,6 +249,8 @@ START_TEST(configuration_that_is_not_a_number_is_an_error) {
             ck_assert_int_eq(rbd_crba_packed(r.m, r.w, q, L), RBD_OK);
             status = rbd_cholesky_factor_packed(r.m, r.w, L);
             expect_nan("cholesky_factor_packed", &r, status, L, rbd_packed_size(r.m));
+            status = rbd_minverse(r.m, r.w, q, M);
+            expect_nan("minverse", &r, status, M, 49);
             q[k] = 0.4; /* and the call after is clean */
             ck_assert_int_eq(rbd_aba(r.m, r.w, q, x, x, NULL, a), RBD_OK);
             ck_assert_int_eq(rbd_singular_dof(r.w), -1);

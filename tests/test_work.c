@@ -136,6 +136,8 @@ static void still_dynamics(const robot *r, double *none, double *f_ext) {
     RUN(rbd_cholesky_factor(r->m, r->w, none, none));
     RUN(rbd_cholesky_factor_packed(r->m, r->w, none));
     RUN(rbd_cholesky_solve(r->m, r->w, none, none, none));
+    RUN(rbd_cholesky_solve_many(r->m, r->w, none, 2, none, none));
+    RUN(rbd_minverse(r->m, r->w, none, none));
     RUN(rbd_passive(r->m, r->w, none, none));
     ck_assert_int_eq(rbd_singular_dof(r->w), -1);
     ck_assert_int_eq(rbd_packed_size(r->m), 0);
@@ -252,6 +254,8 @@ START_TEST(work_of_another_model_is_refused) {
     ck_assert_int_eq(rbd_cholesky_factor(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_cholesky_factor_packed(other.m, r.w, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_cholesky_solve(other.m, r.w, x, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_cholesky_solve_many(other.m, r.w, x, 1, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_minverse(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_passive(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_kinematics(other.m, r.w, x, NULL, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_body_pose(other.m, r.w, 0, NULL, y), RBD_ERR_WORK);
