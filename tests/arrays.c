@@ -22,6 +22,7 @@ static void *own_array(size_t bytes) {
     return arrays[array_count++] = array;
 }
 #include "proof/arrays.h"
+#include "rbd_derivatives.h"
 
 static void free_arrays(void) {
     while (array_count > 0) free(arrays[--array_count]);
@@ -104,6 +105,18 @@ static void run_lookup(const rbd_model *m) {
 }
 
 /* The sizes that rbd.h states for any model of so many bodies and dofs. */
+static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
+    const int nv = rbd_nv(m);
+    rbd_real *q = numbers(rbd_nq(m)), *v = numbers(nv), *f = numbers(6 * nb), *by_q = numbers(nv * nv),
+             *by_v = numbers(nv * nv), *M = numbers(nv * nv), *A = numbers(6 * nv), *J = numbers(3 * nv),
+             *x = numbers(6);
+    CLAIM(rbd_rnea_derivatives(m, d, q, v, v, f, by_q, by_v, M) == RBD_OK);
+    CLAIM(rbd_gravity_derivatives(m, d, q, by_q) == RBD_OK);
+    CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);
+    CLAIM(rbd_momentum_matrix(m, d, q, v, A, x) == RBD_OK);
+    CLAIM(rbd_com_jacobian(m, d, q, J) == RBD_OK);
+}
+
 static size_t work_bound(const rbd_model *m) {
     int mimics = 0;
     for (int b = 0; b < nb; b++) mimics += bodies[b].mimic != NULL;
@@ -130,6 +143,12 @@ static void run(void) {
     CLAIM(size <= work_bound(m));
     CLAIM(taken + RBDI_ALIGN <= size);
     run_algorithms(m, w);
+    size = rbd_derivatives_size(m);
+    taken = 0;
+    rbd_derivatives *d;
+    CLAIM(rbd_derivatives_init(m, w, memory, size, &d) == RBD_OK);
+    CLAIM(taken + RBDI_ALIGN <= size);
+    run_derivatives(m, d);
     free_arrays();
 }
 

@@ -60,7 +60,7 @@ cat >"$scratch/behind.h" <<'END'
 #if I != 42 || !defined F || !defined E
 #error "the caller's macros are gone"
 #endif
-static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2)];
+static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2) + RBD_DERIVATIVES_SIZE(2, 2)];
 rbd_status use(void);
 rbd_status use(void) {
     RBD_LOCAL_WORK(w, iiwa_model, IIWA_WORK_SIZE);
@@ -71,7 +71,7 @@ END
 cat >"$scratch/hostile.c" <<'END'
 #include "hostile.h"
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"
 #include "models/iiwa_model.h"
 #include "behind.h"
 #include "rbd_urdf.h"
@@ -80,7 +80,7 @@ cat >"$scratch/hostile_batch.c" <<'END'
 #include "hostile.h"
 #define RBD_LANES 4
 #define RBD_BATCH_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"
 END
 
 # compile FILE COMPILER FLAG...
@@ -105,7 +105,7 @@ after_headers() {
             absent="$absent $header.h"
         fi
     done
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n#include "rbd_urdf.h"\n' >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_urdf.h"\n' >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     echo "$1: after $(grep -c '<' "$scratch/headers.c") headers; not there:${absent:- none}"
     [ "$(grep -c '<' "$scratch/headers.c")" -gt 60 ] || failures=$((failures + 1))

@@ -1,3 +1,3 @@
 /* rbd.c - the library as a program has it: the implementation in one file. */
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"

@@ -11,7 +11,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 failures=0
 
-printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/library.c"
+printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/library.c"
 printf '#define RBD_BATCH_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/batch.c"
 cp "$scratch/library.c" "$scratch/library.cpp"
 # A program as firmware has it: one file sets up, another one controls.

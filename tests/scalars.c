@@ -26,7 +26,7 @@
 #endif
 
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"
 
 #include "reference.h"
 
@@ -271,6 +271,34 @@ static void check_steps(void) {
 START_TEST(integrate_and_difference_match_the_reference) { for_models(check_steps); }
 END_TEST
 
+static void check_derivatives(void) {
+    const int nv = reference->nv;
+    static rbd_real by_v[MAX_M], M[MAX_M];
+    rbd_derivatives *d;
+    void *memory = malloc(rbd_derivatives_size(model));
+    RUN(rbd_derivatives_init(model, work, memory, rbd_derivatives_size(model), &d));
+    RUN(rbd_rnea_derivatives(model, d, q, v, a, NULL, found, by_v, M));
+    COMPARE("dtau/dq", found, dtau_dq, nv * nv, DIRECT);
+    COMPARE("dtau/dv", by_v, dtau_dv, nv * nv, CANCELLED);
+    COMPARE("M of the derivatives", M, M, nv * nv, DIRECT);
+    RUN(rbd_momentum_matrix(model, d, q, NULL, found, NULL));
+    COMPARE("momentum matrix", found, A_h, 6 * nv, DIRECT);
+    RUN(rbd_coriolis(model, d, q, v, M));
+    EACH_LANE {
+        double c[MAX_V], size = 1;
+        for (int i = 0; i < nv; i++) size = fmax(size, fabs(lane_state[lane]->c[i]));
+        for (int i = 0; i < nv; i++) {
+            c[i] = lane_state[lane]->g[i] - lane_state[lane]->c[i];
+            for (int k = 0; k < nv; k++) c[i] += get(M[i * nv + k] * v[k], lane);
+            judge("C v = c - g", lane, isfinite(c[i]) ? fabs(c[i]) / size : HUGE_VAL, CANCELLED);
+        }
+    }
+    free(memory);
+}
+
+START_TEST(momentum_and_derivatives_match_the_reference) { for_models(check_derivatives); }
+END_TEST
+
 /* ---- models of one body ---- */
 
 static rbd_body massive_body(rbd_joint_type type) {
@@ -511,6 +539,7 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);
+    tcase_add_test(c, momentum_and_derivatives_match_the_reference);
     tcase_add_test(c, thin_rod_turns_about_its_axis);
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
     tcase_add_test(c, only_directions_count_at_any_length);

@@ -5,6 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "rbd_derivatives.h"
+
 #include "suites.h"
 #include "support.h"
 
@@ -153,6 +155,30 @@ static void call_lookup(const robot *r, const robot *f) {
     for (int k = 0; k < r->nv; k++) ck_assert_int_eq(rbd_dof_body(f->m, k), rbd_dof_body(r->m, k));
 }
 
+static void call_derivatives(const robot *r, const robot *f, const state *s, int number) {
+    const int nv = r->nv;
+    const size_t size = rbd_derivatives_size(r->m);
+    const double *q = inputs(s->q, r->nq), *v = inputs(s->v, nv), *a = inputs(s->a, nv);
+    const double *f_ext = inputs(s->f_ext, 6 * r->nb);
+    double *x = numbers(nv * nv), *y = numbers(nv * nv), *M = numbers(nv * nv), *A = numbers(6 * nv),
+           *J = numbers(3 * nv), *h = numbers(6), other[MAX_V * MAX_V];
+    void *memory = malloc(size);
+    rbd_derivatives *d, *e;
+    RUN(rbd_derivatives_init(f->m, f->w, fenced(size), size, &d));
+    RUN(rbd_derivatives_init(r->m, r->w, memory, size, &e));
+    BOTH(rbd_rnea_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
+         rbd_rnea_derivatives(r->m, e, q, v, a, f_ext, plain, other, NULL), x, nv * nv);
+    BOTH(rbd_rnea_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
+         rbd_rnea_derivatives(r->m, e, q, v, a, f_ext, other, plain, NULL), y, nv * nv);
+    BOTH(rbd_gravity_derivatives(f->m, d, q, x), rbd_gravity_derivatives(r->m, e, q, plain), x, nv * nv);
+    BOTH(rbd_coriolis(f->m, d, q, v, x), rbd_coriolis(r->m, e, q, v, plain), x, nv * nv);
+    BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, plain, other), A,
+         6 * nv);
+    BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, other, plain), h, 6);
+    BOTH(rbd_com_jacobian(f->m, d, q, J), rbd_com_jacobian(r->m, e, q, plain), J, 3 * nv);
+    free(memory);
+}
+
 static void check_fenced(const robot *r, const state *s, int number) {
     for (side = FENCE_BEHIND; side < FENCES; side++) {
         const robot f = fenced_robot(r);
@@ -161,6 +187,7 @@ static void check_fenced(const robot *r, const state *s, int number) {
         call_kinematics(r, &f, s, number);
         call_manifold(r, &f, s, number);
         call_lookup(r, &f);
+        call_derivatives(r, &f, s, number);
         free_all();
     }
 }

@@ -1,0 +1,1121 @@
+/* rbd_derivatives.h - momentum and Coriolis matrix and first derivatives of a robot's dynamics, for rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   For every joint type, external wrenches, rotors, mimic joints and several roots. As rbd.h: in ONE file
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_derivatives.h"
+
+   and plain #include "rbd_derivatives.h" everywhere else; it includes rbd.h. [conventions], [configuration]
+   and [guarantees] are those of rbd.h. Derivatives of the inverse dynamics at a state:
+
+       unsigned char memory[RBD_DERIVATIVES_SIZE(NB, NV)];
+       rbd_derivatives *d;
+       rbd_derivatives_init(m, w, memory, sizeof memory, &d);
+       rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
+
+   CONTENTS (search for the tag)
+     [memory] [momentum] [coriolis] [inverse dynamics]
+     --- stop here if you only use it ---
+     [layout]
+     [common frame] [entries] [memory code] [momentum code] [coriolis code] [inverse dynamics code]
+
+   The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
+   composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
+*/
+/* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+
+#ifndef RBD_DERIVATIVES_H
+#define RBD_DERIVATIVES_H
+
+#include "rbd.h"
+
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 2
+#error "rbd_derivatives.h: belongs to another version of rbd.h"
+#endif
+
+#define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
+#define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
+#define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
+#define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
+#define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
+#define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
+#define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+/* ---- memory [memory] ---- */
+
+typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
+
+/* Prepares the memory that the calls of this header work in.
+   w        a work of the model, whose gravity they take and whose scratch they use: not one in which another
+            thread computes, and what rbd_kinematics left in it stays
+   memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
+            RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
+   d        receives the structure, which lies inside memory: do not move it
+   It holds constants of the model m in another order: call it again when those have changed. With any other
+   model every call returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
+RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                        rbd_derivatives **d);
+
+/* Bytes that rbd_derivatives_init needs for this model. */
+RBD_API size_t rbd_derivatives_size(const rbd_model *m);
+
+/* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
+
+/* ---- momentum [momentum] ---- */
+
+/* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
+   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
+   the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
+   Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
+RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]);
+
+/* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
+   no mass. */
+RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J);
+
+/* ---- Coriolis matrix [coriolis] ---- */
+
+/* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity) and dM/dt - 2 C
+   skew: C = sum over the bodies of J' (I dJ/dt + B J), B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
+   the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
+   where v are rates of q. Echeandia and Wensing (2021). */
+RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                rbd_real *C);
+
+/* ---- derivatives of inverse dynamics [inverse dynamics] ----
+   Row = torque. Column k of a derivative by q: along rbd_integrate(q, t e_k) at t = 0, with the components of
+   v and a held; for joints whose v are the rates of q that is d/dq_k. Column k of one by v: d/dv_k. External
+   wrenches are held in the axes of their bodies, at their origins. For a unit quaternion p = (x, y, z, w) and
+   its tangent step e, omega in body axes, dp = p (e/2, 0): the derivative by p is two times that by e with
+   p' (conjugate) multiplied from the left, d/dp = 2 d/de vec(p' dp). */
+
+/* Derivatives of tau = rbd_rnea(q, v, a, f_ext): dtau_dq and dtau_dv, nv x nv, and the mass matrix M =
+   dtau/da, nv x nv. Any of the three may be NULL, and is then not computed. The common frame's form of
+   Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
+RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M);
+
+/* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
+RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                           rbd_real *dg_dq);
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* ---- layout [layout] ----
+   Open for sizes at compile time only. */
+
+typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: what depends on the state */
+typedef struct rbdi_constants rbdi_constants; /* and what does not */
+
+/* Dofs whose parent is the one before them each, or those of one block. */
+typedef struct rbdi_run {
+    int16_t first, end; /* dofs first .. end - 1, in the solver's order as everywhere here */
+    int16_t parent;     /* dof before the first towards the root, -1 = none */
+    int16_t block;      /* whether they are those of a block */
+    int16_t link;       /* that has the first */
+    int16_t origin;     /* first of a root: end of the dofs up to the common origin's link, else 0 */
+} rbdi_run;
+
+/* Dof k of the solver. */
+typedef struct rbdi_entry {
+    int16_t user;   /* the caller's dof: row and column of results */
+    int16_t end;    /* end of its subtree */
+    int16_t joint;  /* end of the dofs of its link */
+    int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
+} rbdi_entry;
+
+struct rbd_derivatives {
+    uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
+    const rbd_model *model;
+    rbd_work *work;
+    int n, batches, runs;  /* dofs, those of mimic joints too */
+    rbdi_columns *columns; /* batches */
+    rbdi_constants *constants;
+    rbd_real *rows;    /* RBDI_ROWS x padded n: see [entries] */
+    rbdi_entry *entry; /* n */
+    rbdi_run *run;     /* runs */
+    int16_t *origin;   /* nl: the root link whose tree has its origin in this link, else -1 */
+    rbd_const mass;    /* of all bodies that a joint moves */
+};
+
+#define RBDI_COLUMN 110  /* scalars of a dof in rbdi_columns */
+#define RBDI_CONSTANT 17 /* in rbdi_constants */
+#define RBDI_ROWS 5
+#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
+#define RBDI_SURPLUS 0
+#else
+#define RBDI_SURPLUS (RBDI_CHUNK - 1) /* dofs are padded to whole batches */
+#endif
+
+/* Bytes for nl links and n dofs, padded. */
+#define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
+     (size_t)(padded) * ((RBDI_COLUMN + RBDI_ROWS) * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
+     (size_t)(n) * sizeof(rbdi_entry) + (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)))
+
+/* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
+   (compile-time bounds; rbd_derivatives_size is exact, and less). */
+#define RBD_DERIVATIVES_SIZE(nb, nv) RBDI_DERIVATIVES_BYTES(RBDI_LINKS(nb, nv), nv, (nv) + RBDI_SURPLUS)
+#define RBD_DERIVATIVES_SIZE_MIMIC(nb, nv) \
+    RBDI_DERIVATIVES_BYTES(RBDI_LINKS(nb, nv), (nb) + (nv), (nb) + (nv) + RBDI_SURPLUS)
+
+RBDI_EXTERN_C_END
+
+#endif /* RBD_DERIVATIVES_H */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
+#define RBDI_DERIVATIVES_IMPLEMENTED
+
+#if RBDI_GCC /* as rbd.h's [compiler] */
+#pragma GCC push_options
+#ifdef __OPTIMIZE__
+#pragma GCC optimize( \
+    "no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
+#endif
+#endif
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_NINE _Pragma("GCC unroll 9")
+#else
+#define RBDI_UNROLL_NINE
+#endif
+
+/* ---- common frame [common frame] ----
+   All spatial quantities of a tree in one frame: world axes, origin in the first rotating link from the root,
+   at this instant moving with that link's origin (any frame that moves uniformly gives the same matrices;
+   this one keeps a root's place and velocity out of the differences of which small inertias are made). The
+   world then moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
+   else is independent from dof to dof: the dofs, in the solver's order, are the SIMD lanes.
+
+   A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
+   R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
+
+       S = (rho ez; rho x x ez + kappa ez)         revolute: rho, kappa = 1, 0; sliding 0, 1; screw 1, pitch
+       Psi = V_p x S                               V = V_p + sum over the joint of S qd
+       U = Psi + V x S                             (one dof: 2 Psi)
+       Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
+                                                   A of the world: (0; -gravity)
+
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x (the regrouped
+   constants of the model will do: whatever moves alike has the same momentum and force), and with acc = a +
+   omega x v and Omega = [omega_dot]x + [omega]x [omega]x
+
+       X = [omega]x Sigma + v h'    the integral of x_dot x' dm
+       P = m v + omega x h          linear momentum
+       f = wrench (n; f) of rbd.h's [state], less the external ones
+
+   27 numbers and m, summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
+   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link every dof has the columns
+
+       F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
+
+   and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
+   Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
+   B. */
+
+#if RBDI_BATCH > 1
+typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
+#else
+typedef rbd_const rbdi_cbatch;
+#endif
+
+typedef struct rbdi_b3 {
+    rbdi_batch x, y, z;
+} rbdi_b3;
+
+typedef struct rbdi_bmotion {
+    rbdi_b3 omega, v;
+} rbdi_bmotion;
+
+typedef struct rbdi_bforce {
+    rbdi_b3 n, f;
+} rbdi_bforce;
+
+/* What is summed over subtrees, in nines. */
+typedef struct rbdi_sums {
+    rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
+    rbdi_b3 h;
+    rbdi_b3 Xx, Xy, Xz; /* rows of X */
+    rbdi_b3 P;
+    rbdi_bforce f;
+} rbdi_sums;
+
+struct rbdi_columns {
+    rbdi_b3 ex, ey, ez, x;
+    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise */
+    rbdi_sums sum;
+    rbdi_bforce F, D, E;
+    rbdi_b3 T;
+    rbdi_batch qd, qdd;
+};
+
+struct rbdi_constants {
+    rbdi_cbatch xx, xy, xz, yy, yz, zz, hx, hy, hz, m; /* regrouped: of a link's last dof, else 0 */
+    rbdi_cbatch subtree;                               /* mass of the subtree */
+    rbdi_cbatch rho, kappa;
+    rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* of the bodies as described, no mass moved between links */
+};
+
+typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
+typedef char
+    rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
+
+RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
+    rbdi_b3 v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
+/* c + k a and c + a x b: sums before products are contracted to FMA best. */
+RBDI_INLINE rbdi_b3 rbdi_b_scale_add(rbdi_b3 c, rbdi_batch k, rbdi_b3 a) {
+    return rbdi_b_vec(c.x + k * a.x, c.y + k * a.y, c.z + k * a.z);
+}
+RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 c, rbdi_b3 a, rbdi_b3 b) {
+    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_b3 rbdi_b_cross(rbdi_b3 a, rbdi_b3 b) {
+    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
+    a.omega = rbdi_b_add(a.omega, b.omega);
+    a.v = rbdi_b_add(a.v, b.v);
+    return a;
+}
+/* V x S, and with c added. */
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
+    c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
+    c.v = rbdi_b_cross_add(rbdi_b_cross_add(c.v, V.v, S.omega), V.omega, S.v);
+    return c;
+}
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
+    rbdi_bmotion c;
+    c.omega = rbdi_b_cross(V.omega, S.omega);
+    c.v = rbdi_b_cross_add(rbdi_b_cross(V.v, S.omega), V.omega, S.v);
+    return c;
+}
+
+/* Scalars of a dof: lane k % RBDI_BATCH of its batch; from one component to the next are RBDI_BATCH scalars,
+   from one batch to the next rbdi_next. RBDI_OF(d, k, field) is the first component of a field. */
+#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns[(k) / RBDI_BATCH].field + (k) % RBDI_BATCH)
+RBDI_INLINE ptrdiff_t rbdi_at(int k) {
+    return (ptrdiff_t)(k / RBDI_BATCH) * RBDI_COLUMN * RBDI_BATCH + k % RBDI_BATCH;
+}
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
+    return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
+}
+RBDI_INLINE void rbdi_store_vec(rbd_real *a, rbdi_v3 v) {
+    a[0] = v.x, a[RBDI_BATCH] = v.y, a[2 * RBDI_BATCH] = v.z;
+}
+RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a) {
+    rbdi_motion V;
+    V.omega = rbdi_load_vec(a), V.v = rbdi_load_vec(a + 3 * RBDI_BATCH);
+    return V;
+}
+RBDI_INLINE void rbdi_store_motion(rbd_real *a, rbdi_motion V) {
+    rbdi_store_vec(a, V.omega), rbdi_store_vec(a + 3 * RBDI_BATCH, V.v);
+}
+
+RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+}
+RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
+    return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
+}
+
+/* Where dof k of a link has its axis among x, y, z. */
+RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
+    return l->kind == RBDI_BLOCK ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
+}
+
+/* Pose of a link in the common frame, x_link = E (x - r): its last dof has it, the axes turned if that dof's
+   own is not z. */
+RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
+    const int last = rbdi_last_dof(m, link), z = rbdi_dof_axis(m, &m->link[link], last);
+    const rbd_real *in = RBDI_OF(d, last, ex);
+    rbdi_v3 e[3];
+    rbdi_pose X;
+    for (int k = 0; k < 3; ++k) e[(z + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
+    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
+    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
+    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    return X;
+}
+
+/* Axes and origin of a link to its dofs: R has world axes as rows. A block's dofs have theirs on z in turn.
+   */
+RBDI_INLINE void rbdi_put_pose(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, const rbdi_v3 R[3],
+                               rbdi_v3 x) {
+    const rbdi_v3 e[3] = {rbdi_vec(R[0].x, R[1].x, R[2].x), rbdi_vec(R[0].y, R[1].y, R[2].y),
+                          rbdi_vec(R[0].z, R[1].z, R[2].z)};
+    const int n = rbdi_link_dofs(m, l);
+    for (int k = l->first; k < l->first + n; ++k) {
+        const int z = rbdi_dof_axis(m, l, k);
+        rbd_real *out = RBDI_OF(d, k, ex);
+        rbdi_store_vec(out, e[(z + 1) % 3]);
+        rbdi_store_vec(out + 3 * RBDI_BATCH, e[(z + 2) % 3]);
+        rbdi_store_vec(out + 6 * RBDI_BATCH, e[z]);
+        rbdi_store_vec(out + 9 * RBDI_BATCH, x);
+    }
+}
+
+/* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
+RBDI_INLINE rbdi_v3 rbdi_pose_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 R[3], rbdi_v3 x) {
+    if (!(form & RBDI_ROOT)) {
+        const rbdi_v3 r = rbdi_vec_c(l->r);
+        x = rbdi_add(x, form & RBDI_SHIFT_XYZ
+                            ? rbdi_vec(rbdi_dot(R[0], r), rbdi_dot(R[1], r), rbdi_dot(R[2], r))
+                            : rbdi_vec(R[0].x * r.x, R[1].x * r.x, R[2].x * r.x));
+    }
+    for (int k = 0; k < 3; ++k) R[k] = rbdi_down(l, form, t, R[k]);
+    if (form & RBDI_SHIFT_Z) x = rbdi_add(x, rbdi_vec(R[0].z * t.d, R[1].z * t.d, R[2].z * t.d));
+    return x;
+}
+
+/* The common origin moves from the root's own to link i's. */
+RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
+    for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
+        rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
+}
+
+/* R and x of all links. */
+RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
+    const rbd_work *w = d->work;
+    const rbdi_v3 ex = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
+    rbdi_v3 R[3] = {ex, rbdi_uncycle(ex), rbdi_cycle(ex)}, x = rbdi_vec0();
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent < 0) {
+            R[0] = ex, R[1] = rbdi_uncycle(ex), R[2] = rbdi_cycle(ex), x = rbdi_vec0();
+        } else if (l->parent != i - 1) {
+            const rbdi_pose p = rbdi_common_pose(m, d, l->parent);
+            R[0] = rbdi_vec(p.E.xx, p.E.yx, p.E.zx);
+            R[1] = rbdi_vec(p.E.xy, p.E.yy, p.E.zy);
+            R[2] = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
+            x = p.r;
+        }
+        if (l->kind == RBDI_BLOCK) {
+            const rbdi_pose *X = &w->block[l->block].X;
+            if (l->parent >= 0)
+                x = rbdi_add(x, rbdi_vec(rbdi_dot(R[0], X->r), rbdi_dot(R[1], X->r), rbdi_dot(R[2], X->r)));
+            for (int k = 0; k < 3; ++k) R[k] = rbdi_mul(X->E, R[k]);
+        } else {
+            RBDI_BY_FORM(form, l, x = rbdi_pose_axis(l, form, rbdi_trig_of(m, w, i, form), R, x));
+        }
+        if (d->origin[i] >= 0) {
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, x);
+            x = rbdi_vec0();
+        }
+        rbdi_put_pose(m, d, l, R, x);
+    }
+}
+
+/* S of all dofs. */
+RBDI_PART void rbdi_motion_columns(rbd_derivatives *d) {
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        const rbdi_b3 z = rbdi_b_vec(c->ez.x * k->rho, c->ez.y * k->rho, c->ez.z * k->rho);
+        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * k->kappa, c->ez.y * k->kappa, c->ez.z * k->kappa);
+        c->S.omega = z;
+        c->S.v = rbdi_b_cross_add(slide, c->x, z);
+    }
+}
+
+/* Sums over ancestors: Vp, dV or Ap, dA; world: that of the roots' parent. Where the frame moves with its
+   origin's link, that is what the velocities before it add up to. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, rbd_real *Vp, rbd_real *dV, rbdi_motion world,
+                                    int moves) {
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+        rbdi_motion V = world;
+        if (r->parent >= 0)
+            V = rbdi_motion_add(rbdi_load_motion(Vp + rbdi_at(r->parent)),
+                                rbdi_load_motion(dV + rbdi_at(r->parent)));
+        for (int k = r->first; moves && k < r->origin; ++k)
+            V.v = rbdi_sub(V.v, rbdi_load_vec(dV + rbdi_at(k) + 3 * RBDI_BATCH));
+        if (r->block) {
+            rbdi_motion all = rbdi_motion0();
+            for (int k = r->first; k < r->end; ++k)
+                all = rbdi_motion_add(all, rbdi_load_motion(dV + rbdi_at(k)));
+            for (int k = r->first; k < r->end; ++k) {
+                rbdi_store_motion(Vp + rbdi_at(k), V);
+                rbdi_store_motion(dV + rbdi_at(k), all);
+            }
+            continue;
+        }
+        for (int k = r->first; k < r->end; ++k) {
+            rbdi_store_motion(Vp + rbdi_at(k), V);
+            V = rbdi_motion_add(V, rbdi_load_motion(dV + rbdi_at(k)));
+        }
+    }
+}
+
+/* Components of v, or a, to the dofs. */
+RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, const rbd_real *v, rbd_real *out) {
+    for (int k = 0; k < d->n; ++k) out[rbdi_at(k)] = v[d->entry[k].source];
+}
+
+/* V_p, dV, Psi and U. coriolis: U = V x S, without Psi. */
+RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, const rbd_real *v, int coriolis) {
+    rbdi_spread(d, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
+        c->dV.v = rbdi_b_scale(c->qd, c->S.v);
+    }
+    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Vp, (rbd_real *)&d->columns->dV, rbdi_motion0(), 1);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
+        c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
+    }
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
+        for (int k = r->first; r->block && k < r->end; ++k) {
+            const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
+            rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
+            U.v = rbdi_add(U.v, rbdi_add(rbdi_cross(J.v, S.omega), rbdi_cross(J.omega, S.v)));
+            U.omega = rbdi_add(U.omega, rbdi_cross(J.omega, S.omega));
+            rbdi_store_motion(RBDI_OF(d, k, U), U);
+        }
+}
+
+/* A_p, dA and Phi, the world accelerating upward by -gravity. */
+RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, const rbd_real *a,
+                                    rbdi_c3 gravity) {
+    rbdi_motion world = rbdi_motion0();
+    world.v = rbdi_sub(world.v, rbdi_vec_c(gravity));
+    rbdi_spread(d, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
+        c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
+    }
+    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, world, 0);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
+    }
+}
+
+/* Sigma and h of the links. */
+RBDI_INLINE void rbdi_own_inertia(rbdi_columns *c, const rbdi_constants *k) {
+    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
+    rbdi_sums *s = &c->sum;
+    rbdi_b3 h =
+        rbdi_b_vec(ex.x * k->hx + ey.x * k->hy + ez.x * k->hz, ex.y * k->hx + ey.y * k->hy + ez.y * k->hz,
+                   ex.z * k->hx + ey.z * k->hy + ez.z * k->hz); /* R h_b */
+    const rbdi_b3 a =
+        rbdi_b_vec(ex.x * k->xx + ey.x * k->xy + ez.x * k->xz, ex.y * k->xx + ey.y * k->xy + ez.y * k->xz,
+                   ex.z * k->xx + ey.z * k->xy + ez.z * k->xz);
+    const rbdi_b3 b =
+        rbdi_b_vec(ex.x * k->xy + ey.x * k->yy + ez.x * k->yz, ex.y * k->xy + ey.y * k->yy + ez.y * k->yz,
+                   ex.z * k->xy + ey.z * k->yy + ez.z * k->yz);
+    const rbdi_b3 e =
+        rbdi_b_vec(ex.x * k->xz + ey.x * k->yz + ez.x * k->zz, ex.y * k->xz + ey.y * k->yz + ez.y * k->zz,
+                   ex.z * k->xz + ey.z * k->yz + ez.z * k->zz); /* (a b e) = R Sigma_b */
+    s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
+    s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = a.x * ex.z + b.x * ey.z + e.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = a.y * ex.y + b.y * ey.y + e.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = a.y * ex.z + b.y * ey.z + e.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
+}
+
+/* X and P of the links. */
+RBDI_INLINE void rbdi_own_momentum(rbdi_columns *c, const rbdi_constants *k) {
+    rbdi_sums *s = &c->sum;
+    const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV);
+    const rbdi_b3 w = V.omega, v = V.v, h = s->h;
+    const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
+                  z = rbdi_b_vec(s->xz, s->yz, s->zz);
+    s->Xx = rbdi_b_vec(w.y * z.x - w.z * y.x + v.x * h.x, w.y * z.y - w.z * y.y + v.x * h.y,
+                       w.y * z.z - w.z * y.z + v.x * h.z);
+    s->Xy = rbdi_b_vec(w.z * x.x - w.x * z.x + v.y * h.x, w.z * x.y - w.x * z.y + v.y * h.y,
+                       w.z * x.z - w.x * z.z + v.y * h.z);
+    s->Xz = rbdi_b_vec(w.x * y.x - w.y * x.x + v.z * h.x, w.x * y.y - w.y * x.y + v.z * h.y,
+                       w.x * y.z - w.y * x.z + v.z * h.z);
+    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * k->m, v.y * k->m, v.z * k->m), w, h);
+}
+
+/* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
+RBDI_INLINE void rbdi_own_wrench(rbdi_columns *c, const rbdi_constants *k) {
+    rbdi_sums *s = &c->sum;
+    const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
+    const rbdi_b3 w = V.omega, al = A.omega, h = s->h, acc = rbdi_b_cross_add(A.v, w, V.v);
+    const rbdi_batch xx = -(w.y * w.y + w.z * w.z), yy = -(w.x * w.x + w.z * w.z),
+                     zz = -(w.x * w.x + w.y * w.y);
+    const rbdi_batch xy = w.x * w.y - al.z, yx = w.x * w.y + al.z, xz = w.x * w.z + al.y,
+                     zx = w.x * w.z - al.y, yz = w.y * w.z - al.x, zy = w.y * w.z + al.x; /* Omega */
+    const rbdi_b3 n = rbdi_b_vec(zx * s->xy + zy * s->yy + (zz - yy) * s->yz - yx * s->xz - yz * s->zz,
+                                 xy * s->yz + (xx - zz) * s->xz + xz * s->zz - zx * s->xx - zy * s->xy,
+                                 yx * s->xx + (yy - xx) * s->xy + yz * s->xz - xy * s->yy - xz * s->yz);
+    s->f.n = rbdi_b_cross_add(n, h, acc);
+    s->f.f = rbdi_b_vec(xx * h.x + xy * h.y + xz * h.z + acc.x * k->m,
+                        yx * h.x + yy * h.y + yz * h.z + acc.y * k->m,
+                        zx * h.x + zy * h.y + zz * h.z + acc.z * k->m);
+}
+
+/* Subtracts external wrenches from those of the links. */
+RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, const rbd_real *f_ext) {
+    const int bodies = f_ext ? m->nb : 0;
+    for (int b = 0; b < bodies; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_pose X;
+        rbdi_force F;
+        rbd_real *out;
+        if (u->link < 0) continue;
+        X.E = rbdi_mat_c(u->E);
+        X.r = rbdi_vec_c(u->r);
+        F = rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)); /* to the link */
+        X = rbdi_common_pose(m, d, u->link);
+        F = rbdi_force_up_block(&X, F);
+        out = RBDI_OF(d, rbdi_last_dof(m, u->link), sum.f);
+        rbdi_store_force(out, RBDI_BATCH, rbdi_force_sub(rbdi_load_force(out, RBDI_BATCH), F));
+    }
+}
+
+/* Sums over subtrees of the nine components that x begins with. */
+RBDI_INLINE void rbdi_sum_nine(rbd_derivatives *d, rbd_real *x) {
+    for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
+        const rbd_real *last = x + rbdi_at(r->end - 1);
+        rbd_real sum[9], *out;
+        RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) sum[j] = last[j * RBDI_BATCH];
+        for (int k = r->end - 2; k >= r->first; --k) {
+            out = x + rbdi_at(k);
+            RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = sum[j] =
+                sum[j] + out[j * RBDI_BATCH];
+        }
+        if (r->parent < 0) continue;
+        out = x + rbdi_at(r->parent);
+        RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+    }
+}
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, int nines) {
+    rbd_real *x = (rbd_real *)&d->columns->sum;
+    for (int k = 0; k < nines; ++k) rbdi_sum_nine(d, x + 9 * k * RBDI_BATCH);
+}
+
+/* I (omega; v) of a subtree. */
+RBDI_INLINE rbdi_bforce rbdi_subtree_inertia(const rbdi_sums *s, const rbdi_constants *k, rbdi_bmotion V) {
+    const rbdi_b3 w = V.omega, v = V.v;
+    rbdi_bforce F;
+    F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
+                     (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
+                     (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
+    F.n = rbdi_b_cross_add(F.n, s->h, v);
+    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * k->subtree, v.y * k->subtree, v.z * k->subtree), w, s->h);
+    return F;
+}
+/* (G / 2 w, -P x w): B (w; any). */
+RBDI_INLINE rbdi_bforce rbdi_subtree_B(const rbdi_sums *s, rbdi_b3 w) {
+    const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
+    rbdi_bforce F;
+    F.n = rbdi_b_vec((y.y + z.z) * w.x - x.y * w.y - x.z * w.z, (x.x + z.z) * w.y - y.x * w.x - y.z * w.z,
+                     (x.x + y.y) * w.z - z.x * w.x - z.y * w.y);
+    F.f = rbdi_b_cross(w, s->P);
+    return F;
+}
+/* Moment of B' S. */
+RBDI_INLINE rbdi_b3 rbdi_subtree_B_t(const rbdi_sums *s, rbdi_bmotion S) {
+    const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz, w = S.omega;
+    const rbdi_b3 n =
+        rbdi_b_vec((y.y + z.z) * w.x - y.x * w.y - z.x * w.z, (x.x + z.z) * w.y - x.y * w.x - z.y * w.z,
+                   (x.x + y.y) * w.z - x.z * w.x - y.z * w.y);
+    return rbdi_b_cross_add(n, s->P, S.v);
+}
+RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
+    a.n = rbdi_b_add(a.n, b.n);
+    a.f = rbdi_b_add(a.f, b.f);
+    return a;
+}
+
+/* What the layer is asked for beyond F, which needs q only. */
+enum {
+    RBDI_NEED_V = 1,       /* D and T, from v */
+    RBDI_NEED_WRENCH = 2,  /* sums of f, from v and a */
+    RBDI_NEED_Q = 4 | 2,   /* E and T */
+    RBDI_NEED_CORIOLIS = 8 /* D and T halved, and U = V x S: B instead of 2 B */
+};
+
+/* Columns of forces of a batch of dofs. */
+RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
+    const rbdi_sums *s = &c->sum;
+    c->F = rbdi_subtree_inertia(s, k, c->S);
+    if (need & (RBDI_NEED_V | 4)) {
+        c->T = rbdi_subtree_B_t(s, c->S);
+        if (!(need & RBDI_NEED_CORIOLIS)) c->T = rbdi_b_add(c->T, c->T);
+    }
+    if (need & RBDI_NEED_V) {
+        const rbdi_bforce B = rbdi_subtree_B(s, c->S.omega);
+        c->D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
+        if (!(need & RBDI_NEED_CORIOLIS)) c->D = rbdi_b_force_add(c->D, B);
+    }
+    if (need & 4) {
+        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega);
+        c->E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
+        c->E.n = rbdi_b_cross_add(rbdi_b_cross_add(c->E.n, c->S.omega, s->f.n), c->S.v, s->f.f);
+        c->E.f = rbdi_b_cross_add(c->E.f, c->S.omega, s->f.f);
+    }
+}
+
+/* The layer's sweep: v, a, gravity and f_ext are read as far as need asks for them. */
+RBDI_INLINE void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+    rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
+    rbdi_poses(m, d);
+    rbdi_motion_columns(d);
+    if (need) rbdi_velocities(m, d, v, need & RBDI_NEED_CORIOLIS);
+    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, a, gravity);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        rbdi_own_inertia(c, k);
+        if (need) rbdi_own_momentum(c, k);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(c, k);
+    }
+    if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
+    rbdi_sum_subtrees(d, need ? 3 : 1);
+    for (int b = 0; b < d->batches; ++b) rbdi_force_columns(&d->columns[b], &d->constants[b], need);
+}
+
+/* ---- entries [entries] ----
+   For dof j and every dof i of an ancestor link, and of its own where not said otherwise:
+
+       M_ij = S_i' F_j                M_ji = M_ij
+       dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
+       dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
+
+   and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
+   with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
+   from halved columns. One dof i at a time, its subtree as lanes: rows of RBDI_ROWS in d->rows, then put into
+   the caller's order; those of mimic joints add to those they follow, G' (.) G. */
+
+enum { RBDI_ROW_M, RBDI_ROW_V, RBDI_COLUMN_V, RBDI_ROW_Q, RBDI_COLUMN_Q };
+
+RBDI_INLINE rbd_real *rbdi_row(const rbd_derivatives *d, int row) {
+    return d->rows + (ptrdiff_t)row * d->batches * RBDI_BATCH;
+}
+RBDI_INLINE void rbdi_set_row(const rbd_derivatives *d, int row, int b, rbdi_batch x) {
+    *(rbdi_batch *)(rbdi_row(d, row) + b * RBDI_BATCH) = x;
+}
+/* A' V of one dof's motion with forces, and a + A' w of moments. */
+RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bforce F, rbdi_motion S) {
+    return (F.n.x * S.omega.x + F.n.y * S.omega.y + F.n.z * S.omega.z) +
+           (F.f.x * S.v.x + F.f.y * S.v.y + F.f.z * S.v.z);
+}
+RBDI_INLINE rbdi_batch rbdi_b_moment_power(rbdi_batch a, rbdi_b3 T, rbdi_v3 w) {
+    return a + T.x * w.x + T.y * w.y + T.z * w.z;
+}
+
+RBDI_INLINE void rbdi_rows(const rbd_derivatives *d, int i, int M, int need) {
+    const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S)), U = rbdi_load_motion(RBDI_OF(d, i, U)),
+                      Psi = rbdi_load_motion(RBDI_OF(d, i, Psi)), Phi = rbdi_load_motion(RBDI_OF(d, i, Phi));
+    for (int b = i / RBDI_BATCH; b * RBDI_BATCH < d->entry[i].end; ++b) {
+        const rbdi_columns *c = &d->columns[b];
+        if (M) rbdi_set_row(d, RBDI_ROW_M, b, rbdi_b_power(c->F, S));
+        if (need & RBDI_NEED_V) {
+            rbdi_set_row(d, RBDI_ROW_V, b, rbdi_b_power(c->D, S));
+            rbdi_set_row(d, RBDI_COLUMN_V, b, rbdi_b_moment_power(rbdi_b_power(c->F, U), c->T, S.omega));
+        }
+        if (need & 4) {
+            rbdi_set_row(d, RBDI_ROW_Q, b, rbdi_b_power(c->E, S));
+            rbdi_set_row(d, RBDI_COLUMN_Q, b, rbdi_b_moment_power(rbdi_b_power(c->F, Phi), c->T, Psi.omega));
+        }
+    }
+}
+
+/* dtau_i/dq_j within a joint. */
+RBDI_INLINE rbd_real rbdi_joint_entry(const rbd_derivatives *d, int i, int j) {
+    const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+    const rbdi_motion Phi = rbdi_load_motion(RBDI_OF(d, j, Phi));
+    return rbdi_dot(rbdi_load_vec(RBDI_OF(d, i, T)), rbdi_load_vec(RBDI_OF(d, j, Psi))) +
+           rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
+}
+
+/* Puts row i and column i, of its subtree, into the caller's matrix. */
+RBDI_INLINE void rbdi_put_rows(const rbd_model *m, const rbd_derivatives *d, int i, int row, int column,
+                               rbd_real *out) {
+    const ptrdiff_t nv = m->nv, at = d->entry[i].user;
+    const rbd_real *x = rbdi_row(d, row), *y = rbdi_row(d, column);
+    rbd_real *right = out + at * nv, *down = out + at;
+    if (m->nmimic) {
+        const rbd_real k = rbdi_ratio(m, d->entry[i].source);
+        for (int j = i; j < d->entry[i].end; ++j) {
+            const rbd_real g = k * rbdi_ratio(m, d->entry[j].source);
+            const ptrdiff_t to = d->entry[j].user;
+            right[to] = right[to] + x[j] * g;
+            if (j > i) down[to * nv] = down[to * nv] + y[j] * g;
+        }
+        return;
+    }
+    for (int j = i; j < d->entry[i].end; ++j) {
+        right[d->entry[j].user] = x[j];
+        down[d->entry[j].user * nv] = y[j];
+    }
+}
+
+/* All entries: those of the derivatives by q and v, and of M, that are wanted. */
+RBDI_INLINE void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q,
+                                  rbd_real *by_v, rbd_real *M) {
+    const int need = (by_q ? RBDI_NEED_Q : 0) | (by_v ? RBDI_NEED_V : 0), size = m->nv * m->nv;
+    if (by_q) rbdi_clear(by_q, size);
+    if (by_v) rbdi_clear(by_v, size);
+    if (M) rbdi_clear(M, size);
+    for (int i = 0; i < d->n; ++i) {
+        rbdi_rows(d, i, M != NULL, need);
+        if (M) {
+            rbd_real *own = rbdi_row(d, RBDI_ROW_M) + i;
+            *own = *own + m->dof[d->entry[i].source].armature;
+            rbdi_put_rows(m, d, i, RBDI_ROW_M, RBDI_ROW_M, M);
+        }
+        if (by_v) rbdi_put_rows(m, d, i, RBDI_ROW_V, RBDI_COLUMN_V, by_v);
+        if (!by_q) continue;
+        for (int j = i + 1; j < d->entry[i].joint; ++j)
+            rbdi_row(d, RBDI_ROW_Q)[j] = rbdi_joint_entry(d, i, j);
+        rbdi_put_rows(m, d, i, RBDI_ROW_Q, RBDI_COLUMN_Q, by_q);
+    }
+}
+
+/* ---- memory [memory code] ---- */
+
+RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
+    const int n = m ? m->nv + m->nmimic : 0;
+    if (!m) return 0;
+    return RBDI_DERIVATIVES_BYTES(m->nl, n, (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+}
+
+/* The constants of dof k, component by component. */
+RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
+    return (rbd_const *)&d->constants[k / RBDI_BATCH] + k % RBDI_BATCH;
+}
+RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
+    for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
+}
+
+/* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
+RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
+    const rbd_const S[3][3] = {{l->Sigma.xx, l->Sigma.xy, l->Sigma.xz},
+                               {l->Sigma.xy, l->Sigma.yy, l->Sigma.yz},
+                               {l->Sigma.xz, l->Sigma.yz, l->Sigma.zz}};
+    const rbd_const h[3] = {l->h.x, l->h.y, l->h.z};
+    const int x = (z + 1) % 3, y = (z + 2) % 3;
+    const rbd_const own[10] = {S[x][x], S[x][y], S[x][z], S[y][y], S[y][z],
+                               S[z][z], h[x],    h[y],    h[z],    l->mass};
+    rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
+    for (int k = l->first; k <= last; ++k) {
+        const int slides = l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->first + k - l->first >= 3;
+        const int axis = l->kind == RBDI_SCREW;
+        const rbd_const rest[3] = {l->subtree_mass, axis ? l->rho : RBD_C(!slides),
+                                   axis ? l->kappa : RBD_C(slides)};
+        rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
+    }
+}
+
+/* Adds mass and first moment of a body as described to those of its link. */
+RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi_frame *u) {
+    const int last = rbdi_last_dof(m, u->link), z = rbdi_dof_axis(m, &m->link[u->link], last);
+    const rbd_const *E = u->E, c[3] = {u->com.x, u->com.y, u->com.z}, r[3] = {u->r.x, u->r.y, u->r.z};
+    rbd_const *out = rbdi_constants_of(d, last) + 13 * RBDI_BATCH;
+    for (int j = 0; j < 3; ++j) {
+        const int k = (z + 1 + j) % 3;
+        out[j * RBDI_BATCH] += u->mass * (E[k] * c[0] + E[3 + k] * c[1] + E[6 + k] * c[2] + r[k]);
+    }
+    out[3 * RBDI_BATCH] += u->mass;
+    d->mass += u->mass;
+}
+
+/* The dofs of link i: constants, entries, and their run. */
+RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
+    const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
+    rbdi_run *r = &d->run[d->runs - 1];
+    for (int k = l->first; k < l->first + n; ++k) {
+        rbdi_entry *e = &d->entry[k];
+        e->source = m->order[k].dof;
+        e->user = (int16_t)rbdi_source(m, e->source);
+        e->end = l->end;
+        e->joint = (int16_t)(l->first + n);
+    }
+    rbdi_init_constants(m, d, i);
+    if (d->runs == 0 || block || r->block || parent != l->first - 1 || l->parent < 0) {
+        r = &d->run[d->runs++];
+        r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
+        r->link = (int16_t)i, r->origin = 0;
+    }
+    r->end = (int16_t)(l->first + n);
+}
+
+/* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
+   end. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_run *r) {
+    int i = root;
+    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
+           (m->link[i].kind == RBDI_SCREW
+                ? !(m->link[i].rho > 0)
+                : m->link[i].kind == RBDI_BLOCK && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+        ++i;
+    d->origin[i] = (int16_t)root;
+    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+}
+
+RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                        rbd_derivatives **derivatives) {
+    const rbd_status status = rbdi_check(m, w, memory && derivatives);
+    unsigned char *p;
+    rbd_derivatives *d;
+    rbd_const *constants;
+    int padded;
+    if (status) return status;
+    if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
+    p = rbdi_aligned(memory);
+    d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
+    for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
+    d->model = m, d->work = w;
+    d->n = m->nv + m->nmimic;
+    d->batches = (d->n + RBDI_BATCH - 1) / RBDI_BATCH;
+    padded = d->batches * RBDI_BATCH;
+    d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
+    d->rows = (rbd_real *)rbdi_take(&p, RBDI_ROWS * padded, sizeof(rbd_real));
+    d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
+    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
+    d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
+    d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
+    constants = (rbd_const *)d->constants;
+    for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN * padded); /* surplus lanes stay finite */
+    d->runs = 0, d->mass = RBD_C(0);
+    for (int i = 0; i < m->nl; ++i) {
+        d->origin[i] = -1;
+        rbdi_init_link(m, d, i);
+    }
+    for (int i = 0, r = 0; i < m->nl; ++i) {
+        if (m->link[i].parent >= 0) continue;
+        while (d->run[r].first < m->link[i].first) ++r;
+        rbdi_init_origin(m, d, i, &d->run[r]);
+    }
+    for (int b = 0; b < m->nb; ++b)
+        if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
+    *derivatives = d;
+    return RBD_OK;
+}
+
+/* What every call asks first: rbdi_check, and that the constants are of this model. */
+RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
+    if (!m || !d || !arrays) return RBD_ERR_NULL;
+    return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
+}
+
+/* ---- momentum [momentum code] ---- */
+
+/* Where the common origin of a root's tree is in the world. */
+RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
+    const rbdi_link *l = &m->link[root];
+    const rbdi_pose X = rbdi_common_pose(m, d, root);
+    if (l->kind == RBDI_BLOCK) return rbdi_sub(d->work->block[l->block].X.r, X.r);
+    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, l->flags).d,
+                                                          rbdi_vec(X.E.zx, X.E.zy, X.E.zz))),
+                    X.r);
+}
+
+/* The same from the first root's, for each run of dofs: place is that of the run before. */
+RBDI_INLINE rbdi_v3 rbdi_offset_of(const rbd_model *m, const rbd_derivatives *d, const rbdi_run *r,
+                                   rbdi_v3 offset) {
+    if (r->parent >= 0) return offset;
+    return rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
+}
+
+/* The centre of mass from there, of the bodies as described; 0 without mass. */
+RBDI_PART rbdi_v3 rbdi_common_com(const rbd_model *m, const rbd_derivatives *d) {
+    rbdi_v3 offset = rbdi_vec0(), h = rbdi_vec0();
+    if (!(d->mass > 0)) return h;
+    for (int b = 0; b < d->batches; ++b) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        rbdi_set_row(d, 0, b,
+                     c->ex.x * k->all_hx + c->ey.x * k->all_hy + c->ez.x * k->all_hz + c->x.x * k->all_m);
+        rbdi_set_row(d, 1, b,
+                     c->ex.y * k->all_hx + c->ey.y * k->all_hy + c->ez.y * k->all_hz + c->x.y * k->all_m);
+        rbdi_set_row(d, 2, b,
+                     c->ex.z * k->all_hx + c->ey.z * k->all_hy + c->ez.z * k->all_hz + c->x.z * k->all_m);
+    }
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+        offset = rbdi_offset_of(m, d, r, offset);
+        for (int k = r->first; k < r->end; ++k) {
+            const rbdi_v3 own = rbdi_vec(rbdi_row(d, 0)[k], rbdi_row(d, 1)[k], rbdi_row(d, 2)[k]);
+            h = rbdi_add(
+                h, rbdi_add(own, rbdi_scale(rbdi_set(rbdi_constants_of(d, k)[16 * RBDI_BATCH]), offset)));
+        }
+    }
+    return rbdi_scale(rbdi_set(RBD_C(1) / d->mass), h);
+}
+
+/* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
+RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
+    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
+}
+
+RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_v3 com, offset = rbdi_vec0();
+    rbdi_force bias = rbdi_force0();
+    if (status) return status;
+    if (A_dot_v)
+        rbdi_common(m, d, q, v, d->work->zero, none, NULL, RBDI_NEED_WRENCH);
+    else
+        rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
+    com = rbdi_common_com(m, d);
+    rbdi_clear(A, 6 * m->nv);
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+        rbdi_v3 arm;
+        offset = rbdi_offset_of(m, d, r, offset);
+        arm = rbdi_sub(offset, com);
+        for (int k = r->first; k < r->end; ++k) {
+            const rbdi_force F = rbdi_load_force(RBDI_OF(d, k, F), RBDI_BATCH);
+            rbd_real x[6];
+            rbdi_store(rbdi_add(F.n, rbdi_cross(arm, F.f)), x);
+            rbdi_store(F.f, x + 3);
+            rbdi_add_column(A + d->entry[k].user, m->nv, rbdi_ratio(m, d->entry[k].source), x, 6);
+        }
+        if (A_dot_v && r->parent < 0) {
+            const rbdi_force F = rbdi_load_force(RBDI_OF(d, r->first, sum.f), RBDI_BATCH);
+            bias.n = rbdi_add(bias.n, rbdi_add(F.n, rbdi_cross(arm, F.f)));
+            bias.f = rbdi_add(bias.f, F.f);
+        }
+    }
+    if (A_dot_v) rbdi_store_force(A_dot_v, 1, bias);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && J);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_const share;
+    if (status) return status;
+    share = d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0);
+    rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
+    rbdi_clear(J, 3 * m->nv);
+    for (int k = 0; k < d->n; ++k) {
+        rbd_real x[3];
+        rbdi_store(rbdi_load_vec(RBDI_OF(d, k, F.f)), x);
+        rbdi_add_column(J + d->entry[k].user, m->nv, rbdi_ratio(m, d->entry[k].source) * share, x, 3);
+    }
+    return RBD_OK;
+}
+
+/* ---- Coriolis matrix [coriolis code] ---- */
+
+RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                rbd_real *C) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    if (status) return status;
+    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
+    rbdi_put_entries(m, d, NULL, C, NULL);
+    return RBD_OK;
+}
+
+/* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
+
+RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
+    if (status) return status;
+    rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_Q);
+    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                           rbd_real *dg_dq) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
+    if (status) return status;
+    rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL, RBDI_NEED_Q);
+    rbdi_put_entries(m, d, dg_dq, NULL, NULL);
+    return RBD_OK;
+}
+
+#if RBDI_GCC
+#pragma GCC pop_options
+#endif
+
+#endif /* RBD_IMPLEMENTATION */
+
+#pragma pop_macro("A")
+#pragma pop_macro("B")
+#pragma pop_macro("C")
+#pragma pop_macro("D")
+#pragma pop_macro("E")
+#pragma pop_macro("F")
+#pragma pop_macro("G")
+#pragma pop_macro("I")
+#pragma pop_macro("J")
+#pragma pop_macro("K")
+#pragma pop_macro("M")
+#pragma pop_macro("N")
+#pragma pop_macro("P")
+#pragma pop_macro("R")
+#pragma pop_macro("S")
+#pragma pop_macro("T")
+#pragma pop_macro("U")
+#pragma pop_macro("V")
+#pragma pop_macro("W")
+#pragma pop_macro("X")
+#pragma pop_macro("Y")

@@ -1,0 +1,385 @@
+/* test_derivatives.c - rbd_derivatives.h: momentum and Coriolis matrix, derivatives of inverse dynamics. */
+#include <math.h>
+#include <string.h>
+
+#include "rbd_derivatives.h"
+
+#include "suites.h"
+#include "support.h"
+
+enum { MAX_M = MAX_V * MAX_V };
+#define REFERENCE 1e-11 /* relative to the largest entry: CONTRIBUTING.md */
+/* Differences of order 8: rounding over the step h, and h^8 times a ninth derivative. One joint at a time,
+   and all along v, where angles add up that turn faster. */
+#define H_ONE 0.02
+#define H_ALL 0.004
+#define BY_ONE 1e-11
+#define BY_ALL 1e-9
+
+static void *d_memory;
+
+static rbd_derivatives *derivatives_of(const robot *r) {
+    const size_t size = rbd_derivatives_size(r->m);
+    rbd_derivatives *d;
+    d_memory = malloc(size); /* exact, so that a sanitizer sees the byte beyond */
+    memset(d_memory, 0xff, size);
+    ck_assert_int_eq(rbd_derivatives_init(r->m, r->w, d_memory, size, &d), RBD_OK);
+    return d;
+}
+
+/* ---- against the references ---- */
+
+static void check_control(const robot *r, const ref_control_state *s, int number) {
+    const int nv = r->nv;
+    rbd_derivatives *d = derivatives_of(r);
+    double by_q[MAX_M], by_v[MAX_M], M[MAX_M], out[6];
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, M));
+    expect_close("dtau/dq", r, number, by_q, s->dtau_dq, nv * nv, REFERENCE);
+    expect_close("dtau/dv", r, number, by_v, s->dtau_dv, nv * nv, REFERENCE);
+    expect_close("M of the derivatives", r, number, M, s->M, nv * nv, REFERENCE);
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, s->f_ext, by_q, by_v, NULL));
+    expect_close("dtau/dq, wrenches", r, number, by_q, s->dtau_dq_ext, nv * nv, REFERENCE);
+    expect_close("dtau/dv, wrenches", r, number, by_v, s->dtau_dv_ext, nv * nv, REFERENCE);
+    RUN(rbd_coriolis(r->m, d, s->q, s->v, M));
+    expect_close("coriolis", r, number, M, s->C, nv * nv, REFERENCE);
+    RUN(rbd_momentum_matrix(r->m, d, s->q, s->v, M, out));
+    expect_close("momentum matrix", r, number, M, s->A_h, 6 * nv, REFERENCE);
+    expect_close("momentum bias", r, number, out, s->A_h_dot_v, 6, REFERENCE);
+    RUN(rbd_com_jacobian(r->m, d, s->q, M));
+    expect_close("com jacobian", r, number, M, s->J_com, 3 * nv, REFERENCE);
+    free(d_memory);
+}
+
+START_TEST(results_match_the_control_data) { for_control_states(check_control); }
+END_TEST
+
+static void check_reference(const robot *r, const ref_model *model, const ref_state *s, int number) {
+    const int nv = model->nv;
+    rbd_derivatives *d = derivatives_of(r);
+    double by_q[MAX_M], by_v[MAX_M];
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, NULL));
+    expect_close("dtau/dq", r, number, by_q, s->dtau_dq, nv * nv, REFERENCE);
+    expect_close("dtau/dv", r, number, by_v, s->dtau_dv, nv * nv, REFERENCE);
+    free(d_memory);
+}
+
+START_TEST(derivatives_match_the_reference) { for_reference_states(check_reference); }
+END_TEST
+
+/* ---- on random trees of every joint type, with mimic joints, rotors and several roots ---- */
+
+/* d/dt at 0 of a function of the configuration q moved by t step: differences of order 8. */
+typedef void image(const robot *r, const state *s, const double *q, double *out);
+static void differentiate(const robot *r, const state *s, const double *step, double h, image *f, int n,
+                          double *out) {
+    const double weight[4] = {4. / 5, -1. / 5, 4. / 105, -1. / 280};
+    static double ahead[MAX_M], behind[MAX_M];
+    double q[MAX_Q];
+    for (int i = 0; i < n; i++) out[i] = 0;
+    for (int k = 0; k < 4; k++) {
+        ck_assert_int_eq(rbd_integrate(r->m, s->q, step, (k + 1) * h, q), RBD_OK);
+        f(r, s, q, ahead);
+        ck_assert_int_eq(rbd_integrate(r->m, s->q, step, -(k + 1) * h, q), RBD_OK);
+        f(r, s, q, behind);
+        for (int i = 0; i < n; i++) out[i] += weight[k] / h * (ahead[i] - behind[i]);
+    }
+}
+
+static void torque(const robot *r, const state *s, const double *q, double *out) {
+    ck_assert_int_eq(rbd_rnea(r->m, r->w, q, s->v, s->a, s->f_ext, out), RBD_OK);
+}
+static void gravity_torque(const robot *r, const state *s, const double *q, double *out) {
+    (void)s;
+    ck_assert_int_eq(rbd_gravity(r->m, r->w, q, out), RBD_OK);
+}
+static void mass_matrix(const robot *r, const state *s, const double *q, double *out) {
+    (void)s;
+    ck_assert_int_eq(rbd_crba(r->m, r->w, q, out), RBD_OK);
+}
+
+static void put_column(double *out, int nv, int k, const double *x) {
+    for (int i = 0; i < nv; i++) out[i * nv + k] = x[i];
+}
+
+/* tau is of second degree in v: a difference of any step is exact. */
+static void velocity_differences(const robot *r, const state *s, double *out) {
+    state moved = *s;
+    double ahead[MAX_V], behind[MAX_V];
+    for (int k = 0; k < r->nv; k++) {
+        moved.v[k] = s->v[k] + 1;
+        torque(r, &moved, s->q, ahead);
+        moved.v[k] = s->v[k] - 1;
+        torque(r, &moved, s->q, behind);
+        moved.v[k] = s->v[k];
+        for (int i = 0; i < r->nv; i++) ahead[i] = (ahead[i] - behind[i]) / 2;
+        put_column(out, r->nv, k, ahead);
+    }
+}
+
+static void check_derivatives(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double by_q[MAX_M], by_v[MAX_M], M[MAX_M], expected[MAX_M];
+    double column[MAX_V], step[MAX_V] = {0};
+    rbd_derivatives *d = derivatives_of(r);
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, M));
+    velocity_differences(r, s, expected);
+    expect_close("dtau/dv, differences", r, number, by_v, expected, nv * nv, 1e-12);
+    RUN(rbd_crba(r->m, r->w, s->q, expected));
+    expect_close("M of the derivatives", r, number, M, expected, nv * nv, 1e-13);
+    for (int k = 0; k < nv; k++) {
+        step[k] = 1;
+        differentiate(r, s, step, H_ONE, torque, nv, column);
+        step[k] = 0;
+        put_column(expected, nv, k, column);
+    }
+    expect_close("dtau/dq, differences", r, number, by_q, expected, nv * nv, BY_ONE);
+    free(d_memory);
+}
+
+START_TEST(derivatives_match_differences_on_random_trees) { for_random_trees(150, check_derivatives); }
+END_TEST
+
+static void check_gravity(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double by_q[MAX_M], expected[MAX_M], same[MAX_M], by_v[MAX_M], zero[MAX_M];
+    double column[MAX_V], step[MAX_V] = {0}, rest[MAX_V] = {0};
+    rbd_derivatives *d = derivatives_of(r);
+    RUN(rbd_gravity_derivatives(r->m, d, s->q, by_q));
+    for (int k = 0; k < nv; k++) {
+        step[k] = 1;
+        differentiate(r, s, step, H_ONE, gravity_torque, nv, column);
+        step[k] = 0;
+        put_column(expected, nv, k, column);
+    }
+    expect_close("dg/dq, differences", r, number, by_q, expected, nv * nv, BY_ONE);
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, rest, rest, NULL, same, by_v, NULL));
+    expect_close("dg/dq", r, number, by_q, same, nv * nv, 0);
+    expect_close("dtau/dv at rest", r, number, by_v, zero, nv * nv, 0);
+    free(d_memory);
+}
+
+START_TEST(gravity_derivatives_match_differences) { for_random_trees(60, check_gravity); }
+END_TEST
+
+/* C v = c - g, and dM/dt = C + C'. */
+static void check_coriolis(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double C[MAX_M], sum[MAX_M], rate[MAX_M];
+    double found[MAX_V], expected[MAX_V], g[MAX_V];
+    rbd_derivatives *d = derivatives_of(r);
+    RUN(rbd_coriolis(r->m, d, s->q, s->v, C));
+    multiply(C, s->v, nv, nv, found);
+    RUN(rbd_bias(r->m, r->w, s->q, s->v, NULL, expected));
+    RUN(rbd_gravity(r->m, r->w, s->q, g));
+    for (int i = 0; i < nv; i++) expected[i] -= g[i];
+    expect_close("C v", r, number, found, expected, nv, 1e-11);
+    for (int i = 0; i < nv * nv; i++) sum[i] = C[i] + C[i % nv * nv + i / nv];
+    differentiate(r, s, s->v, H_ALL, mass_matrix, nv * nv, rate);
+    expect_close("C + C' = dM/dt", r, number, sum, rate, nv * nv, BY_ALL);
+    free(d_memory);
+}
+
+START_TEST(coriolis_matrix_is_one) { for_random_trees(150, check_coriolis); }
+END_TEST
+
+/* Centroidal momentum, body by body, from the textbook's motion. */
+static void textbook_momentum(const robot *r, const double *q, const double *v, double h[6]) {
+    static tb_motion motion;
+    const double none[3] = {0, 0, 0}, rest[MAX_V] = {0};
+    tb_real tau[TB_MAX_DOFS], sum[6] = {0};
+    tb_rnea(r->bodies, r->nb, none, q, v, rest, NULL, tau, &motion);
+    for (int b = 0; b < r->nb; b++) {
+        const rbd_body *body = &r->bodies[b];
+        const double *I = body->inertia, *c = body->com;
+        const tb_real *w = motion.velocity[b], *u = w + 3, *R = motion.R[b];
+        const tb_real p[3] = {(u[0] + w[1] * c[2] - w[2] * c[1]) * body->mass,
+                              (u[1] + w[2] * c[0] - w[0] * c[2]) * body->mass,
+                              (u[2] + w[0] * c[1] - w[1] * c[0]) * body->mass};
+        const tb_real l[3] = {I[0] * w[0] + I[1] * w[1] + I[2] * w[2],
+                              I[1] * w[0] + I[3] * w[1] + I[4] * w[2],
+                              I[2] * w[0] + I[4] * w[1] + I[5] * w[2]};
+        tb_real at[3], f[3];
+        for (int i = 0; i < 3; i++) {
+            at[i] =
+                motion.p[b][i] - motion.com[i] + R[3 * i] * c[0] + R[3 * i + 1] * c[1] + R[3 * i + 2] * c[2];
+            f[i] = R[3 * i] * p[0] + R[3 * i + 1] * p[1] + R[3 * i + 2] * p[2];
+            sum[i] += R[3 * i] * l[0] + R[3 * i + 1] * l[1] + R[3 * i + 2] * l[2];
+            sum[3 + i] += f[i];
+        }
+        for (int i = 0; i < 3; i++)
+            sum[i] += at[(i + 1) % 3] * f[(i + 2) % 3] - at[(i + 2) % 3] * f[(i + 1) % 3];
+    }
+    for (int i = 0; i < 6; i++) h[i] = (double)sum[i];
+}
+
+static void momentum(const robot *r, const state *s, const double *q, double *h) {
+    textbook_momentum(r, q, s->v, h);
+}
+
+static void check_momentum(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double A[6 * MAX_V], J[6 * MAX_V];
+    double h[6], expected[6], bias[6], mass;
+    rbd_derivatives *d = derivatives_of(r);
+    RUN(rbd_momentum_matrix(r->m, d, s->q, s->v, A, bias));
+    multiply(A, s->v, 6, nv, h);
+    momentum(r, s, s->q, expected);
+    expect_close("A v", r, number, h, expected, 6, 1e-12);
+    differentiate(r, s, s->v, H_ALL, momentum, 6, expected);
+    expect_close("dA/dt v", r, number, bias, expected, 6, BY_ALL);
+    RUN(rbd_com_jacobian(r->m, d, s->q, J));
+    mass = rbd_mass(r->m);
+    for (int i = 0; i < 3 * nv; i++) J[i] *= mass;
+    expect_close("m J_com", r, number, J, A + 3 * nv, 3 * nv, 1e-14);
+    RUN(rbd_momentum_matrix(r->m, d, s->q, NULL, J, NULL));
+    expect_close("A without v", r, number, J, A, 6 * nv, 0);
+    free(d_memory);
+}
+
+START_TEST(momentum_is_that_of_the_bodies) { for_random_trees(100, check_momentum); }
+END_TEST
+
+/* ---- identities ---- */
+
+/* A base that can be moved anywhere: translations change nothing, exactly. */
+static void check_floating(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double by_q[MAX_M], by_v[MAX_M];
+    rbd_derivatives *d = derivatives_of(r);
+    if (r->bodies[0].type == RBD_FLOATING) {
+        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, NULL));
+        for (int i = 0; i < nv; i++)
+            for (int k = 3; k < 6; k++) expect_small("dtau/dposition", r, number, by_q[i * nv + k], 0);
+    }
+    free(d_memory);
+}
+
+START_TEST(place_of_a_floating_base_does_not_matter) { for_random_states(3, check_floating); }
+END_TEST
+
+/* Nor do a far place and a great velocity of the root cost digits. */
+static void travel(rbd_joint_type type, int position, int velocity) {
+    rbd_body bodies[4];
+    uint64_t seed = 77;
+    for (int i = 0; i < 4; i++) {
+        random_joint(&seed, bodies, i, i == 0 ? type : RBD_REVOLUTE);
+        random_mass(&seed, &bodies[i]);
+        bodies[i].parent = i - 1;
+    }
+    robot robot = BUILD(bodies), *r = &robot;
+    const int number = (int)type, nv = r->nv;
+    double near_q[MAX_M], near_v[MAX_M], far_q[MAX_M], far_v[MAX_M];
+    state s;
+    draw_state(r, &seed, &s);
+    rbd_derivatives *d = derivatives_of(r);
+    for (int k = 0; k < nv; k++) s.f_ext[k] = 0;
+    RUN(rbd_rnea_derivatives(r->m, d, s.q, s.v, s.a, NULL, near_q, near_v, NULL));
+    for (int k = 0; k < 3; k++) {
+        s.q[position + k % (type == RBD_PRISMATIC ? 1 : 2)] += 1e6;
+        if (velocity >= 0) s.v[velocity] += 1e6; /* in world axes: of joints that do not turn */
+    }
+    RUN(rbd_rnea_derivatives(r->m, d, s.q, s.v, s.a, NULL, far_q, far_v, NULL));
+    expect_close("dtau/dq far away", r, number, far_q, near_q, nv * nv, 1e-12);
+    expect_close("dtau/dv far away", r, number, far_v, near_v, nv * nv, 1e-12);
+    free(d_memory);
+    robot_free(r);
+}
+
+START_TEST(distance_and_speed_of_the_root_cost_no_digits) {
+    travel(RBD_FLOATING, 0, -1);
+    travel(RBD_PLANAR, 0, -1);
+    travel(RBD_TRANSLATION, 0, 0);
+    travel(RBD_PRISMATIC, 0, 0);
+}
+END_TEST
+
+/* ---- arguments and memory ---- */
+
+#define EXPECT(status, call) ck_assert_int_eq(call, status)
+
+START_TEST(bad_arguments_are_refused) {
+    robot r = robot_build("iiwa", reference_model(0)->bodies, reference_model(0)->nb);
+    const rbd_body other[1] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}}};
+    robot o = BUILD(other);
+    const size_t size = rbd_derivatives_size(r.m);
+    rbd_derivatives *d = derivatives_of(&r), *e;
+    double q[MAX_Q] = {0}, v[MAX_V] = {0}, x[6 * MAX_M], *none = NULL;
+    void *memory = d_memory;
+    EXPECT(RBD_ERR_NULL, rbd_derivatives_init(NULL, r.w, memory, size, &e));
+    EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, NULL, memory, size, &e));
+    EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, r.w, NULL, size, &e));
+    EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, r.w, memory, size, NULL));
+    EXPECT(RBD_ERR_WORK, rbd_derivatives_init(o.m, r.w, memory, size, &e));
+    EXPECT(RBD_ERR_MEMORY, rbd_derivatives_init(r.m, r.w, memory, size - 1, &e));
+    ck_assert_uint_eq(rbd_derivatives_size(NULL), 0);
+    EXPECT(RBD_ERR_WORK, rbd_coriolis(o.m, d, q, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, NULL, q, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_coriolis(NULL, d, q, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, none, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, q, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, q, v, none));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, none, v, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, q, none, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, q, v, none, NULL, x, x, NULL));
+    EXPECT(RBD_OK, rbd_rnea_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL));
+    EXPECT(RBD_ERR_WORK, rbd_rnea_derivatives(o.m, d, q, v, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, q, none));
+    EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, none, v, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, none, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, v, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, q, none));
+    free(memory);
+    robot_free(&r);
+    robot_free(&o);
+}
+END_TEST
+
+static void check_size(const robot *r, const state *s, int number) {
+    const size_t nb = (size_t)r->nb, nv = (size_t)r->nv, size = rbd_derivatives_size(r->m);
+    int mimics = 0;
+    (void)s, (void)number;
+    for (int i = 0; i < r->nb; i++) mimics += r->bodies[i].mimic != NULL;
+    ck_assert_msg(size <= (mimics ? RBD_DERIVATIVES_SIZE_MIMIC(nb, nv) : RBD_DERIVATIVES_SIZE(nb, nv)), "%s",
+                  r->name);
+}
+
+START_TEST(size_at_compile_time_suffices) { for_random_trees(200, check_size); }
+END_TEST
+
+/* Each output of rbd_rnea_derivatives alone is what it is together with the others. */
+static void check_alone(const robot *r, const state *s, int number) {
+    const int size = r->nv * r->nv;
+    static double all[3][MAX_M], one[3][MAX_M];
+    rbd_derivatives *d = derivatives_of(r);
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, all[0], all[1], all[2]));
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, one[0], NULL, NULL));
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, one[1], NULL));
+    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, NULL, one[2]));
+    for (int k = 0; k < 3; k++) expect_close("one output alone", r, number, one[k], all[k], size, 0);
+    free(d_memory);
+}
+
+START_TEST(each_output_may_be_left_out) { for_random_trees(30, check_alone); }
+END_TEST
+
+Suite *derivatives_suite(void) {
+    Suite *s = suite_create("derivatives");
+    TCase *c = tcase_create("derivatives");
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, results_match_the_control_data);
+    tcase_add_test(c, derivatives_match_the_reference);
+    tcase_add_test(c, derivatives_match_differences_on_random_trees);
+    tcase_add_test(c, gravity_derivatives_match_differences);
+    tcase_add_test(c, coriolis_matrix_is_one);
+    tcase_add_test(c, momentum_is_that_of_the_bodies);
+    tcase_add_test(c, place_of_a_floating_base_does_not_matter);
+    tcase_add_test(c, distance_and_speed_of_the_root_cost_no_digits);
+    tcase_add_test(c, bad_arguments_are_refused);
+    tcase_add_test(c, size_at_compile_time_suffices);
+    tcase_add_test(c, each_output_may_be_left_out);
+    suite_add_tcase(s, c);
+    return s;
+}
