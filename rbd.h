@@ -20,12 +20,13 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [guarantees] [limits]
-     [types] [status] [build] [work] [dynamics] [kinematics] [manifold] [lookup] [batch]
+     [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup] [batch]
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
      [rnea] [crba] [aba] [cholesky] [pivots] [forward dynamics code]
-     [kinematics code] [manifold code] [work code] [lookup code] [text code] [model build] [batch code]
+     [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
+     [model build] [batch code]
      [licence]
 
    [conventions]
@@ -76,6 +77,7 @@
      RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, rbd_joint, rbd_dof_body
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
+     RBD_NO_POINTS    section [points]; goes with kinematics
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
                       mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
@@ -300,6 +302,13 @@ extern "C" {
 #define rbd_energy RBDI_SYMBOL(rbd_energy)
 #define rbd_com RBDI_SYMBOL(rbd_com)
 #define rbd_mass RBDI_SYMBOL(rbd_mass)
+#define rbd_jacobian RBDI_SYMBOL(rbd_jacobian)
+#define rbd_relative_jacobian RBDI_SYMBOL(rbd_relative_jacobian)
+#define rbd_jacobian_transpose RBDI_SYMBOL(rbd_jacobian_transpose)
+#define rbd_point_velocity RBDI_SYMBOL(rbd_point_velocity)
+#define rbd_point_acceleration RBDI_SYMBOL(rbd_point_acceleration)
+#define rbd_point_wrench RBDI_SYMBOL(rbd_point_wrench)
+#define rbd_momentum RBDI_SYMBOL(rbd_momentum)
 #define rbd_neutral RBDI_SYMBOL(rbd_neutral)
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
@@ -330,6 +339,9 @@ extern "C" {
 #endif
 #if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_MINVERSE
+#endif
+#if defined RBD_NO_KINEMATICS && !defined RBD_NO_POINTS
+#define RBD_NO_POINTS
 #endif
 #if defined RBD_BATCH_IMPLEMENTATION && (defined RBDI_NO_FD_CHOLESKY || defined RBD_NO_ABA)
 #error "rbd: the batch calls need RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA and RBD_NO_CHOLESKY undefined"
@@ -639,6 +651,51 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBD_API rbd_const rbd_mass(const rbd_model *m);
+#endif
+
+/* ---- points and momentum [points] ----
+   After rbd_kinematics, at its q, v and a. A point is fixed in a body: 3 components in link axes, NULL for
+   the link origin. Its motion: (omega of the body; velocity of the point), along world axes or link axes.
+   Errors: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+
+#ifndef RBD_NO_POINTS
+typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
+
+/* Jacobian of a point, 6 x nv: its motion is J v. Columns of dofs that do not move the body are zero.
+   Siciliano, Sciavicco, Villani and Oriolo, Robotics (2009), section 3.1. */
+RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                rbd_axes axes, rbd_real *J);
+
+/* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
+   motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
+RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J);
+
+/* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
+RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
+                                          rbd_real *tau);
+
+/* Motion of a point, J v. */
+RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                      const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]);
+
+/* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes. So
+   what a = NULL in rbd_kinematics leaves is the bias dJ/dt v. */
+RBD_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]);
+
+/* A wrench f (moment about the point; force) along these axes as the body's row of f_ext, f_ext + 6 body;
+   rows of several points add up. row may be f. */
+RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                    rbd_axes axes, const rbd_real f[6], rbd_real row[6]);
+
+/* Centroidal momentum h (angular, about the centre of mass; linear) of all bodies that a joint moves, and its
+   rate h_dot, world axes. Either may be NULL. Rotors (armature) have none. Orin, Goswami and Lee (2013).
+   The wrench on the robot but for gravity is n = h_dot[0..2] about the centre of mass and f = h_dot[3..5] -
+   rbd_mass(m) gravity; the world feels its opposite. On a ground z = 0 the zero-moment point is then
+   (c_x - (n_y + c_z f_x) / f_z, c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
+RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
 #endif
 
 /* ---- configuration manifold [manifold] ----
@@ -3630,6 +3687,15 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     return RBD_OK;
 }
 
+/* Of the point x, link axes: its place in the world; its velocity and acceleration, link axes. */
+RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) { return rbdi_add(k->p, rbdi_mul(k->R, x)); }
+RBDI_INLINE rbdi_v3 rbdi_point_v(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->v, rbdi_cross(k->state.omega, x));
+}
+RBDI_INLINE rbdi_v3 rbdi_point_acc(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->state.acc, rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x));
+}
+
 /* Pose and state of a body of the description, in its own frame. */
 static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
@@ -3643,11 +3709,10 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
         return k;
     }
     k = w->kin[u->link];
-    k.p = rbdi_add(k.p, rbdi_mul(k.R, r));
+    k.p = rbdi_point_p(&k, r);
     k.R = rbdi_mul_mat(k.R, rbdi_transpose(E));
-    k.v = rbdi_mul(E, rbdi_add(k.v, rbdi_cross(k.state.omega, r)));
-    k.state.acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.omega, k.state.omega_dot), r));
-    k.state.acc = rbdi_mul(E, k.state.acc);
+    k.v = rbdi_mul(E, rbdi_point_v(&k, r));
+    k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
     k.state.omega = rbdi_mul(E, k.state.omega);
     k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
     return k;
@@ -3733,10 +3798,9 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
         k = rbdi_body_kin(m, w, b);
         c = rbdi_vec_c(u->com);
         share = rbdi_set(u->mass);
-        p = rbdi_add(p, rbdi_scale(share, rbdi_add(k.p, rbdi_mul(k.R, c))));
-        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_add(k.v, rbdi_cross(k.state.omega, c)))));
-        c = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(k.state.omega, k.state.omega_dot), c));
-        a = rbdi_add(a, rbdi_scale(share, rbdi_mul(k.R, c)));
+        p = rbdi_add(p, rbdi_scale(share, rbdi_point_p(&k, c)));
+        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_point_v(&k, c))));
+        a = rbdi_add(a, rbdi_scale(share, rbdi_mul(k.R, rbdi_point_acc(&k, c))));
     }
     if (position) rbdi_store(rbdi_scale(inverse, p), position);
     if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
@@ -3756,13 +3820,218 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
         if (u->link < 0) continue;
         k = rbdi_body_kin(m, w, b);
         c = rbdi_vec_c(u->com);
-        v = rbdi_add(k.v, rbdi_cross(k.state.omega, c));
+        v = rbdi_point_v(&k, c);
         T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
         T = T + rbdi_dot(k.state.omega, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.omega)) * RBD_C(0.5);
-        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_add(k.p, rbdi_mul(k.R, c))) * u->mass;
+        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_point_p(&k, c)) * u->mass;
     }
     if (kinetic) *kinetic = T;
     if (potential) *potential = V;
+    return RBD_OK;
+}
+#endif
+
+#ifndef RBD_NO_POINTS
+/* ---- points and momentum [points code] ---- */
+
+/* Place of a point in the world. */
+static rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
+    const rbdi_frame *u = &m->frame[body];
+    rbdi_v3 r = rbdi_vec_c(u->r);
+    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_vec(point[0], point[1], point[2])));
+    return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
+}
+
+/* Turns world vectors into the axes of a body. */
+static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_mat E = rbdi_mat_c(u->E);
+    return u->link < 0 ? E : rbdi_mul_mat(E, rbdi_transpose(w->kin[u->link].R));
+}
+
+RBDI_INLINE int rbdi_dofs_of(const rbd_model *m, const rbdi_link *l) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+}
+
+/* Motion, world axes, of the place r, were it fixed in link i, for unit velocity of the link's dof k: of its
+   axis a through the origin p it is (a; a x (r - p)), or (0; a). */
+RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_kin *s = &w->kin[i];
+    const int axis = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k : 2;
+    rbdi_motion c;
+    c.omega = axis % 3 == 0   ? rbdi_vec(s->R.xx, s->R.yx, s->R.zx)
+              : axis % 3 == 1 ? rbdi_vec(s->R.xy, s->R.yy, s->R.zy)
+                              : rbdi_vec(s->R.xz, s->R.yz, s->R.zz);
+    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->p)) : c.omega;
+    if (l->kind == RBDI_SCREW) {
+        c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
+        c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
+    }
+    if (axis >= 3) c.omega = rbdi_vec0();
+    return c;
+}
+
+/* Adds to J, times sign, the columns of link i and its ancestors below `end`; E, if any, turns them. */
+static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
+                             const rbdi_mat *E, rbd_const sign, rbd_real *J) {
+    for (; i != end; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        for (int k = 0; k < rbdi_dofs_of(m, l); ++k) {
+            const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
+            rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
+            rbdi_motion c = rbdi_column(m, w, i, k, r);
+            if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
+            rbdi_motion_to_array(c, column);
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                to[j * m->nv] = to[j * m->nv] + column[j] * share;
+        }
+    }
+}
+
+RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    const int turned = axes == RBD_LINK_AXES && reference >= 0;
+    int common, other = -1;
+    rbdi_v3 r;
+    rbdi_mat E;
+    if (status) return status;
+    if (!J) return RBD_ERR_NULL;
+    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
+    if (reference >= 0) other = m->frame[reference].link;
+    if (turned) E = rbdi_axes_of(m, w, reference);
+    r = rbdi_place_of(m, w, body, point);
+    common = m->frame[body].link;
+    for (int i = other; common != i;) { /* parents stand before their children */
+        if (common > i)
+            common = m->link[common].parent;
+        else
+            i = m->link[i].parent;
+    }
+    rbdi_clear(J, 6 * m->nv);
+    rbdi_add_columns(m, w, m->frame[body].link, common, r, turned ? &E : NULL, RBD_C(1), J);
+    rbdi_add_columns(m, w, other, common, r, turned ? &E : NULL, RBD_C(-1), J);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                rbd_axes axes, rbd_real *J) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_mat E;
+    if (status) return status;
+    if (!J) return RBD_ERR_NULL;
+    if (axes == RBD_LINK_AXES) E = rbdi_axes_of(m, w, body);
+    rbdi_clear(J, 6 * m->nv);
+    rbdi_add_columns(m, w, m->frame[body].link, -1, rbdi_place_of(m, w, body, point),
+                     axes == RBD_LINK_AXES ? &E : NULL, RBD_C(1), J);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
+                                          rbd_real *tau) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_v3 r;
+    rbdi_force F;
+    if (status) return status;
+    if (!f || !tau) return RBD_ERR_NULL;
+    F = rbdi_load_force(f, 1);
+    if (axes == RBD_LINK_AXES) {
+        const rbdi_mat E = rbdi_axes_of(m, w, body);
+        F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
+    }
+    r = rbdi_place_of(m, w, body, point);
+    rbdi_clear(tau, m->nv);
+    for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        for (int k = 0; k < rbdi_dofs_of(m, l); ++k) {
+            const rbdi_motion c = rbdi_column(m, w, i, k, r);
+            rbd_real *to = &tau[rbdi_source(m, l->iv + k)];
+            *to = *to + (rbdi_dot(c.omega, F.n) + rbdi_dot(c.v, F.f)) * rbdi_ratio(m, l->iv + k);
+        }
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                    rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_force F;
+    if (status) return status;
+    if (!f || !row) return RBD_ERR_NULL;
+    F = rbdi_load_force(f, 1);
+    if (axes != RBD_LINK_AXES) {
+        const rbdi_mat E = rbdi_axes_of(m, w, body);
+        F.n = rbdi_mul(E, F.n), F.f = rbdi_mul(E, F.f);
+    }
+    if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_vec(point[0], point[1], point[2]), F.f));
+    rbdi_store_force(row, 1, F);
+    return RBD_OK;
+}
+
+/* Velocity, or acceleration, of a point. */
+static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                    rbd_axes axes, int acceleration, rbd_real *out) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_v3 x = rbdi_vec0();
+    rbdi_motion V;
+    rbdi_kin k;
+    if (status) return status;
+    if (!out) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    if (point) x = rbdi_vec(point[0], point[1], point[2]);
+    V.omega = acceleration ? k.state.omega_dot : k.state.omega;
+    V.v = acceleration ? rbdi_point_acc(&k, x) : rbdi_point_v(&k, x);
+    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul(k.R, V.omega), V.v = rbdi_mul(k.R, V.v);
+    rbdi_motion_to_array(V, out);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                      const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, 0, velocity);
+}
+
+RBD_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, 1, acceleration);
+}
+
+/* About a place o of the robot, then about the centre of mass c: n_c = n_o - (c - o) x f. */
+RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
+    const rbd_status status = rbdi_check_body_call(m, w, 0);
+    rbdi_force H = rbdi_force0(), rate = H;
+    rbdi_v3 o, c = H.n;
+    rbd_const mass = rbd_mass(m);
+    if (status) return status;
+    o = m->nl > 0 ? w->kin[0].p : c;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        const rbdi_mat E = rbdi_mat_c(u->E);
+        const rbdi_sym I = rbdi_sym_c(u->I);
+        const rbdi_v3 com = rbdi_add(rbdi_vec_c(u->r), rbdi_mul_t(E, rbdi_vec_c(u->com))); /* link axes */
+        const rbdi_kin *k;
+        rbdi_v3 r, f, n;
+        if (u->link < 0) continue;
+        k = &w->kin[u->link];
+        r = rbdi_scale(rbdi_set(u->mass), rbdi_sub(rbdi_point_p(k, com), o));
+        c = rbdi_add(c, r);
+        f = rbdi_mul(k->R, rbdi_point_v(k, com));
+        n = rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega)));
+        H.n = rbdi_add(H.n, rbdi_add(rbdi_mul(k->R, n), rbdi_cross(r, f)));
+        H.f = rbdi_add(H.f, rbdi_scale(rbdi_set(u->mass), f));
+        f = rbdi_mul(k->R, rbdi_point_acc(k, com));
+        n = rbdi_cross(k->state.omega, n);
+        n = rbdi_add(n, rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega_dot))));
+        rate.n = rbdi_add(rate.n, rbdi_add(rbdi_mul(k->R, n), rbdi_cross(r, f)));
+        rate.f = rbdi_add(rate.f, rbdi_scale(rbdi_set(u->mass), f));
+    }
+    c = rbdi_scale(rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0)), c);
+    H.n = rbdi_sub(H.n, rbdi_cross(c, H.f));
+    rate.n = rbdi_sub(rate.n, rbdi_cross(c, rate.f));
+    if (h) rbdi_store_force(h, 1, H);
+    if (h_dot) rbdi_store_force(h_dot, 1, rate);
     return RBD_OK;
 }
 #endif

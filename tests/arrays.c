@@ -53,7 +53,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     const int nq = rbd_nq(m), nv = rbd_nv(m);
     rbd_real *q = numbers(nq), *v = numbers(nv), *f = numbers(6 * nb), *out = numbers(nv),
              *next = numbers(nq), *M = numbers(nv * nv), *H = numbers(rbd_packed_size(m)), *R = numbers(9),
-             *x = numbers(6);
+             *x = numbers(6), *p = numbers(3), *J = numbers(6 * nv);
     CLAIM(rbd_rnea(m, w, q, v, v, f, out) == RBD_OK);
     CLAIM(rbd_bias(m, w, q, v, NULL, out) == RBD_OK);
     CLAIM(rbd_gravity(m, w, q, out) == RBD_OK);
@@ -73,7 +73,16 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
         CLAIM(rbd_body_velocity(m, w, b, x) == RBD_OK);
         CLAIM(rbd_body_acceleration(m, w, b, x) == RBD_OK);
         CLAIM(rbd_body_acceleration_classical(m, w, b, x) == RBD_OK);
+        for (int axes = RBD_WORLD_AXES; axes <= RBD_LINK_AXES; axes++) {
+            CLAIM(rbd_jacobian(m, w, b, p, (rbd_axes)axes, J) == RBD_OK);
+            CLAIM(rbd_relative_jacobian(m, w, b, p, nb - 1 - b, (rbd_axes)axes, J) == RBD_OK);
+            CLAIM(rbd_jacobian_transpose(m, w, b, p, (rbd_axes)axes, x, out) == RBD_OK);
+            CLAIM(rbd_point_velocity(m, w, b, p, (rbd_axes)axes, x) == RBD_OK);
+            CLAIM(rbd_point_acceleration(m, w, b, NULL, (rbd_axes)axes, x) == RBD_OK);
+            CLAIM(rbd_point_wrench(m, w, b, p, (rbd_axes)axes, x, x) == RBD_OK);
+        }
     }
+    CLAIM(rbd_momentum(m, w, x, x) == RBD_OK);
     CLAIM(rbd_energy(m, w, &R[0], &R[1]) == RBD_OK);
     (void)rbd_com(m, w, &R[0], &R[3], &R[6]); /* may have no mass */
     CLAIM(rbd_integrate(m, q, v, (rbd_real)0.01, next) == RBD_OK);

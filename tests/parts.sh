@@ -10,7 +10,7 @@ root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-parts="BUILD RNEA CRBA ABA CHOLESKY MINVERSE KINEMATICS MANIFOLD LOOKUP TEXT"
+parts="BUILD RNEA CRBA ABA CHOLESKY MINVERSE KINEMATICS POINTS MANIFOLD LOOKUP TEXT"
 combinations=0
 failures=0
 
@@ -70,8 +70,13 @@ holds ABA rbd_aba
 holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
     rbd_fd_cholesky rbd_minverse
 holds MINVERSE rbd_minverse
+points="rbd_jacobian rbd_relative_jacobian rbd_jacobian_transpose rbd_point_velocity rbd_point_acceleration
+    rbd_point_wrench rbd_momentum"
+# shellcheck disable=SC2086 # words wanted
 holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceleration \
-    rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass
+    rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass $points
+# shellcheck disable=SC2086 # words wanted
+holds POINTS $points
 holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random
 holds LOOKUP rbd_body_index rbd_joint_index rbd_body_name rbd_joint_name rbd_joint rbd_dof_body
 holds TEXT rbd_status_string rbd_finding_text

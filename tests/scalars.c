@@ -255,6 +255,50 @@ static void check_motion(void) {
 START_TEST(kinematics_match_the_reference) { for_models(check_motion); }
 END_TEST
 
+/* The reference has one body in each state; the lanes share one. */
+#define COMPARE_OF_BODY(what, x, member, n, bound) \
+    EACH_LANE if (lane_state[lane]->jac_body == b) compare(what, lane, x, lane_state[lane]->member, n, bound)
+
+/* Each lane has a point of its own. */
+static void check_points(void) {
+    static rbd_real J[6 * MAX_V], J2[6 * MAX_V], h[6], rate[6], x[6], torque[MAX_V], point[3];
+    const int nv = reference->nv, b = lane_state[0]->jac_body;
+    RUN(rbd_kinematics(model, work, q, v, a));
+    RUN(rbd_momentum(model, work, h, rate));
+    COMPARE("momentum", h, h, 6, CANCELLED);
+    COMPARE("momentum rate", rate, h_dot, 6, CANCELLED);
+    RUN(rbd_kinematics(model, work, q, v, NULL));
+    RUN(rbd_jacobian(model, work, b, NULL, RBD_LINK_AXES, J));
+    COMPARE_OF_BODY("J, link axes", J, J_local, 6 * nv, DIRECT);
+    RUN(rbd_jacobian(model, work, b, NULL, RBD_WORLD_AXES, J));
+    COMPARE_OF_BODY("J, world axes", J, J_world, 6 * nv, DIRECT);
+    RUN(rbd_relative_jacobian(model, work, b, NULL, -1, RBD_WORLD_AXES, J));
+    COMPARE_OF_BODY("J, relative to the world", J, J_world, 6 * nv, DIRECT);
+    RUN(rbd_point_acceleration(model, work, b, NULL, RBD_WORLD_AXES, x));
+    COMPARE_OF_BODY("dJ/dt v", x, Jdot_v_world, 6, CANCELLED);
+    for (int k = 0; k < 3; k++) EACH_LANE put(&point[k], lane, 0.1 * (lane + 1) - 0.3 * k);
+    RUN(rbd_jacobian(model, work, b, point, RBD_LINK_AXES, J));
+    RUN(rbd_relative_jacobian(model, work, b, point, b, RBD_LINK_AXES, J2));
+    RUN(rbd_point_velocity(model, work, b, point, RBD_LINK_AXES, x));
+    RUN(rbd_point_wrench(model, work, b, point, RBD_LINK_AXES, x, h));
+    RUN(rbd_jacobian_transpose(model, work, b, NULL, RBD_LINK_AXES, h, torque));
+    EACH_LANE {
+        double motion[6] = {0}, power = 0, expected;
+        for (int i = 0; i < 6; i++) {
+            for (int k = 0; k < nv; k++) motion[i] += get(J[i * nv + k], lane) * lane_state[lane]->v[k];
+            for (int k = 0; k < nv; k++) ck_assert(fabs(get(J2[i * nv + k], lane)) <= 0);
+        }
+        compare("velocity of a point", lane, x, motion, 6, CANCELLED);
+        expected = motion[0] * motion[0] + motion[1] * motion[1] + motion[2] * motion[2] +
+                   motion[3] * motion[3] + motion[4] * motion[4] + motion[5] * motion[5];
+        for (int k = 0; k < nv; k++) power += get(torque[k], lane) * lane_state[lane]->v[k];
+        judge("power at a point", lane, fabs(power - expected) / (1 + expected), CANCELLED);
+    }
+}
+
+START_TEST(points_match_the_reference) { for_models(check_points); }
+END_TEST
+
 static void check_steps(void) {
     static rbd_real next[MAX_Q], step[MAX_V], dt;
     EACH_LANE put(&dt, lane, lane_state[lane]->dt);
@@ -538,6 +582,7 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, minverse_and_many_solutions_match_the_reference);
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);
+    tcase_add_test(c, points_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);
     tcase_add_test(c, momentum_and_derivatives_match_the_reference);
     tcase_add_test(c, thin_rod_turns_about_its_axis);

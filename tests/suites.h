@@ -6,8 +6,8 @@
 
 /* In the order of rbd.h's sections; then what concerns all of them. */
 #define SUITES(x) \
-    x(status) x(build) x(work) x(rnea) x(crba) x(aba) x(cholesky) x(passive) x(kinematics) x(manifold) \
-        x(lookup) x(joints) x(mimic) x(singular) x(simulation) x(textbook) x(guarded) x(control) \
+    x(status) x(build) x(work) x(rnea) x(crba) x(aba) x(cholesky) x(passive) x(kinematics) x(points) \
+        x(manifold) x(lookup) x(joints) x(mimic) x(singular) x(simulation) x(textbook) x(guarded) x(control) \
             x(derivatives)
 
 #define DECLARE_SUITE(name) Suite *name##_suite(void);

@@ -19,7 +19,7 @@ typedef struct pen {
     size_t size;
 } pen;
 
-static pen pens[200];
+static pen pens[250];
 static int pen_count;
 static fence side;
 
@@ -133,6 +133,32 @@ static void call_kinematics(const robot *r, const robot *f, const state *s, int 
     ck_assert_double_eq(rbd_mass(f->m), rbd_mass(r->m));
 }
 
+static void call_points(const robot *r, const robot *f, const state *s, int number) {
+    const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv), *a = inputs(s->a, r->nv);
+    const double *point = inputs(s->v, 3), *wrench = inputs(s->f_ext, 6);
+    double *J = numbers(6 * r->nv), *x = numbers(6), *tau = numbers(r->nv);
+    RUN(rbd_kinematics(f->m, f->w, q, v, a));
+    RUN(rbd_kinematics(r->m, r->w, q, v, a));
+    for (int b = 0; b < r->nb; b++) {
+        const rbd_axes axes = b % 2 ? RBD_LINK_AXES : RBD_WORLD_AXES;
+        const int other = (b + r->nb / 2) % r->nb;
+        BOTH(rbd_jacobian(f->m, f->w, b, point, axes, J), rbd_jacobian(r->m, r->w, b, point, axes, plain), J,
+             6 * r->nv);
+        BOTH(rbd_relative_jacobian(f->m, f->w, b, point, other, axes, J),
+             rbd_relative_jacobian(r->m, r->w, b, point, other, axes, plain), J, 6 * r->nv);
+        BOTH(rbd_jacobian_transpose(f->m, f->w, b, point, axes, wrench, tau),
+             rbd_jacobian_transpose(r->m, r->w, b, point, axes, wrench, plain), tau, r->nv);
+        BOTH(rbd_point_velocity(f->m, f->w, b, point, axes, x),
+             rbd_point_velocity(r->m, r->w, b, point, axes, plain), x, 6);
+        BOTH(rbd_point_acceleration(f->m, f->w, b, point, axes, x),
+             rbd_point_acceleration(r->m, r->w, b, point, axes, plain), x, 6);
+        BOTH(rbd_point_wrench(f->m, f->w, b, point, axes, wrench, x),
+             rbd_point_wrench(r->m, r->w, b, point, axes, wrench, plain), x, 6);
+    }
+    BOTH(rbd_momentum(f->m, f->w, x, NULL), rbd_momentum(r->m, r->w, plain, NULL), x, 6);
+    BOTH(rbd_momentum(f->m, f->w, NULL, x), rbd_momentum(r->m, r->w, NULL, plain), x, 6);
+}
+
 static void call_manifold(const robot *r, const robot *f, const state *s, int number) {
     const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv);
     double *next = numbers(r->nq), *d = numbers(r->nv);
@@ -185,6 +211,7 @@ static void check_fenced(const robot *r, const state *s, int number) {
         ck_assert_int_eq(rbd_set_gravity(f.w, inputs(s->gravity, 3)), RBD_OK);
         call_dynamics(r, &f, s, number);
         call_kinematics(r, &f, s, number);
+        call_points(r, &f, s, number);
         call_manifold(r, &f, s, number);
         call_lookup(r, &f);
         call_derivatives(r, &f, s, number);
