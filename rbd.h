@@ -3835,7 +3835,7 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 /* ---- points and momentum [points code] ---- */
 
 /* Place of a point in the world. */
-static rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
+static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_v3 r = rbdi_vec_c(u->r);
     if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_vec(point[0], point[1], point[2])));
@@ -3901,7 +3901,7 @@ RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, 
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
     if (reference >= 0) other = m->frame[reference].link;
     if (turned) E = rbdi_axes_of(m, w, reference);
-    r = rbdi_place_of(m, w, body, point);
+    r = rbdi_point_place(m, w, body, point);
     common = m->frame[body].link;
     for (int i = other; common != i;) { /* parents stand before their children */
         if (common > i)
@@ -3923,7 +3923,7 @@ RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body,
     if (!J) return RBD_ERR_NULL;
     if (axes == RBD_LINK_AXES) E = rbdi_axes_of(m, w, body);
     rbdi_clear(J, 6 * m->nv);
-    rbdi_add_columns(m, w, m->frame[body].link, -1, rbdi_place_of(m, w, body, point),
+    rbdi_add_columns(m, w, m->frame[body].link, -1, rbdi_point_place(m, w, body, point),
                      axes == RBD_LINK_AXES ? &E : NULL, RBD_C(1), J);
     return RBD_OK;
 }
@@ -3941,7 +3941,7 @@ RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w,
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
     }
-    r = rbdi_place_of(m, w, body, point);
+    r = rbdi_point_place(m, w, body, point);
     rbdi_clear(tau, m->nv);
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
