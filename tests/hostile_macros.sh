@@ -1,7 +1,8 @@
 #!/bin/sh
 # rbd.h compiles whatever macros are there before it: those of every ISO C and POSIX header, and those of Arduino,
 # newlib, Zephyr, CMSIS, Windows and whoever has a constant of one letter; they are the caller's again behind it.
-# In C and C++, single calls and batches, with the built models, and for rbd_urdf.h the declarations.
+# In C and C++, single calls and batches, with the built models, rbd_spatial.h, and for rbd_urdf.h the
+# declarations.
 # usage: hostile_macros.sh DIRECTORY_OF_RBD_H
 set -u
 
@@ -74,6 +75,7 @@ cat >"$scratch/hostile.c" <<'END'
 #include "rbd_derivatives.h"
 #include "models/iiwa_model.h"
 #include "behind.h"
+#include "rbd_spatial.h"
 #include "rbd_urdf.h"
 END
 cat >"$scratch/hostile_batch.c" <<'END'
@@ -105,7 +107,8 @@ after_headers() {
             absent="$absent $header.h"
         fi
     done
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_urdf.h"\n' >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_spatial.h"\n#include "rbd_urdf.h"\n' \
+        >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     echo "$1: after $(grep -c '<' "$scratch/headers.c") headers; not there:${absent:- none}"
     [ "$(grep -c '<' "$scratch/headers.c")" -gt 60 ] || failures=$((failures + 1))

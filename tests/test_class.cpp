@@ -40,6 +40,8 @@ inline dual sqrt(dual a) {
 #define SCALAR_GET(x) ((x).value)
 #include "scalars.c"
 
+#include "rbd_spatial.h"
+
 // One column of d tau / dv and of d qdd / dv a call.
 static void check_velocity_derivatives() {
     const int nv = reference->nv;
@@ -81,7 +83,25 @@ END_TEST
 START_TEST(derivatives_by_configuration_match_the_reference) { for_models(check_configuration_derivatives); }
 END_TEST
 
+// A frame carried along by v: the derivative of what goes up is the cross product. Compiles the algebra as well.
+START_TEST(spatial_vectors_carried_along_change_by_the_cross_products) {
+    const rbd_real t(0, 1);
+    const rbd_motion v = rbd_motion_of(rbd_vec3_of(0.3, -0.2, 0.7), rbd_vec3_of(1, 2, -3), 0);
+    const rbd_motion m = rbd_motion_of(rbd_vec3_of(0.5, 0.1, -2), rbd_vec3_of(-1, 0.2, 3), 1);
+    const rbd_force f = rbd_force_of(m.linear, m.angular, 1);
+    const rbd_placement x = rbd_placement_exp(rbd_motion_scale(t, v), 1);
+    rbd_real rate[6], cross[6];
+    rbd_motion_to_array(rbd_motion_up(x, m), rate);
+    rbd_motion_to_array(rbd_motion_cross(v, m), cross);
+    for (int k = 0; k < 6; k++) ck_assert(std::fabs(rate[k].slope - cross[k].value) <= 1e-14);
+    rbd_force_to_array(rbd_force_up(x, f), rate);
+    rbd_force_to_array(rbd_force_cross(v, f), cross);
+    for (int k = 0; k < 6; k++) ck_assert(std::fabs(rate[k].slope - cross[k].value) <= 1e-14);
+}
+END_TEST
+
 static void add_more_tests(TCase *c) {
+    tcase_add_test(c, spatial_vectors_carried_along_change_by_the_cross_products);
     tcase_add_test(c, derivatives_by_velocity_match_the_reference);
     tcase_add_test(c, derivatives_by_configuration_match_the_reference);
 }

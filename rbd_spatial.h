@@ -1,0 +1,525 @@
+/* rbd_spatial.h - spatial algebra, for programs that use rbd.h. SPDX-License-Identifier: MIT, see rbd.h.
+
+   Rotations, placements of frames, and the spatial vectors of Featherstone's book (Rigid Body Dynamics
+   Algorithms, 2008, chapter 2; "the book" below): small structs by value and static inline functions, in C99
+   and C++, for every scalar of rbd.h, which must stand beside it. Include it in as many files as you like: it
+   has no symbol of its own.
+
+       rbd_placement hand = rbd_placement_from_arrays(R, p, HAND, WORLD);         // of rbd_body_pose
+       rbd_force f = rbd_force_of(moment, force, WORLD);
+       rbd_force_to_array(rbd_force_down(hand, f), &f_ext[6 * HAND]);             // a row of f_ext
+
+   CONTENTS (search for the tag)
+     [conventions] [frames]
+     [types] [rotations] [placements] [motions] [forces] [inertias] [checks]
+
+   [conventions]
+     vectors      angular first, as everywhere in rbd: a motion is (omega; v of the point at the origin), a
+                  force is (moment about the origin; force)
+     kinds        motion and force are different types, so that a compiler refuses to mix them up: only a
+                  motion goes into rbd_motion_up, and what an inertia makes of a motion is a force
+     placement    says where frame `of` stands in frame `in`: rotation turns vectors from of's axes into in's
+                  axes, position is of's origin, in in's axes; Pinocchio's SE3 in_M_of
+     up, down     up: from `of` to `in`, as from a child to its parent; down: back
+     quaternions  (x, y, z, w), of any length; they turn as the rotation does
+     angles       rad; roll, pitch, yaw are those of URDF: Rz(yaw) Ry(pitch) Rx(roll)
+
+   [frames] Every quantity is given a frame, a number of your choice: indices of bodies, -1 for the world, are
+   at hand. As it is nobody keeps it, and nothing is spent on it. With
+
+       void frame_error(const char *file, int line, const char *call, int found, int expected);
+       #define RBD_CHECK_FRAMES frame_error
+       #include "rbd_spatial.h"
+
+   it is kept with each quantity, and your function (in one file; it may print, stop, or return) is called
+   where a call gets a quantity of another frame than it can take: with the place in your source, the name of
+   the call, and the two frames. The structs are larger then: all files that hand them to each other need the
+   same setting. rbd_vec3 and rbd_rotation are bare numbers and carry no frame.
+*/
+#ifndef RBD_SPATIAL_H
+#define RBD_SPATIAL_H
+
+#define RBDI_WITH_ALGEBRA
+#include "rbd.h"
+
+#if RBD_VERSION_NUMBER < 100
+#error "rbd_spatial.h: needs a newer rbd.h"
+#endif
+
+#ifdef RBD_CHECK_FRAMES
+#define RBDI_FRAMES(...) __VA_ARGS__
+#define RBDI_AT const char *file, int line,
+#define RBDI_HERE file, line,
+#define RBDI_MATCH(call, found, expected) \
+    if ((found) != (expected)) RBD_CHECK_FRAMES(file, line, call, found, expected)
+#else
+#define RBDI_FRAMES(...)
+#define RBDI_AT
+#define RBDI_HERE
+#define RBDI_MATCH(call, found, expected) (void)0
+#endif
+
+/* ---- types [types] ---- */
+
+typedef rbdi_v3 rbd_vec3;      /* x, y, z */
+typedef rbdi_mat rbd_rotation; /* xx, xy, xz, yx, ... zz: by rows */
+typedef rbdi_sym rbd_sym3;     /* xx, xy, xz, yy, yz, zz: symmetric */
+
+/* Where a frame stands in another one. */
+typedef struct rbd_placement {
+    rbd_rotation rotation;
+    rbd_vec3 position; /* m */
+    RBDI_FRAMES(int of, in;)
+} rbd_placement;
+
+/* Velocity or acceleration, displacement, axis of motion. */
+typedef struct rbd_motion {
+    rbd_vec3 angular; /* rad/s */
+    rbd_vec3 linear;  /* m/s, of the point at the frame's origin */
+    RBDI_FRAMES(int frame;)
+} rbd_motion;
+
+/* Wrench, momentum, impulse. */
+typedef struct rbd_force {
+    rbd_vec3 moment; /* N m, about the frame's origin */
+    rbd_vec3 force;  /* N */
+    RBDI_FRAMES(int frame;)
+} rbd_force;
+
+/* Spatial inertia of a rigid body. */
+typedef struct rbd_inertia {
+    rbd_const mass;      /* kg, the same in every frame */
+    rbd_vec3 h;          /* mass times centre of mass, kg m */
+    rbd_sym3 rotational; /* about the frame's origin, kg m^2 */
+    RBDI_FRAMES(int frame;)
+} rbd_inertia;
+
+/* ---- rotations [rotations] ---- */
+
+RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
+RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_vec(a[0], a[1], a[2]); }
+RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store(v, a); }
+
+RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
+    rbd_rotation r;
+    r.xx = r.yy = r.zz = rbdi_set(RBD_C(1));
+    r.xy = r.xz = r.yx = r.yz = r.zx = r.zy = rbdi_zero();
+    return r;
+}
+
+/* From and to nine numbers by rows, as of rbd_body_pose. */
+RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
+    rbd_rotation r;
+    r.xx = a[0], r.xy = a[1], r.xz = a[2];
+    r.yx = a[3], r.yy = a[4], r.yz = a[5];
+    r.zx = a[6], r.zy = a[7], r.zz = a[8];
+    return r;
+}
+RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
+    rbdi_store(rbdi_vec(r.xx, r.xy, r.xz), a);
+    rbdi_store(rbdi_vec(r.yx, r.yy, r.yz), a + 3);
+    rbdi_store(rbdi_vec(r.zx, r.zy, r.zz), a + 6);
+}
+
+/* a b: first b, then a, both about the axes of the frame that a leads to. */
+RBDI_INLINE rbd_rotation rbd_rotation_product(rbd_rotation a, rbd_rotation b) { return rbdi_mul_mat(a, b); }
+RBDI_INLINE rbd_rotation rbd_rotation_inverse(rbd_rotation r) { return rbdi_transpose(r); }
+
+/* r v, and r' v. */
+RBDI_INLINE rbd_vec3 rbd_rotate(rbd_rotation r, rbd_vec3 v) { return rbdi_mul(r, v); }
+RBDI_INLINE rbd_vec3 rbd_rotate_back(rbd_rotation r, rbd_vec3 v) { return rbdi_mul_t(r, v); }
+
+/* q: x, y, z, w, of any length; zero gives the identity. */
+RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
+    return rbdi_transpose(rbdi_quaternion_down(q));
+}
+
+/* q: the unit quaternion x, y, z, w with w >= 0. Of 4 q q', whose entries r has, the row with the largest
+   diagonal (Shepperd 1978), without a branch. */
+static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
+    const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
+                   xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
+    const rbd_real rows[4][4] = {{one + r.xx - r.yy - r.zz, xy, xz, x},
+                                 {xy, one - r.xx + r.yy - r.zz, yz, y},
+                                 {xz, yz, one - r.xx - r.yy + r.zz, z},
+                                 {x, y, z, one + r.xx + r.yy + r.zz}};
+    rbd_real best = rows[3][3], row[4];
+    for (int k = 0; k < 4; ++k) row[k] = rows[3][k];
+    for (int i = 0; i < 3; ++i) {
+        const rbdi_mask more = rbdi_less(best, rows[i][i]);
+        best = rbdi_select(more, rows[i][i], best);
+        for (int k = 0; k < 4; ++k) row[k] = rbdi_select(more, rows[i][k], row[k]);
+    }
+    rbdi_unit_quaternion(row, q);
+    best = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
+    for (int k = 0; k < 4; ++k) q[k] = best * q[k];
+}
+
+/* Rz(yaw) Ry(pitch) Rx(roll). */
+static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
+    rbd_real sr, cr, sp, cp, sy, cy;
+    rbd_rotation r;
+    rbdi_sincos(roll, &sr, &cr);
+    rbdi_sincos(pitch, &sp, &cp);
+    rbdi_sincos(yaw, &sy, &cy);
+    r.xx = cy * cp, r.xy = cy * sp * sr - sy * cr, r.xz = cy * sp * cr + sy * sr;
+    r.yx = sy * cp, r.yy = sy * sp * sr + cy * cr, r.yz = sy * sp * cr - cy * sr;
+    r.zx = -sp, r.zy = cp * sr, r.zz = cp * cr;
+    return r;
+}
+
+/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both vanish. */
+RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
+    rbdi_mask none = rbdi_less(*c, *c);
+    const rbd_real k = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
+    *c = rbdi_select(none, rbdi_set(RBD_C(1)), k * *c);
+    *s = k * *s;
+    return rbdi_signed_angle(*s, *c);
+}
+
+/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of pi/2 or -pi/2, where roll and yaw
+   turn about the same axis, two that give r. */
+static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
+    rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
+    rpy[0] = rbdi_angle_of(&c, &s);
+    cp = r.zy * s + r.zz * c; /* what is left is Rz(yaw) Ry(pitch) = r Rx(-roll) */
+    sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
+    rpy[1] = rbdi_angle_of(&cp, &sp);
+    rpy[2] = rbdi_angle_of(&cy, &sy);
+}
+
+/* exp: the rotation by |turn| about turn. */
+static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
+    const rbdi_exp e = rbdi_exp_of(turn);
+    rbd_real q[4];
+    rbdi_store(rbdi_scale(e.half_sine, turn), q);
+    q[3] = e.half_cosine;
+    return rbd_rotation_from_quaternion(q);
+}
+
+/* log: the shortest turn, at most pi, whose exp is r. */
+static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
+    rbd_real none[4], q[4];
+    none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
+    rbd_rotation_to_quaternion(r, q);
+    return rbdi_quaternion_difference(none, q);
+}
+
+/* The rotation by the angle about the axis, whose length does not count; without one the identity. */
+static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
+    rbdi_mask bad;
+    rbd_real a[3], u[3];
+    rbdi_store(axis, a);
+    angle = angle * rbdi_sqrt(rbdi_inverse_square(a, 3, u, &bad));
+    return rbd_rotation_exp(rbdi_scale(angle, rbdi_vec(u[0], u[1], u[2])));
+}
+
+/* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */
+static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
+    const rbd_vec3 turn = rbd_rotation_log(r);
+    const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
+    rbdi_mask none = rbdi_less(angle, angle);
+    *axis = rbdi_scale(rbdi_reciprocal(angle, RBDI_TINY, &none), turn);
+    axis->z = rbdi_select(none, rbdi_set(RBD_C(1)), axis->z);
+    return angle;
+}
+
+/* ---- placements [placements] ---- */
+
+/* Frame `of` seen from frame `in`. */
+RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 position, int of, int in) {
+    rbd_placement x;
+    x.rotation = rotation;
+    x.position = position;
+    (void)of, (void)in;
+    RBDI_FRAMES(x.of = of; x.in = in;)
+    return x;
+}
+/* The same of the numbers that rbd_body_pose gives: with in = the world. */
+RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
+                                                    int of, int in) {
+    return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
+}
+RBDI_INLINE rbd_placement rbd_placement_identity(int of, int in) {
+    return rbd_placement_of(rbd_rotation_identity(), rbdi_vec0(), of, in);
+}
+
+/* c in a, from b in a and c in b. */
+RBDI_INLINE rbd_placement rbd_placement_compose(RBDI_AT rbd_placement b, rbd_placement c) {
+    rbd_placement x;
+    RBDI_MATCH("rbd_placement_compose", c.in, b.of);
+    x.rotation = rbdi_mul_mat(b.rotation, c.rotation);
+    x.position = rbdi_add(b.position, rbdi_mul(b.rotation, c.position));
+    RBDI_FRAMES(x.of = c.of; x.in = b.in;)
+    return x;
+}
+
+/* `in` seen from `of`. */
+RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
+    rbd_placement y;
+    y.rotation = rbdi_transpose(x.rotation);
+    y.position = rbdi_scale(rbdi_set(RBD_C(-1)), rbdi_mul_t(x.rotation, x.position));
+    RBDI_FRAMES(y.of = x.in; y.in = x.of;)
+    return y;
+}
+
+/* A point of frame `of` in coordinates of `in`, and back. */
+RBDI_INLINE rbd_vec3 rbd_point_up(rbd_placement x, rbd_vec3 point) {
+    return rbdi_add(x.position, rbdi_mul(x.rotation, point));
+}
+RBDI_INLINE rbd_vec3 rbd_point_down(rbd_placement x, rbd_vec3 point) {
+    return rbdi_mul_t(x.rotation, rbdi_sub(point, x.position));
+}
+
+/* ---- motions [motions] ---- */
+
+RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int frame) {
+    rbd_motion m;
+    m.angular = angular;
+    m.linear = linear;
+    (void)frame;
+    RBDI_FRAMES(m.frame = frame;)
+    return m;
+}
+/* From and to six numbers, as of rbd_body_velocity. */
+RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
+    return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
+}
+RBDI_INLINE void rbd_motion_to_array(rbd_motion m, rbd_real a[6]) {
+    rbdi_store(m.angular, a);
+    rbdi_store(m.linear, a + 3);
+}
+
+RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
+    RBDI_MATCH("rbd_motion_add", b.frame, a.frame);
+    a.angular = rbdi_add(a.angular, b.angular);
+    a.linear = rbdi_add(a.linear, b.linear);
+    return a;
+}
+RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real k, rbd_motion m) {
+    m.angular = rbdi_scale(k, m.angular);
+    m.linear = rbdi_scale(k, m.linear);
+    return m;
+}
+
+/* A motion of frame `of` in frame `in`: (2.24) of the book. */
+RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
+    RBDI_MATCH("rbd_motion_up", m.frame, x.of);
+    m.angular = rbdi_mul(x.rotation, m.angular);
+    m.linear = rbdi_add(rbdi_mul(x.rotation, m.linear), rbdi_cross(x.position, m.angular));
+    RBDI_FRAMES(m.frame = x.in;)
+    return m;
+}
+/* A motion of frame `in` in frame `of`. */
+RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
+    RBDI_MATCH("rbd_motion_down", m.frame, x.in);
+    m.linear = rbdi_mul_t(x.rotation, rbdi_sub(m.linear, rbdi_cross(x.position, m.angular)));
+    m.angular = rbdi_mul_t(x.rotation, m.angular);
+    RBDI_FRAMES(m.frame = x.of;)
+    return m;
+}
+
+/* v x m: the rate of a motion that is carried along by v; (2.31). */
+RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
+    RBDI_MATCH("rbd_motion_cross", m.frame, v.frame);
+    m.linear = rbdi_add(rbdi_cross(v.angular, m.linear), rbdi_cross(v.linear, m.angular));
+    m.angular = rbdi_cross(v.angular, m.angular);
+    return m;
+}
+
+/* exp: where a frame gets in unit time that moves with v, constant in its own axes; named `of`, seen from
+   where it was, the frame of v. */
+static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
+    rbd_placement x;
+    x.rotation = rbd_rotation_exp(v.angular);
+    x.position = rbdi_exp_shift(rbdi_exp_of(v.angular), v.angular, v.linear);
+    (void)of;
+    RBDI_FRAMES(x.of = of; x.in = v.frame;)
+    return x;
+}
+
+/* log: the v with the shortest turn, at most pi, whose exp is x. Its components are the same in both frames;
+   it is given in frame `in`. */
+static RBDI_UNUSED rbd_motion rbd_placement_log(rbd_placement x) {
+    rbd_motion v;
+    v.angular = rbd_rotation_log(x.rotation);
+    v.linear = rbdi_log_shift(rbdi_exp_of(v.angular), v.angular, x.position);
+    RBDI_FRAMES(v.frame = x.in;)
+    return v;
+}
+
+/* ---- forces [forces] ---- */
+
+RBDI_INLINE rbd_force rbd_force_of(rbd_vec3 moment, rbd_vec3 force, int frame) {
+    rbd_force f;
+    f.moment = moment;
+    f.force = force;
+    (void)frame;
+    RBDI_FRAMES(f.frame = frame;)
+    return f;
+}
+/* From and to six numbers, as of a row of f_ext. */
+RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
+    return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
+}
+RBDI_INLINE void rbd_force_to_array(rbd_force f, rbd_real a[6]) {
+    rbdi_store(f.moment, a);
+    rbdi_store(f.force, a + 3);
+}
+
+RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
+    RBDI_MATCH("rbd_force_add", b.frame, a.frame);
+    a.moment = rbdi_add(a.moment, b.moment);
+    a.force = rbdi_add(a.force, b.force);
+    return a;
+}
+RBDI_INLINE rbd_force rbd_force_scale(rbd_real k, rbd_force f) {
+    f.moment = rbdi_scale(k, f.moment);
+    f.force = rbdi_scale(k, f.force);
+    return f;
+}
+
+/* A force of frame `of` in frame `in`; (2.25). */
+RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
+    RBDI_MATCH("rbd_force_up", f.frame, x.of);
+    f.force = rbdi_mul(x.rotation, f.force);
+    f.moment = rbdi_add(rbdi_mul(x.rotation, f.moment), rbdi_cross(x.position, f.force));
+    RBDI_FRAMES(f.frame = x.in;)
+    return f;
+}
+/* A force of frame `in` in frame `of`. */
+RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
+    RBDI_MATCH("rbd_force_down", f.frame, x.in);
+    f.moment = rbdi_mul_t(x.rotation, rbdi_sub(f.moment, rbdi_cross(x.position, f.force)));
+    f.force = rbdi_mul_t(x.rotation, f.force);
+    RBDI_FRAMES(f.frame = x.of;)
+    return f;
+}
+
+/* v x* f: the rate of a force that is carried along by v; (2.32). */
+RBDI_INLINE rbd_force rbd_force_cross(RBDI_AT rbd_motion v, rbd_force f) {
+    RBDI_MATCH("rbd_force_cross", f.frame, v.frame);
+    f.moment = rbdi_add(rbdi_cross(v.angular, f.moment), rbdi_cross(v.linear, f.force));
+    f.force = rbdi_cross(v.angular, f.force);
+    return f;
+}
+
+/* v . f, W: what the force does on a body that moves with v; the same in every frame. */
+RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
+    RBDI_MATCH("rbd_power", f.frame, v.frame);
+    return rbdi_dot(v.angular, f.moment) + rbdi_dot(v.linear, f.force);
+}
+
+/* ---- inertias [inertias] ---- */
+
+/* From ten parameters, in which the inertia is linear, those of regressors: mass; mass times centre of mass;
+   xx, xy, xz, yy, yz, zz about the origin. */
+RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
+    rbd_inertia i;
+    i.mass = p[0];
+    i.h = rbdi_vec(rbdi_set(p[1]), rbdi_set(p[2]), rbdi_set(p[3]));
+    i.rotational.xx = rbdi_set(p[4]), i.rotational.xy = rbdi_set(p[5]), i.rotational.xz = rbdi_set(p[6]);
+    i.rotational.yy = rbdi_set(p[7]), i.rotational.yz = rbdi_set(p[8]), i.rotational.zz = rbdi_set(p[9]);
+    (void)frame;
+    RBDI_FRAMES(i.frame = frame;)
+    return i;
+}
+RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
+    const rbd_sym3 a = i.rotational;
+    p[0] = rbdi_set(i.mass);
+    rbdi_store(i.h, p + 1);
+    rbdi_store(rbdi_vec(a.xx, a.xy, a.xz), p + 4);
+    rbdi_store(rbdi_vec(a.yy, a.yz, a.zz), p + 7);
+}
+
+/* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the
+   second moment of the rotational inertia; see [design] of rbd.h. */
+RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real t, rbd_sym3 a) {
+    rbd_sym3 b;
+    b.xx = t - a.xx, b.yy = t - a.yy, b.zz = t - a.zz;
+    b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
+    return b;
+}
+
+/* An inertia moved by a constant shift: rbd.h's rule for second moments. */
+RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 second, rbd_inertia i) {
+    rbdi_rbi c;
+    c.Sigma = second;
+    c.h = i.h;
+    c = rbdi_rbi_shift(shift, i.mass, c);
+    i.h = c.h;
+    i.rotational = rbdi_trace_less(c.Sigma.xx + c.Sigma.yy + c.Sigma.zz, c.Sigma);
+    return i;
+}
+RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 a) {
+    return rbdi_trace_less(RBD_C(0.5) * (a.xx + a.yy + a.zz), a);
+}
+
+/* As a body is described: mass; centre of mass; inertia about it xx, xy, xz, yy, yz, zz. */
+RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], const rbd_const inertia[6],
+                                       int frame) {
+    rbd_const p[10];
+    rbd_inertia i;
+    p[0] = mass, p[1] = p[2] = p[3] = RBD_C(0);
+    for (int k = 0; k < 6; ++k) p[4 + k] = inertia[k];
+    i = rbd_inertia_from_parameters(p, frame);
+    return rbdi_inertia_shift(rbdi_vec(rbdi_set(com[0]), rbdi_set(com[1]), rbdi_set(com[2])),
+                              rbdi_second_moment(i.rotational), i);
+}
+
+/* Of two bodies that are one. */
+RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
+    RBDI_MATCH("rbd_inertia_add", b.frame, a.frame);
+    a.mass = a.mass + b.mass;
+    a.h = rbdi_add(a.h, b.h);
+    a.rotational = rbdi_sym_add(a.rotational, b.rotational);
+    return a;
+}
+
+/* An inertia of frame `of` in frame `in`; (2.66). */
+RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
+    RBDI_MATCH("rbd_inertia_up", i.frame, x.of);
+    i.h = rbdi_mul(x.rotation, i.h);
+    i = rbdi_inertia_shift(x.position,
+                           rbdi_sym_up(rbdi_transpose(x.rotation), rbdi_second_moment(i.rotational)), i);
+    RBDI_FRAMES(i.frame = x.in;)
+    return i;
+}
+/* An inertia of frame `in` in frame `of`. */
+RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
+    RBDI_MATCH("rbd_inertia_down", i.frame, x.in);
+    RBDI_FRAMES(i.frame = x.in;) /* said once */
+    return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
+}
+
+/* i m: of a velocity the momentum, of an acceleration the force that it takes; (2.63). */
+RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
+    rbd_force f;
+    RBDI_MATCH("rbd_inertia_times", m.frame, i.frame);
+    f.moment = rbdi_add(rbdi_mul_sym(i.rotational, m.angular), rbdi_cross(i.h, m.linear));
+    f.force = rbdi_sub(rbdi_scale(rbdi_set(i.mass), m.linear), rbdi_cross(i.h, m.angular));
+    RBDI_FRAMES(f.frame = m.frame;)
+    return f;
+}
+
+/* ---- checks [checks] ----
+   Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */
+
+#ifdef RBD_CHECK_FRAMES
+#define rbd_placement_compose(...) rbd_placement_compose(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_motion_add(...) rbd_motion_add(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_motion_up(...) rbd_motion_up(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_motion_down(...) rbd_motion_down(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_motion_cross(...) rbd_motion_cross(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_force_add(...) rbd_force_add(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_force_up(...) rbd_force_up(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_force_down(...) rbd_force_down(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_force_cross(...) rbd_force_cross(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_power(...) rbd_power(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_inertia_add(...) rbd_inertia_add(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_inertia_up(...) rbd_inertia_up(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_inertia_down(...) rbd_inertia_down(__FILE__, __LINE__, __VA_ARGS__)
+#define rbd_inertia_times(...) rbd_inertia_times(__FILE__, __LINE__, __VA_ARGS__)
+#endif
+
+#endif /* RBD_SPATIAL_H */
