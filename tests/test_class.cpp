@@ -83,7 +83,7 @@ END_TEST
 START_TEST(derivatives_by_configuration_match_the_reference) { for_models(check_configuration_derivatives); }
 END_TEST
 
-// A frame carried along by v: the derivative of what goes up is the cross product. Compiles the algebra as well.
+// A frame carried along by v: the derivative of what goes up is the cross product.
 START_TEST(spatial_vectors_carried_along_change_by_the_cross_products) {
     const rbd_real t(0, 1);
     const rbd_motion v = rbd_motion_of(rbd_vec3_of(0.3, -0.2, 0.7), rbd_vec3_of(1, 2, -3), 0);

@@ -1,4 +1,4 @@
-/* test_spatial.c - rbd_spatial.h: identities, closed forms, the reference results. One source for all scalars:
+/* test_spatial.c - rbd_spatial.h: identities, closed forms, reference results. One source for all scalars:
        -DRBD_REAL=float, __float128, -DRBD_LANES=4, nothing (double).
    In a build of n lanes each lane draws numbers of its own. */
 #include "rbd_spatial.h"
