@@ -1,6 +1,6 @@
 /* spatial_frames.c - rbd_spatial.h with RBD_CHECK_FRAMES, as C and as C++: every call that takes two
-   quantities tells of one in another frame, with its name, file, line and the two frames, and of nothing else;
-   and the result is of the frame that follows. Prints what failed. */
+   quantities tells of one in another frame, with its name, file, line and the two frames, and of nothing
+   else; and the result is of the frame that follows. Prints what failed. */
 #include <stdio.h>
 #include <string.h>
 
