@@ -1,3 +1,3 @@
 /* The library, for the tools. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"

@@ -64,13 +64,16 @@ const char settings_help[] =
     "  --messages          show what urdfdom has to say\n"
     "  --help, --version\n";
 
-static int read_gravity(settings *s, const char *text) {
+int read_vector(const char *option, const char *text, double v[3]) {
     int length = 0;
-    if (sscanf(text, "%lf,%lf,%lf%n", &s->gravity[0], &s->gravity[1], &s->gravity[2], &length) != 3 ||
-        text[length] != 0)
-        return usage_error("--gravity: '%s' is not three numbers X,Y,Z", text);
-    s->urdf.gravity = s->gravity;
+    if (sscanf(text, "%lf,%lf,%lf%n", &v[0], &v[1], &v[2], &length) != 3 || text[length] != 0)
+        return usage_error("%s: '%s' is not three numbers X,Y,Z", option, text);
     return 0;
+}
+
+static int read_gravity(settings *s, const char *text) {
+    s->urdf.gravity = s->gravity;
+    return read_vector("--gravity", text, s->gravity);
 }
 
 settings settings_new(int argc) {

@@ -36,6 +36,9 @@ extern const char settings_help[];
 const char *option_value(char **argv, int *i);
 int option_is(const char *argument, const char *name);
 
+/* Reads "X,Y,Z". Returns 0, or EXIT_USAGE after a message. */
+int read_vector(const char *option, const char *text, double v[3]);
+
 typedef struct robot {
     const char *path;
     rbd_urdf urdf;

@@ -409,6 +409,19 @@ printf 'q.j,q.k,v.j,v.k,tau.j,tau.k\n1,2,3,4,5,6\n' >table
 "$rbd_eval" --model singular.urdf --algorithm fd <table >out 2>err && fail "a singular system gave a result"
 grep -q "^rbd-eval: row 2: the mass matrix is singular, at [jk]$" err || { fail "singular"; cat err; }
 
+# a point of a link, also of one without mass, and the names of rows
+expect 2 "rbd-eval: --body is missing: jacobian takes a point of a link; see rbd-eval --help" \
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian
+expect 2 "rbd-eval: --point: '1,2,3,' is not three numbers X,Y,Z; see rbd-eval --help" \
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole --point 1,2,3,
+expect 1 "rbd-eval: --body: the robot has no link 'arm'" \
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body arm
+printf 'q.rail,q.hinge\n5,0\n' |
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole --point 0,0,-2 >out || fail "jacobian"
+[ "$(sed -n 1p out)" = J.wx.rail,J.wx.hinge,J.wy.rail,J.wy.hinge,J.wz.rail,J.wz.hinge,J.vx.rail,J.vx.hinge,\
+J.vy.rail,J.vy.hinge,J.vz.rail,J.vz.hinge ] || fail "names of a Jacobian"
+[ "$(sed -n 2p out)" = 0,0,0,-1,0,0,1,2,0,0,0,0 ] || { fail "the Jacobian of a hanging pole"; cat out; }
+
 # names of a floating base
 "$rbd_eval" --model hyq.urdf --floating --algorithm fd --layout >layout || fail "--layout"
 [ "$(sed -n 's/^takes q.root.//p' layout | paste -sd' ' -)" = "x y z qx qy qz qw" ] || fail "coordinates of root"

@@ -13,9 +13,17 @@
 
 #include "../reference.h"
 
-enum { MAX_OUT = 4000, STATES = 2, MAX_LINE = 200000 };
+enum { MAX_OUT = 12000, STATES = 2, MAX_LINE = 400000 };
 
 static const char *const robots[] = {"iiwa", "hyq", "atlas"};
+
+static const ref_control *find_control(const char *robot) {
+    for (int i = 0; i < control_count; i++) /* "control_iiwa" */
+        if (strcmp(reference_control(i)->model->name + strlen("control_"), robot) == 0)
+            return reference_control(i);
+    ck_abort_msg("no control data of %s", robot);
+    return NULL;
+}
 
 static const ref_model *find_reference(const char *name) {
     for (int i = 0; i < reference_count; i++)
@@ -160,6 +168,77 @@ START_TEST(rbd_eval_gives_the_reference_results) {
 }
 END_TEST
 
+/* ---- what controllers ask ---- */
+
+/* The same state for the functions above. */
+static ref_state plain_state(const ref_control_state *s) {
+    ref_state plain;
+    memset(&plain, 0, sizeof plain);
+    plain.gravity = s->gravity;
+    plain.q = s->q;
+    plain.v = s->v;
+    plain.vdot = s->vdot;
+    plain.tau = s->tau;
+    return plain;
+}
+
+static void check_one(const ref_model *model, const ref_control_state *s, const char *algorithm,
+                      const double *const *expected, const int *lengths, int count, double bound) {
+    static double out[MAX_OUT];
+    const ref_state plain = plain_state(s);
+    const int n = evaluate(model, &plain, algorithm, out);
+    int at = 0;
+    for (int i = 0; i < count; at += lengths[i++])
+        expect(model, algorithm, out + at, expected[i], lengths[i], bound);
+    ck_assert_int_eq(n, at);
+}
+
+static void check_matrices(const ref_model *model, const ref_control_state *s) {
+    const int nv = model->nv, square = nv * nv;
+    const struct {
+        const char *algorithm;
+        const double *expected[2];
+        int lengths[2], inverse;
+    } rows[] = {{"minv", {s->Minv}, {square}, 1},
+                {"coriolis", {s->C}, {square}, 0},
+                {"com_jacobian", {s->J_com}, {3 * nv}, 0},
+                {"momentum", {s->h, s->h_dot}, {6, 6}, 0},
+                {"momentum_matrix", {s->A_h}, {6 * nv}, 0},
+                {"id_derivatives", {s->dtau_dq, s->dtau_dv}, {square, square}, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        check_one(model, s, rows[i].algorithm, rows[i].expected, rows[i].lengths, rows[i].expected[1] ? 2 : 1,
+                  rows[i].inverse ? fmax(1e-11, 1e-15 * s->cond_M) : 1e-11);
+}
+
+static void check_points(const ref_model *model, const ref_control_state *s) {
+    char algorithm[200];
+    for (int i = 0; i < s->npoints; i++) {
+        const ref_point *p = &s->points[i];
+        const double *const jacobian[] = {p->point_J}, *const motion[] = {p->point_vel,
+                                                                          p->point_acc_classical};
+        const int length[] = {6 * model->nv}, six[] = {6, 6};
+        for (int k = 0; k < 2; k++) {
+            snprintf(algorithm, sizeof algorithm, "%s --body %s --point=%.17g,%.17g,%.17g",
+                     k ? "point" : "jacobian", model->bodies[p->body].name, p->p[0], p->p[1], p->p[2]);
+            if (k)
+                check_one(model, s, algorithm, motion, six, 2, 1e-11);
+            else
+                check_one(model, s, algorithm, jacobian, length, 1, 1e-11);
+        }
+    }
+}
+
+START_TEST(rbd_eval_gives_the_control_results) {
+    const ref_control *control = find_control(robots[_i]);
+    ref_model model = *control->model;
+    model.name = robots[_i]; /* of the URDF */
+    for (int k = 0; k < STATES; k++) {
+        check_matrices(&model, &control->states[k]);
+        check_points(&model, &control->states[k]);
+    }
+}
+END_TEST
+
 int main(void) {
     Suite *suite = suite_create("eval");
     TCase *c = tcase_create("eval");
@@ -167,6 +246,7 @@ int main(void) {
     int failed;
     tcase_set_timeout(c, 120);
     tcase_add_loop_test(c, rbd_eval_gives_the_reference_results, 0, (int)(sizeof robots / sizeof *robots));
+    tcase_add_loop_test(c, rbd_eval_gives_the_control_results, 0, (int)(sizeof robots / sizeof *robots));
     suite_add_tcase(suite, c);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);

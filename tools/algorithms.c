@@ -1,0 +1,213 @@
+/* algorithms.c - see algorithms.h. SPDX-License-Identifier: MIT */
+#include "algorithms.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- algorithms ---- */
+
+static rbd_status run_id(const state *s, double *out) {
+    return rbd_rnea(s->m, s->w, s->q, s->v, s->a, NULL, out);
+}
+static rbd_status run_mm(const state *s, double *out) { return rbd_crba(s->m, s->w, s->q, out); }
+static rbd_status run_fd(const state *s, double *out) {
+    return rbd_aba(s->m, s->w, s->q, s->v, s->tau, NULL, out);
+}
+static rbd_status run_fd_cholesky(const state *s, double *out) {
+    return rbd_fd_cholesky(s->m, s->w, s->q, s->v, s->tau, NULL, out);
+}
+static rbd_status run_bias(const state *s, double *out) {
+    return rbd_bias(s->m, s->w, s->q, s->v, NULL, out);
+}
+static rbd_status run_gravity(const state *s, double *out) { return rbd_gravity(s->m, s->w, s->q, out); }
+static rbd_status run_minv(const state *s, double *out) { return rbd_minverse(s->m, s->w, s->q, out); }
+static rbd_status run_coriolis(const state *s, double *out) {
+    return rbd_coriolis(s->m, s->d, s->q, s->v, out);
+}
+
+static rbd_status run_pose(const state *s, double *out) {
+    rbd_status status = rbd_kinematics(s->m, s->w, s->q, NULL, NULL);
+    for (int i = 0; i < rbd_nb(s->m); i++) {
+        if (!rbd_body_name(s->m, i)) continue;
+        rbd_body_pose(s->m, s->w, i, out + 3, out);
+        out += 12;
+    }
+    return status;
+}
+static rbd_status run_energy(const state *s, double *out) {
+    rbd_kinematics(s->m, s->w, s->q, s->v, NULL);
+    return rbd_energy(s->m, s->w, &out[0], &out[1]);
+}
+
+static rbd_status run_jacobian(const state *s, double *out) {
+    rbd_kinematics(s->m, s->w, s->q, NULL, NULL);
+    return rbd_jacobian(s->m, s->w, s->body, s->point, RBD_WORLD_AXES, out);
+}
+static rbd_status run_point(const state *s, double *out) {
+    rbd_kinematics(s->m, s->w, s->q, s->v, s->a);
+    rbd_point_velocity(s->m, s->w, s->body, s->point, RBD_WORLD_AXES, out);
+    return rbd_point_acceleration(s->m, s->w, s->body, s->point, RBD_WORLD_AXES, out + 6);
+}
+
+static rbd_status run_com(const state *s, double *out) {
+    rbd_kinematics(s->m, s->w, s->q, s->v, NULL);
+    return rbd_com(s->m, s->w, out, out + 3, NULL);
+}
+static rbd_status run_com_jacobian(const state *s, double *out) {
+    return rbd_com_jacobian(s->m, s->d, s->q, out);
+}
+static rbd_status run_momentum(const state *s, double *out) {
+    rbd_kinematics(s->m, s->w, s->q, s->v, s->a);
+    return rbd_momentum(s->m, s->w, out, out + 6);
+}
+static rbd_status run_momentum_matrix(const state *s, double *out) {
+    return rbd_momentum_matrix(s->m, s->d, s->q, NULL, out, NULL);
+}
+
+static rbd_status run_id_derivatives(const state *s, double *out) {
+    const int nv = rbd_nv(s->m);
+    return rbd_rnea_derivatives(s->m, s->d, s->q, s->v, s->a, NULL, out, out + nv * nv, NULL);
+}
+static rbd_status run_gravity_derivatives(const state *s, double *out) {
+    return rbd_gravity_derivatives(s->m, s->d, s->q, out);
+}
+
+/* clang-format off */
+static const algorithm algorithms[] = {
+    {"id", "inverse dynamics (RNEA)", TAKES_V | TAKES_A, {{"tau", ONE, DOFS}}, run_id},
+    {"mm", "mass matrix (CRBA)", 0, {{"M", DOFS, DOFS}}, run_mm},
+    {"minv", "its inverse", 0, {{"Minv", DOFS, DOFS}}, run_minv},
+    {"fd", "forward dynamics (ABA)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd},
+    {"fd_cholesky", "forward dynamics (Cholesky)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd_cholesky},
+    {"bias", "inverse dynamics, a = 0", TAKES_V, {{"tau", ONE, DOFS}}, run_bias},
+    {"gravity", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
+    {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
+    {"pose", "of every link in the world", 0, {{"", ONE, POSES}}, run_pose},
+    {"energy", "kinetic and potential", TAKES_V, {{"kinetic", ONE, ONE}, {"potential", ONE, ONE}}, run_energy},
+    {"jacobian", "of a point", TAKES_POINT, {{"J", SIX, DOFS}}, run_jacobian},
+    {"point", "its velocity, acceleration", TAKES_POINT | TAKES_V | TAKES_A,
+     {{"point_v", ONE, SIX}, {"point_a", ONE, SIX}}, run_point},
+    {"com", "centre of mass, velocity", TAKES_V, {{"com", ONE, XYZ}, {"com_v", ONE, XYZ}}, run_com},
+    {"com_jacobian", "of the centre of mass", 0, {{"J_com", XYZ, DOFS}}, run_com_jacobian},
+    {"momentum", "centroidal, and its rate", TAKES_V | TAKES_A, {{"h", ONE, SIX}, {"h_dot", ONE, SIX}},
+     run_momentum},
+    {"momentum_matrix", "centroidal", 0, {{"A", SIX, DOFS}}, run_momentum_matrix},
+    {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A, {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}},
+     run_id_derivatives},
+    {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
+};
+/* clang-format on */
+enum { ALGORITHMS = sizeof algorithms / sizeof *algorithms };
+
+const algorithm *find_algorithm(const char *name) {
+    static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(others[i][0], name) == 0) name = others[i][1];
+    for (int i = 0; i < ALGORITHMS; i++)
+        if (strcmp(algorithms[i].name, name) == 0) return &algorithms[i];
+    return NULL;
+}
+
+void print_algorithms(void) {
+    static const char *const parts[] = {"", ".XYZ", ".ROW", ".DOF", "p.LINK.x ..., R.LINK.xx ..."};
+    printf("  %-19s  %-27s  %-7s  %s\n", "name", "what", "takes", "gives");
+    for (int i = 0; i < ALGORITHMS; i++) {
+        const algorithm *a = &algorithms[i];
+        char takes[16];
+        snprintf(takes, sizeof takes, "q%s%s%s", a->takes & TAKES_V ? " v" : "",
+                 a->takes & TAKES_A ? " a" : "", a->takes & TAKES_TAU ? " tau" : "");
+        printf("  %-19s  %-27s  %-7s ", a->name, a->what, takes);
+        for (const output *o = a->gives; o->name; o++)
+            printf("%s%s%s%s", o == a->gives ? " " : ", ", o->name, parts[o->rows], parts[o->columns]);
+        printf("\n");
+    }
+}
+
+/* ---- names of columns ---- */
+
+/* Adds "first.second.third"; those that are empty are left out. */
+static void add_name(columns *c, const char *first, const char *second, const char *third) {
+    const char *const parts[] = {first, second, third};
+    size_t length = 1;
+    char *name;
+    for (int i = 0; i < 3; i++) length += strlen(parts[i]) + 1;
+    name = allocate(length, 1);
+    for (int i = 0; i < 3; i++) {
+        if (*parts[i] && *name) strcat(name, ".");
+        strcat(name, parts[i]);
+    }
+    if (c->n == c->max) {
+        char **larger = allocate((size_t)(c->max = 2 * c->max + 64), sizeof *larger);
+        if (c->n) memcpy(larger, c->name, (size_t)c->n * sizeof *larger);
+        free(c->name);
+        c->name = larger;
+    }
+    c->name[c->n++] = name;
+}
+
+void free_columns(columns *c) {
+    for (int i = 0; i < c->n; i++) free(c->name[i]);
+    free(c->name);
+}
+
+static void add_coordinates(columns *c, const rbd_model *m) {
+    for (int b = 0; b < rbd_nb(m); b++) {
+        rbd_joint_info info;
+        rbd_joint(m, b, &info);
+        for (int k = 0; k < info.nq; k++)
+            add_name(c, "q", rbd_joint_name(m, b), coordinate_names(info.type)[k]);
+    }
+}
+
+void add_dofs(columns *c, const rbd_model *m, const char *before) {
+    for (int b = 0; b < rbd_nb(m); b++) {
+        rbd_joint_info info;
+        rbd_joint(m, b, &info);
+        for (int k = 0; k < info.nv; k++) add_name(c, before, rbd_joint_name(m, b), dof_names(info.type)[k]);
+    }
+}
+
+static void add_poses(columns *c, const rbd_model *m) {
+    static const char *const p[] = {"x", "y", "z"};
+    static const char *const R[] = {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
+    for (int b = 0; b < rbd_nb(m); b++) {
+        const char *link = rbd_body_name(m, b);
+        for (int k = 0; link && k < 3; k++) add_name(c, "p", link, p[k]);
+        for (int k = 0; link && k < 9; k++) add_name(c, "R", link, R[k]);
+    }
+}
+
+static void add_axis(columns *c, const rbd_model *m, axis a) {
+    static const char *const six[] = {"wx", "wy", "wz", "vx", "vy", "vz"}, *const xyz[] = {"x", "y", "z"};
+    switch (a) {
+    case ONE: add_name(c, "", "", ""); break;
+    case XYZ:
+        for (int k = 0; k < 3; k++) add_name(c, xyz[k], "", "");
+        break;
+    case SIX:
+        for (int k = 0; k < 6; k++) add_name(c, six[k], "", "");
+        break;
+    case DOFS: add_dofs(c, m, ""); break;
+    case POSES: add_poses(c, m); break;
+    }
+}
+
+void add_inputs(columns *c, const rbd_model *m, const algorithm *a) {
+    add_coordinates(c, m);
+    if (a->takes & TAKES_V) add_dofs(c, m, "v");
+    if (a->takes & TAKES_A) add_dofs(c, m, "a");
+    if (a->takes & TAKES_TAU) add_dofs(c, m, "tau");
+}
+
+void add_outputs(columns *c, const rbd_model *m, const algorithm *a) {
+    for (const output *o = a->gives; o->name; o++) {
+        columns rows = {0}, across = {0};
+        add_axis(&rows, m, o->rows);
+        add_axis(&across, m, o->columns);
+        for (int i = 0; i < rows.n; i++)
+            for (int k = 0; k < across.n; k++) add_name(c, o->name, rows.name[i], across.name[k]);
+        free_columns(&rows);
+        free_columns(&across);
+    }
+}

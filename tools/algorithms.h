@@ -1,0 +1,54 @@
+/* algorithms.h - what rbd-eval can evaluate, and what the columns are called. SPDX-License-Identifier: MIT */
+#ifndef TOOLS_ALGORITHMS_H
+#define TOOLS_ALGORITHMS_H
+
+#include "print.h"
+
+#include "rbd_derivatives.h"
+
+/* A state, and what a call needs. */
+typedef struct state {
+    const rbd_model *m;
+    rbd_work *w;
+    rbd_derivatives *d;
+    double *q, *v, *a, *tau;
+    void *memory; /* of w and d */
+    int body;     /* where the algorithm is one of a point */
+    double point[3];
+} state;
+
+/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of freedom,
+   the links' poses. */
+typedef enum axis { ONE, XYZ, SIX, DOFS, POSES } axis;
+
+typedef struct output {
+    const char *name; /* NULL: no more */
+    axis rows, columns;
+} output;
+
+enum { TAKES_V = 1, TAKES_A = 2, TAKES_TAU = 4, TAKES_POINT = 8 }; /* beside q */
+
+typedef struct algorithm {
+    const char *name, *what;
+    int takes;
+    output gives[4];
+    rbd_status (*run)(const state *s, double *out);
+} algorithm;
+
+/* The algorithm of this name, or NULL; all of them with what they take and give, to standard output. */
+const algorithm *find_algorithm(const char *name);
+void print_algorithms(void);
+
+/* Names of columns. Zeroed before the first is added. */
+typedef struct columns {
+    char **name;
+    int n, max;
+} columns;
+
+void free_columns(columns *c);
+void add_inputs(columns *c, const rbd_model *m, const algorithm *a);
+void add_outputs(columns *c, const rbd_model *m, const algorithm *a);
+void add_dofs(columns *c, const rbd_model *m,
+              const char *before); /* before: "a", or "" for their bare names */
+
+#endif
