@@ -84,7 +84,8 @@ static const algorithm algorithms[] = {
     {"gravity", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
     {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
     {"pose", "of every link in the world", 0, {{"", ONE, POSES}}, run_pose},
-    {"energy", "kinetic and potential", TAKES_V, {{"kinetic", ONE, ONE}, {"potential", ONE, ONE}}, run_energy},
+    {"energy", "kinetic and potential", TAKES_V, {{"kinetic", ONE, ONE}, {"potential", ONE, ONE}},
+     run_energy},
     {"jacobian", "of a point", TAKES_POINT, {{"J", SIX, DOFS}}, run_jacobian},
     {"point", "its velocity, acceleration", TAKES_POINT | TAKES_V | TAKES_A,
      {{"point_v", ONE, SIX}, {"point_a", ONE, SIX}}, run_point},
@@ -93,8 +94,8 @@ static const algorithm algorithms[] = {
     {"momentum", "centroidal, and its rate", TAKES_V | TAKES_A, {{"h", ONE, SIX}, {"h_dot", ONE, SIX}},
      run_momentum},
     {"momentum_matrix", "centroidal", 0, {{"A", SIX, DOFS}}, run_momentum_matrix},
-    {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A, {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}},
-     run_id_derivatives},
+    {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A,
+     {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
     {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
 };
 /* clang-format on */

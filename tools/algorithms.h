@@ -17,8 +17,8 @@ typedef struct state {
     double point[3];
 } state;
 
-/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of freedom,
-   the links' poses. */
+/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
+   freedom, the links' poses. */
 typedef enum axis { ONE, XYZ, SIX, DOFS, POSES } axis;
 
 typedef struct output {
