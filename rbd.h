@@ -26,7 +26,7 @@
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
      [rnea] [crba] [aba] [cholesky] [pivots] [forward dynamics code]
      [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
-     [model build] [batch code]
+     [descriptions] [model build] [batch code]
      [licence]
 
    [conventions]
@@ -429,10 +429,12 @@ typedef enum rbd_status {
     RBD_ERR_ARMATURE = -19, /* not finite or negative; likewise the next two */
     RBD_ERR_DAMPING = -20,
     RBD_ERR_FRICTION = -21,
-    RBD_ERR_LIMITS = -22, /* not finite, or a negative velocity or effort limit */
-    RBD_ERR_MIMIC = -23,  /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
-    RBD_ERR_WORK = -24,   /* the work, or batch, was made for another model */
-    RBD_ERR_NAN = -25,    /* the mass matrix is not a number: so is q, or something overflowed */
+    RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
+    RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
+    RBD_ERR_WORK = -24,       /* the work, or batch, was made for another model */
+    RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
+    RBD_ERR_GAIN = -26,       /* of a constraint (rbd_constraints.h): not finite or negative */
+    RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -4358,6 +4360,8 @@ RBD_API const char *rbd_status_string(rbd_status status) {
                "missing or mimics too";
     case RBD_ERR_WORK: return "the work was made for another model";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
+    case RBD_ERR_GAIN: return "negative or not finite";
+    case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
@@ -4409,6 +4413,119 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 
 RBDI_CODE_END
 
+/* ---- descriptions [descriptions] ----
+   What reading a description takes, here and in the headers beside: checks, and algebra in the build's arithmetic. */
+
+#if RBDI_KIND(RBD_CONST) == 3
+#define RBDI_WIDE_LIBM(name) name##q
+#else
+#define RBDI_WIDE_LIBM(name) name
+#endif
+
+static RBDI_UNUSED void rbdi_widen(const double *x, int n, rbdi_wide *y) {
+    for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
+}
+static RBDI_UNUSED void rbdi_w_identity(rbdi_wide A[9]) {
+    for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
+}
+static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide z[3];
+    for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+    for (int i = 0; i < 3; ++i) y[i] = z[i];
+}
+static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
+    for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
+}
+static RBDI_UNUSED void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide B[9];
+    rbdi_w_transpose(A, B);
+    rbdi_w_apply(B, x, y);
+}
+static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
+    rbdi_wide D[9];
+    for (int i = 0; i < 9; ++i)
+        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
+    for (int i = 0; i < 9; ++i) C[i] = D[i];
+}
+static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static RBDI_UNUSED rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
+static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
+    return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
+}
+
+/* Finite, and in the model's scalar too. */
+static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
+    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
+        union {
+            double x;
+            uint64_t bits;
+        } u;
+        u.x = (double)RBD_C(x[k]);
+        if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
+    }
+    return 1;
+}
+static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
+    for (int k = 0; k < n; ++k)
+        if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
+    return 1;
+}
+static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
+    for (int k = 0; k < n; ++k)
+        if (x[k] < 0 || x[k] > 0) return 0;
+    return 1;
+}
+
+/* y = x scaled to unit length, whatever its length is. */
+static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide largest = 0, n;
+    for (int k = 0; k < 3; ++k)
+        if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
+    for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
+    n = rbdi_w_length(y);
+    for (int k = 0; k < 3; ++k) y[k] /= n;
+}
+
+/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
+static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
+    rbdi_wide along;
+    rbdi_unit(&R[0], &R[0]);
+    along = rbdi_w_dot(&R[0], &R[3]);
+    for (int k = 0; k < 3; ++k) R[3 + k] -= along * R[k];
+    rbdi_unit(&R[3], &R[3]);
+    for (int k = 0; k < 3; ++k)
+        R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
+}
+
+static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
+    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
+                 R[2] * (R[3] * R[7] - R[4] * R[6]);
+    if (!rbdi_finite(R, 9)) return 0;
+    if (rbdi_all_zero(R, 9)) return 1;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
+            double off = dot - (i == j);
+            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
+        }
+    return det > 0;
+}
+
+static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
+                                          const char *field) {
+    rbd_finding *f = &report->error;
+    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+    return status;
+}
+
+#ifdef RBD_NO_TEXT
+#define RBDI_TEXT(sentence) NULL
+#else
+#define RBDI_TEXT(sentence) sentence
+#endif
+
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
@@ -4421,12 +4538,6 @@ RBDI_CODE_END
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
 #ifndef RBD_NO_BUILD
-
-#if RBDI_KIND(RBD_CONST) == 3
-#define RBDI_WIDE_LIBM(name) name##q
-#else
-#define RBDI_WIDE_LIBM(name) name
-#endif
 
 /* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
@@ -4469,31 +4580,6 @@ static int rbdi_can_mimic(int type) {
 
 /* -- small dense algebra of the build -- */
 
-static void rbdi_widen(const double *x, int n, rbdi_wide *y) {
-    for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
-}
-static void rbdi_w_identity(rbdi_wide A[9]) {
-    for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
-}
-static void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide z[3];
-    for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
-    for (int i = 0; i < 3; ++i) y[i] = z[i];
-}
-static void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
-    for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
-}
-static void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide B[9];
-    rbdi_w_transpose(A, B);
-    rbdi_w_apply(B, x, y);
-}
-static void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
-    rbdi_wide D[9];
-    for (int i = 0; i < 9; ++i)
-        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
-    for (int i = 0; i < 9; ++i) C[i] = D[i];
-}
 static void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
@@ -4502,12 +4588,6 @@ static void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
-static rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-static rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-static rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
-
 /* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
@@ -4556,39 +4636,6 @@ static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_
 
 /* -- the checks -- */
 
-/* Finite, and in the model's scalar too. */
-static int rbdi_finite(const double *x, int n) {
-    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
-        union {
-            double x;
-            uint64_t bits;
-        } u;
-        u.x = (double)RBD_C(x[k]);
-        if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
-    }
-    return 1;
-}
-static int rbdi_finite_positive(const double *x, int n) {
-    for (int k = 0; k < n; ++k)
-        if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
-    return 1;
-}
-static int rbdi_all_zero(const double *x, int n) {
-    for (int k = 0; k < n; ++k)
-        if (x[k] < 0 || x[k] > 0) return 0;
-    return 1;
-}
-
-/* y = x scaled to unit length, whatever its length is. */
-static void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide largest = 0, n;
-    for (int k = 0; k < 3; ++k)
-        if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
-    for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
-    n = rbdi_w_length(y);
-    for (int k = 0; k < 3; ++k) y[k] /= n;
-}
-
 static int rbdi_parallel(const double a[3], const double b[3]) {
     rbdi_wide x[3], y[3], cross[3];
     rbdi_widen(a, 3, x);
@@ -4600,20 +4647,6 @@ static int rbdi_parallel(const double a[3], const double b[3]) {
 }
 
 static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
-
-static int rbdi_is_rotation(const double R[9]) {
-    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
-                 R[2] * (R[3] * R[7] - R[4] * R[6]);
-    if (!rbdi_finite(R, 9)) return 0;
-    if (rbdi_all_zero(R, 9)) return 1;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
-            double off = dot - (i == j);
-            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
-        }
-    return det > 0;
-}
 
 /* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
    pivots. */
@@ -4632,13 +4665,6 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
         f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     }
     ++report->warnings;
-}
-
-static rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
-                              const char *field) {
-    rbd_finding *f = &report->error;
-    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
-    return status;
 }
 
 /* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
@@ -4668,12 +4694,6 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
             return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
     return -1;
 }
-
-#ifdef RBD_NO_TEXT
-#define RBDI_TEXT(sentence) NULL
-#else
-#define RBDI_TEXT(sentence) sentence
-#endif
 
 static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
@@ -4796,17 +4816,6 @@ static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
 static void rbdi_draft_clear(rbdi_draft *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
-}
-
-/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
-static void rbdi_orthonormalise(rbdi_wide R[9]) {
-    rbdi_wide along;
-    rbdi_unit(&R[0], &R[0]);
-    along = rbdi_w_dot(&R[0], &R[3]);
-    for (int k = 0; k < 3; ++k) R[3 + k] -= along * R[k];
-    rbdi_unit(&R[3], &R[3]);
-    for (int k = 0; k < 3; ++k)
-        R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
 }
 
 /* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,

@@ -1,0 +1,862 @@
+/* rbd_constraints.h - contacts, closed loops and impacts, on rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   A set of constraints is a few rows, checked once; then a call gives accelerations and constraint forces,
+   another what an impact does. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A foot
+   that stands:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_constraints.h"
+
+       const double sole[3] = {0, 0, -0.33};
+       rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), sole, NULL)};
+       unsigned char memory[RBD_CONSTRAINTS_SIZE(NV, 3)];
+       rbd_constraints *c;
+       rbd_constraints_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
+       rbd_constrained_fd(m, c, q, v, tau, NULL, a, lambda);
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [limits]
+     [description] [set] [calls]
+     --- stop here if you only use it ---
+     [layout]
+     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [call code] [set code]
+
+   [conventions] Beyond those of rbd.h:
+     frames       frame 1 is fixed in body 1, frame 2 in body 2: R turns frame vectors into the body's axes,
+                  p is the frame's origin in the body; of the world: world axes. w_1, v_1 are the angular
+                  velocity of frame 1 and the velocity of its origin in the world, E = R_2' turns world
+                  vectors into the axes of frame 2, s = p_1 - p_2
+     position     R = E R_1, r = E s: frame 1 seen from frame 2
+     velocity     (E (w_1 - w_2); dr/dt), dr/dt = E (v_1 - v_2 - w_2 x s)
+     rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
+                  after constraint: J v
+     gamma        dJ/dt v: J a + gamma is the time derivative of J v, on the constraint and off it
+     e            the position error: of linear rows r, whose rate is J v. Of three angular axes log R, of two
+                  z x (R z), z the unit vector of the free axis; their rate is J v where e = 0. Of a single
+                  angular axis its component of log R, which is of use for small turns only
+     lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
+                  1, the held components; the opposite acts on body 2, at the same place: J' lambda
+
+   [configuration] That of rbd.h, which must have all its parts but RBD_NO_BUILD, RBD_NO_ABA, RBD_NO_LOOKUP
+   and RBD_NO_TEXT, or RBD_NO_CONSTRAINTS: leaves this header out, where one file includes all of them.
+
+   [limits]
+     A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
+     and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
+     not described. M must be regular, also where the constraints would make up for it.
+*/
+#ifndef RBD_CONSTRAINTS_H
+#define RBD_CONSTRAINTS_H
+
+#include "rbd.h"
+
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 2
+#error "rbd: rbd_constraints.h is of another version than rbd.h"
+#endif
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
+#define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
+#define rbd_ball_loop RBDI_SYMBOL(rbd_ball_loop)
+#define rbd_hinge_loop RBDI_SYMBOL(rbd_hinge_loop)
+#define rbd_constraints_size RBDI_SYMBOL(rbd_constraints_size)
+#define rbd_constraints_init RBDI_SYMBOL(rbd_constraints_init)
+#define rbd_constraint_finding_text RBDI_SYMBOL(rbd_constraint_finding_text)
+#define rbd_constraint_rows RBDI_SYMBOL(rbd_constraint_rows)
+#define rbd_constraint_first RBDI_SYMBOL(rbd_constraint_first)
+#define rbd_constraint_rank RBDI_SYMBOL(rbd_constraint_rank)
+#define rbd_infeasible_row RBDI_SYMBOL(rbd_infeasible_row)
+#define rbd_constraint_jacobian RBDI_SYMBOL(rbd_constraint_jacobian)
+#define rbd_constrained_fd RBDI_SYMBOL(rbd_constrained_fd)
+#define rbd_impact RBDI_SYMBOL(rbd_impact)
+
+/* ---- description [description] ---- */
+
+/* Frame 1 held to frame 2 along some axes. Zero is a sensible default for every field but the bodies, where
+   -1 is the world, and axes. */
+typedef struct rbd_constraint {
+    const char *name;    /* for findings; NULL = nameless */
+    int body1, body2;    /* index in the description, -1 = world */
+    double R1[9], p1[3]; /* frame 1 in body 1: 3 x 3, all 0 = identity; origin, m */
+    double R2[9], p2[3]; /* frame 2 in body 2 */
+    int axes[6];         /* 1 = held: omega_x omega_y omega_z v_x v_y v_z, along the axes of frame 2 */
+    double kp, kd;       /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
+} rbd_constraint;
+
+/* Rows for what is common. Every field may be changed afterwards.
+   Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
+   origin, which is as good as any without kp. */
+RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
+
+/* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
+RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
+
+/* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
+   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z. */
+RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
+RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                      const double point2[3], const double axis2[3]);
+
+/* ---- set [set] ---- */
+
+#define RBD_MAX_CONSTRAINTS 1000
+
+typedef struct rbd_constraints rbd_constraints; /* constraints that hold together, and scratch */
+
+/* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
+   use. Contacts that come and go: a set for each phase; they may share the work.
+   list     n rows, not needed later but for their names; n may be 0
+   memory   size bytes of any alignment; RBD_CONSTRAINTS_SIZE(nv, rows) always suffices, rows: axes held by all
+   c        receives the set, which lies inside memory: do not move it; NULL after an error
+   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
+   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _GAIN. */
+RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
+                                        void *memory, size_t size, rbd_constraints **c, rbd_report *report);
+
+/* Bytes that rbd_constraints_init needs for these; 0 if n is out of range. */
+RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+
+#ifndef RBD_NO_TEXT
+/* As rbd_finding_text, e.g. "constraint 3 'left foot', field 'axes': no axis is held". */
+RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
+#endif
+
+/* Number of rows, axes held by all constraints; and the first row of a constraint, -1 if there is none. */
+RBD_API int rbd_constraint_rows(const rbd_constraints *c);
+RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint);
+
+/* After rbd_constrained_fd and rbd_impact: the rank of J, a whole number (in each lane its own). */
+RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c);
+
+/* After RBD_ERR_INFEASIBLE: the first row that contradicts those behind it, else -1. */
+RBD_API int rbd_infeasible_row(const rbd_constraints *c);
+
+/* ---- calls [calls] ----
+   q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
+   an input of the same shape. All of them call rbd_kinematics, with the acceleration zero: what it gave before
+   is gone. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
+
+/* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
+   NULL, and v for zero. */
+RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e);
+
+/* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
+   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is unique and
+   lambda the solution of least norm.
+   lambda   rows; may be NULL
+   Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other: a and lambda are those of the rows behind it. */
+RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *lambda);
+
+/* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
+   restitution   0 (nothing rebounds) to 1, of all rows
+   impulse       rows; may be NULL
+   Errors: as rbd_constrained_fd. */
+RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* ---- layout [layout] ---- */
+
+/* A constraint between two links. */
+typedef struct rbdi_constraint {
+    rbd_const R1[9], R2[9]; /* frame vectors into link axes, row-major */
+    rbdi_c3 p1, p2;
+    rbd_const kp, kd;
+    int16_t link1, link2; /* -1 = world */
+    int16_t row, rows;    /* the first, and how many */
+    int16_t angular;      /* how many of them are angular; they come first */
+    int16_t axis[6];      /* of each row: 0 .. 5 */
+} rbdi_constraint;
+
+/* The rows that a dof may have entries in: whole batches from row first on; what lies beside them is zero. */
+typedef struct rbdi_span {
+    int16_t first, n;
+} rbdi_span;
+
+struct rbd_constraints {
+    uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
+    rbd_work *w;
+    int n, rows, stride;         /* stride: of the rows, padded to batches */
+    int infeasible;              /* row, -1 = none */
+    rbdi_constraint *constraint; /* n */
+    rbdi_span *span;             /* nv */
+    rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
+    rbd_real *D;             /* rows x stride: J M^-1 J', then its factor; above the diagonal null vectors */
+    rbd_real *x;             /* nv */
+    rbd_real *b, *lambda;    /* stride each: right-hand side, solution */
+    rbd_real *u, *gamma, *e; /* rows each: J v, gamma, position error */
+    rbd_real *target;        /* rows: wanted J a */
+    rbd_real *inverse;       /* rows: of the pivots, 0 where a row depends on those behind it */
+    rbd_real *diagonal;      /* rows: of J M^-1 J' */
+};
+
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + \
+     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 1) + (size_t)(rows) * ((size_t)(stride) + 6) + \
+                         2 * (size_t)(stride)))
+
+/* Bytes that suffice for any set that holds this many axes. */
+#define RBD_CONSTRAINTS_SIZE(nv, rows) RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_CHUNK)
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+}
+#endif
+
+#endif /* RBD_CONSTRAINTS_H */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#define RBDI_CONSTRAINTS_IMPLEMENTED
+
+/* ---- design [design] ----
+   The two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and z = D^-1 L^-T (tau - c):
+
+       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be
+       L a = z + D^-1 Y lambda
+
+   Row k of Y stands for dof k, its columns for the rows of the constraints, so that what goes with one dof is
+   contiguous and the sweep is that of a vector, on lanes of rows. Only rows of constraints that hold a body
+   behind the dof are not zero there: its span.
+
+   Rank. Delta = L'DL again, from the last row to the first, without pivoting: pivot d_i over Delta_ii is the
+   part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L and
+   its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow from
+   the others: else the set is infeasible. lambda of least norm: projected across the null vectors ([least
+   norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
+
+#if RBDI_GCC
+#pragma GCC push_options
+#ifdef __OPTIMIZE__
+#pragma GCC optimize( \
+    "no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
+#endif
+#endif
+
+#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY || defined RBD_NO_KINEMATICS || \
+    defined RBD_NO_MANIFOLD
+#error "rbd: rbd_constraints.h needs RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_CHOLESKY, RBD_NO_KINEMATICS and \
+RBD_NO_MANIFOLD undefined"
+#endif
+
+/* ---- tolerances [tolerances] ---- */
+
+/* RBDI_RANK: of its diagonal entry a pivot of Delta must exceed this. Pivots of dependent rows are found below
+   1e-15 of it; those of four points a hundredth of a foot apart are at 3e-6. RBDI_FEASIBLE: of the terms of what a dependent row
+   asks for, how much may be left: that much a set may contradict itself by drift. */
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_RANK 1e-12
+#define RBDI_FEASIBLE 1e-6
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_RANK 1e-5f
+#define RBDI_FEASIBLE 1e-2f
+#else
+#define RBDI_RANK RBD_C(1e-26)
+#define RBDI_FEASIBLE RBD_C(1e-12)
+#endif
+
+/* ---- kinematics [kinematics] ---- */
+
+/* A frame on a link: pose, velocity and acceleration at a = 0, of the frame and its origin, world axes. */
+typedef struct rbdi_station {
+    rbdi_mat R;
+    rbdi_v3 p, omega, v, omega_dot, acc;
+} rbdi_station;
+
+static rbdi_station rbdi_station_of(const rbd_work *w, int link, const rbd_const R[9], rbdi_c3 p) {
+    const rbdi_v3 x = rbdi_vec_c(p);
+    const rbdi_kin *k;
+    rbdi_station s;
+    if (link < 0) {
+        s.R = rbdi_mat_c(R);
+        s.p = x;
+        s.omega = s.v = s.omega_dot = s.acc = rbdi_vec0();
+        return s;
+    }
+    k = &w->kin[link];
+    s.R = rbdi_mul_mat(k->R, rbdi_mat_c(R));
+    s.p = rbdi_add(k->p, rbdi_mul(k->R, x));
+    s.omega = rbdi_mul(k->R, k->state.omega);
+    s.v = rbdi_mul(k->R, rbdi_add(k->v, rbdi_cross(k->state.omega, x)));
+    s.omega_dot = rbdi_mul(k->R, k->state.omega_dot);
+    s.acc = rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x);
+    s.acc = rbdi_mul(k->R, rbdi_add(k->state.acc, s.acc));
+    return s;
+}
+
+/* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
+   by the component that they have as a positive sum of R's entries; the largest is taken. */
+static rbdi_v3 rbdi_log(rbdi_mat R) {
+    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
+    const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
+                   yz = R.yz + R.zy;
+    const rbd_real multiple[4][4] = {{x, y, z, one + R.xx + R.yy + R.zz},
+                                     {one + R.xx - R.yy - R.zz, xy, xz, x},
+                                     {xy, one - R.xx + R.yy - R.zz, yz, y},
+                                     {xz, yz, one - R.xx - R.yy + R.zz, z}};
+    const rbd_real identity[4] = {o, o, o, one};
+    rbd_real q[4], largest = multiple[0][3];
+    for (int i = 0; i < 4; ++i) q[i] = multiple[0][i];
+    for (int k = 1; k < 4; ++k) {
+        const rbdi_mask more = rbdi_less(largest, multiple[k][k - 1]);
+        largest = rbdi_select(more, multiple[k][k - 1], largest);
+        for (int i = 0; i < 4; ++i) q[i] = rbdi_select(more, multiple[k][i], q[i]);
+    }
+    return rbdi_quaternion_difference(identity, q);
+}
+
+/* The angular part of the position error: [conventions]. */
+static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
+    const rbd_real o = rbdi_zero();
+    int free;
+    if (k->angular != 2) return rbdi_log(R);
+    free = 3 - k->axis[0] - k->axis[1];
+    if (free == 0) return rbdi_vec(o, -R.zx, R.yx);
+    if (free == 1) return rbdi_vec(R.zy, o, -R.xy);
+    return rbdi_vec(-R.yz, R.xz, o);
+}
+
+/* The components of (angular; linear) that a constraint holds, world axes to those of frame 2. */
+static void rbdi_held(const rbdi_constraint *k, rbdi_mat R2, rbdi_v3 angular, rbdi_v3 linear, rbd_real *out) {
+    rbd_real all[6];
+    rbdi_store(rbdi_mul_t(R2, angular), all);
+    rbdi_store(rbdi_mul_t(R2, linear), all + 3);
+    for (int r = 0; r < k->rows; ++r) out[r] = all[k->axis[r]];
+}
+
+/* J v, gamma and, if wanted, e of a constraint. */
+static void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k, const rbdi_station *one,
+                                   const rbdi_station *two, int error) {
+    const rbdi_v3 s = rbdi_sub(one->p, two->p), w2 = two->omega, spin = rbdi_sub(one->omega, w2);
+    const rbdi_v3 u = rbdi_sub(rbdi_sub(one->v, two->v), rbdi_cross(w2, s));
+    rbdi_v3 a = rbdi_add(two->acc, rbdi_cross(two->omega_dot, s));
+    a = rbdi_add(a, rbdi_cross(w2, rbdi_add(rbdi_cross(w2, s), rbdi_add(u, u))));
+    rbdi_held(k, two->R, spin, u, &c->u[k->row]);
+    rbdi_held(k, two->R, rbdi_sub(rbdi_sub(one->omega_dot, two->omega_dot), rbdi_cross(w2, spin)),
+              rbdi_sub(one->acc, a), &c->gamma[k->row]);
+    if (error) {
+        rbdi_v3 turn = rbdi_vec0();
+        if (k->angular) turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(two->R), one->R));
+        rbdi_held(k, two->R, rbdi_mul(two->R, turn), s, &c->e[k->row]);
+    }
+}
+
+/* ---- rows [rows] ---- */
+
+/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
+static void rbdi_add_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_mat R2,
+                            int dof, int sign, rbdi_v3 angular, rbdi_v3 linear) {
+    const rbd_real ratio = sign > 0 ? rbdi_ratio(m, dof) : -rbdi_ratio(m, dof);
+    rbd_real *y = &c->Y[rbdi_source(m, dof) * c->stride + k->row], held[6];
+    rbdi_held(k, R2, angular, linear, held);
+    for (int r = 0; r < k->rows; ++r) y[r] = y[r] + held[r] * ratio;
+}
+
+/* The columns of the dofs of a link that carries the point p. */
+static void rbdi_link_columns(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_mat R2,
+                              rbdi_v3 p, int link, int sign) {
+    const rbdi_link *l = &m->link[link];
+    const rbdi_mat R = c->w->kin[link].R;
+    const rbdi_v3 arm = rbdi_sub(p, c->w->kin[link].p);
+    const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy),
+                             rbdi_vec(R.xz, R.yz, R.zz)};
+    if (l->kind != RBDI_BLOCK) {
+        const rbdi_v3 angular = rbdi_scale(rbdi_set(l->rho), axis[2]);
+        const rbdi_v3 slide = rbdi_scale(rbdi_set(l->kappa), axis[2]);
+        rbdi_add_column(m, c, k, R2, l->iv, sign, angular, rbdi_add(slide, rbdi_cross(angular, arm)));
+        return;
+    }
+    for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s) {
+        const rbdi_v3 turn = s < 3 ? axis[s] : rbdi_vec0();
+        rbdi_add_column(m, c, k, R2, l->iv + j, sign, turn, s < 3 ? rbdi_cross(turn, arm) : axis[s - 3]);
+    }
+}
+
+/* Calls visit for every link that moves one of the two bodies only: those on both paths cancel. */
+#define RBDI_FOR_PATHS(m, k, link, sign) \
+    for (int link1_ = (k)->link1, link2_ = (k)->link2, link, sign; \
+         link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
+         sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+
+/* Y = J', with J v, gamma and e (where there is a kp, or all). */
+static rbd_status rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                       const rbd_real *v, int errors) {
+    const rbd_status status = rbd_kinematics(m, c->w, q, v, NULL);
+    if (status) return status;
+    for (int k = 0; k < m->nv; ++k) rbdi_clear(&c->Y[k * c->stride + c->span[k].first], c->span[k].n);
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_constraint *k = &c->constraint[i];
+        const rbdi_station one = rbdi_station_of(c->w, k->link1, k->R1, k->p1),
+                           two = rbdi_station_of(c->w, k->link2, k->R2, k->p2);
+        rbdi_constraint_motion(c, k, &one, &two, errors || k->kp > 0);
+        RBDI_FOR_PATHS(m, k, link, sign) rbdi_link_columns(m, c, k, two.R, one.p, link, sign);
+    }
+    return RBD_OK;
+}
+
+/* ---- solution [solution] ---- */
+
+/* x = L^-T x and Y = L^-T Y, z = D^-1 x; then b = target - Y'z. RBDA table 6.5, on lanes of rows. */
+static void rbdi_sweep_up(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    for (int r = 0; r < c->rows; ++r) c->b[r] = c->target[r];
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbd_real *l = &L[m->dof[k].row], *y = &c->Y[k * c->stride], x = c->x[k];
+        const rbdi_span s = c->span[k];
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            c->x[i] = c->x[i] - l[t] * x;
+            rbdi_subtract(&c->Y[i * c->stride + s.first], l[t], &y[s.first], s.n);
+        }
+        c->x[k] = x * l[m->dof[k].depth];
+        rbdi_subtract(&c->b[s.first], c->x[k], &y[s.first], s.n);
+    }
+}
+
+/* Lower triangle of Delta = Y' D^-1 Y. */
+static void rbdi_delta(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    rbdi_clear(c->D, c->rows * c->stride);
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *y = &c->Y[k * c->stride], inverse = L[m->dof[k].row + m->dof[k].depth];
+        const rbdi_span s = c->span[k];
+        for (int r = s.first; r < s.first + s.n && r < c->rows; ++r)
+            rbdi_subtract(&c->D[r * c->stride + s.first], -(y[r] * inverse), &y[s.first],
+                          (r - s.first) / RBDI_BATCH * RBDI_BATCH + RBDI_BATCH);
+    }
+}
+
+/* Delta = L'DL in place, as M in rbd.h, and b = L^-T b; 1/d = 0 where the pivot is only rounding. */
+static void rbdi_delta_factor(rbd_constraints *c) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    for (int i = 0; i < c->rows; ++i) c->diagonal[i] = c->D[i * c->stride + i];
+    for (int i = c->rows - 1; i >= 0; --i) {
+        rbd_real *h = &c->D[i * c->stride];
+        const rbdi_mask kept = rbdi_less(c->diagonal[i] * RBDI_RANK, h[i]);
+        const rbd_real inverse = rbdi_select(kept, one / rbdi_select(kept, h[i], one), rbdi_zero());
+        c->inverse[i] = inverse;
+        for (int t = i - 1; t >= 0; --t) {
+            const rbd_real x = h[t] * inverse;
+            rbdi_subtract(&c->D[t * c->stride], x, h, t / RBDI_BATCH * RBDI_BATCH + RBDI_BATCH);
+            c->b[t] = c->b[t] - x * c->b[i];
+            h[t] = x;
+        }
+    }
+}
+
+/* sum of x_k y_k */
+static rbd_real rbdi_product(const rbd_real *x, const rbd_real *y, int n) {
+    rbd_real sum = rbdi_zero();
+    for (int k = 0; k < n; ++k) sum = sum + x[k] * y[k];
+    return sum;
+}
+
+/* lambda = L^-1 D^-1 b. */
+static void rbdi_delta_solve(rbd_constraints *c) {
+    for (int i = 0; i < c->rows; ++i)
+        c->lambda[i] = c->b[i] * c->inverse[i] - rbdi_product(&c->D[i * c->stride], c->lambda, i);
+}
+
+/* x = L^-1 (z + D^-1 Y lambda). */
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = &L[m->dof[k].row];
+        const rbdi_span s = c->span[k];
+        const int d = m->dof[k].depth;
+        rbd_real x = c->x[k] + l[d] * rbdi_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x = x - l[t] * c->x[i];
+        c->x[k] = x;
+    }
+}
+
+/* ---- least norm [least norm] ----
+   For each dropped row j the vector n = L^-1 e_j, without the other dropped rows, is a null vector: J'n = 0.
+   It stands in the row's part right of the diagonal, which nobody reads. What row j asks for is in order if n'b
+   = 0, and n'b is the b_j that elimination left. lambda loses its components along the null vectors, made
+   orthogonal one after the other (Gram and Schmidt). In lanes that kept the row n is zero. */
+
+static void rbdi_null_vector(const rbd_constraints *c, int j, rbdi_mask dropped) {
+    rbd_real *n = &c->D[j * c->stride];
+    n[j] = rbdi_select(dropped, rbdi_set(RBD_C(1)), rbdi_zero());
+    for (int k = j + 1; k < c->rows; ++k) n[k] = -rbdi_product(&c->D[k * c->stride + j], &n[j], k - j);
+}
+
+/* What row j asks for, as the sum of the magnitudes of its terms: a measure for its rounding. */
+static rbd_real rbdi_demand(const rbd_model *m, const rbd_constraints *c, int j) {
+    rbd_real sum = rbdi_abs(c->target[j]);
+    for (int k = 0; k < m->nv; ++k)
+        if (j >= c->span[k].first && j < c->span[k].first + c->span[k].n)
+            sum = sum + rbdi_abs(c->Y[k * c->stride + j] * c->x[k]);
+    return sum;
+}
+
+/* Notes the row if what it asks for contradicts what the kept rows behind it have. */
+static void rbdi_check_row(const rbd_model *m, rbd_constraints *c, int j) {
+    const rbd_real *n = &c->D[j * c->stride];
+    rbd_real terms = rbdi_zero();
+    for (int k = j; k < c->rows; ++k) terms = terms + rbdi_abs(n[k]) * rbdi_demand(m, c, k);
+    if (rbdi_any(rbdi_less(terms * RBDI_FEASIBLE, rbdi_abs(n[j] * c->b[j])))) c->infeasible = j;
+}
+
+/* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
+static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
+    rbdi_mask none = rbdi_less(n[0], n[0]);
+    const rbd_real share =
+        rbdi_product(n, x, count) * rbdi_reciprocal(rbdi_product(n, n, count), RBD_C(0.5), &none);
+    for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
+}
+
+/* Makes lambda the solution of least norm, where rows were dropped; which contradicts the others, if any. */
+static void rbdi_least_norm(const rbd_model *m, rbd_constraints *c) {
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero()), dropped;
+    c->infeasible = -1;
+    for (int j = 0; j < c->rows; ++j) any = rbdi_or(any, rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j])));
+    if (!rbdi_any(any)) return;
+    for (int j = c->rows - 1; j >= 0; --j) {
+        dropped = rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j]));
+        if (!rbdi_any(dropped)) continue;
+        rbdi_null_vector(c, j, dropped);
+        rbdi_check_row(m, c, j);
+        for (int i = c->rows - 1; i > j; --i)
+            if (rbdi_any(rbdi_not(rbdi_less(rbdi_zero(), c->inverse[i]))))
+                rbdi_project(&c->D[i * c->stride + i], &c->D[j * c->stride + i], c->rows - i);
+        rbdi_project(&c->D[j * c->stride + j], &c->lambda[j], c->rows - j);
+    }
+}
+
+/* ---- call code [call code] ---- */
+
+static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraints *c, int arrays) {
+    if (!m || !c || !arrays) return RBD_ERR_NULL;
+    for (int k = 0; k < RBDI_SHAPE; ++k)
+        if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
+    return rbdi_check(m, c->w, 1);
+}
+
+/* M x = x + J' lambda, J x = target: Y is J', H the mass matrix, packed. */
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbd_real *H, rbd_real *out,
+                                         rbd_real *lambda) {
+    const rbdi_mask doubt = rbdi_factor(m, c->w, H);
+    rbd_status status;
+    rbdi_sweep_up(m, c, H);
+    rbdi_delta(m, c, H);
+    rbdi_delta_factor(c);
+    rbdi_delta_solve(c);
+    rbdi_least_norm(m, c);
+    rbdi_sweep_down(m, c, H);
+    for (int k = 0; k < m->nv; ++k) out[k] = c->x[k];
+    status = rbdi_status_of(m, c->w, doubt, 0, H, out, m->nv);
+    if (status) rbdi_clear(c->lambda, c->rows);
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
+    if (status) return status;
+    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+}
+
+RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *lambda) {
+    const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    rbd_work *w;
+    if (status) return status;
+    w = c->w;
+    rbdi_constraint_rows(m, c, q, v, 0);
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_constraint *k = &c->constraint[i];
+        for (int r = k->row; r < k->row + k->rows; ++r) {
+            c->target[r] = -(c->gamma[r] + c->u[r] * k->kd);
+            if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
+        }
+    }
+    rbd_crba_packed(m, w, q, w->H);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
+    return rbdi_constrained_solve(m, c, w->H, a, lambda);
+}
+
+RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
+    rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
+    if (status) return status;
+    rbdi_constraint_rows(m, c, q, v, 0);
+    for (int r = 0; r < c->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
+    rbd_crba_packed(m, c->w, q, c->w->H);
+    rbdi_clear(c->x, m->nv);
+    for (int k = 0; k < m->nv; ++k) c->w->bias[k] = v[k];
+    status = rbdi_constrained_solve(m, c, c->w->H, v_plus, impulse);
+    if (status == RBD_OK || status == RBD_ERR_INFEASIBLE)
+        for (int k = 0; k < m->nv; ++k) v_plus[k] = v_plus[k] + c->w->bias[k];
+    return status;
+}
+
+RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
+    const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
+    if (status) return status;
+    rbdi_constraint_rows(m, c, q, v, e != NULL);
+    for (int r = 0; r < c->rows; ++r) {
+        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
+        if (gamma) gamma[r] = c->gamma[r];
+        if (e) e[r] = c->e[r];
+    }
+    return RBD_OK;
+}
+
+RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
+
+RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
+    return c && constraint >= 0 && constraint < c->n ? c->constraint[constraint].row : -1;
+}
+
+RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
+    rbd_real rank = rbdi_zero();
+    for (int r = 0; c && r < c->rows; ++r)
+        rank = rank + rbdi_select(rbdi_less(rbdi_zero(), c->inverse[r]), rbdi_set(RBD_C(1)), rbdi_zero());
+    return rank;
+}
+
+RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasible : -1; }
+
+/* ---- set code [set code] ---- */
+
+static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
+                                         int angular) {
+    rbd_constraint k;
+    k.name = NULL;
+    k.body1 = body1, k.body2 = body2;
+    for (int i = 0; i < 9; ++i) k.R1[i] = k.R2[i] = i % 4 == 0;
+    for (int i = 0; i < 3; ++i) {
+        k.p1[i] = p1 ? p1[i] : 0;
+        k.p2[i] = p2 ? p2[i] : 0;
+        k.axes[i] = i < angular;
+        k.axes[i + 3] = 1;
+    }
+    k.kp = k.kd = 0;
+    return k;
+}
+
+/* A rotation that turns z into this axis. */
+static void rbdi_frame_along(const double axis[3], double R[9]) {
+    rbdi_wide A[9], T[9];
+    int least = 0;
+    rbdi_widen(axis, 3, A);
+    rbdi_unit(A, A);
+    for (int k = 1; k < 3; ++k)
+        if (rbdi_w_abs(A[k]) < rbdi_w_abs(A[least])) least = k;
+    for (int k = 0; k < 3; ++k) A[3 + k] = k == least;
+    rbdi_orthonormalise(A); /* rows z, x, y: an even order */
+    rbdi_w_transpose(A, T);
+    for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
+}
+
+RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
+    return rbdi_constraint_of(body, point, -1, place, 0);
+}
+
+RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]) {
+    return rbdi_constraint_of(body, point, -1, place, 3);
+}
+
+RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]) {
+    return rbdi_constraint_of(body1, point1, body2, point2, 0);
+}
+
+RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                      const double point2[3], const double axis2[3]) {
+    rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
+    if (axis1) rbdi_frame_along(axis1, k.R1);
+    if (axis2) rbdi_frame_along(axis2, k.R2);
+    return k;
+}
+
+#ifndef RBD_NO_TEXT
+RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
+    rbd_finding rest;
+    size_t at = 0;
+    if (!finding || !text || size == 0) return text;
+    rest = *finding;
+    rest.body = -1;
+    if (finding->body >= 0) {
+        at = rbdi_append(text, size, at, "constraint ");
+        at = rbdi_append_number(text, size, at, finding->body);
+        if (finding->name) {
+            at = rbdi_append(text, size, at, " '");
+            at = rbdi_append(text, size, at, finding->name);
+            at = rbdi_append(text, size, at, "'");
+        }
+        at = rbdi_append(text, size, at, ", ");
+    }
+    rbd_finding_text(&rest, text + at, size - at);
+    return text;
+}
+#endif
+
+static int rbdi_held_axes(const rbd_constraint *k) {
+    int n = 0;
+    for (int i = 0; i < 6; ++i) n += k->axes[i] == 1;
+    return n;
+}
+
+/* Of this many rows; padded to batches. */
+static int rbdi_row_stride(int rows) { return (rows + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
+
+RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+    int rows = 0;
+    if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
+    for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
+}
+
+/* The link that carries a body, -1 = world; NULL frames are the world's. */
+static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
+
+static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
+                                        rbd_report *report) {
+    int strange = rbdi_held_axes(k) == 0;
+    for (int j = 0; j < 6; ++j) strange |= k->axes[j] != 0 && k->axes[j] != 1;
+#define RBDI_REQUIRE(condition, status, field, sentence) \
+    do { \
+        if (!(condition)) { \
+            rbdi_refuse(report, status, i, k->name, field); \
+            report->error.text = sentence; \
+            return status; \
+        } \
+    } while (0)
+    RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
+    RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
+    RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
+                 RBDI_TEXT("no joint moves it against body1"));
+    RBDI_REQUIRE(rbdi_is_rotation(k->R1), RBD_ERR_ROTATION, "R1", NULL);
+    RBDI_REQUIRE(rbdi_finite(k->p1, 3), RBD_ERR_POSITION, "p1", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(k->R2), RBD_ERR_ROTATION, "R2", NULL);
+    RBDI_REQUIRE(rbdi_finite(k->p2, 3), RBD_ERR_POSITION, "p2", NULL);
+    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_GAIN, "kp", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_GAIN, "kd", NULL);
+#undef RBDI_REQUIRE
+    return RBD_OK;
+}
+
+/* A frame on a body as a frame on the link that carries it; returns the link. */
+static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], const double p[3],
+                            rbd_const R_link[9], rbdi_c3 *p_link) {
+    rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
+    rbdi_w_identity(E);
+    rbdi_widen(R, 9, A);
+    rbdi_widen(p, 3, x);
+    if (rbdi_all_zero(R, 9)) rbdi_w_identity(A);
+    rbdi_orthonormalise(A);
+    if (body >= 0) {
+        const rbdi_frame *u = &m->frame[body];
+        for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)u->E[k / 3 + k % 3 * 3]; /* transposed */
+        r[0] = (rbdi_wide)u->r.x, r[1] = (rbdi_wide)u->r.y, r[2] = (rbdi_wide)u->r.z;
+    }
+    rbdi_w_product(E, A, A);
+    rbdi_w_apply(E, x, x);
+    for (int k = 0; k < 9; ++k) R_link[k] = (rbd_const)A[k];
+    p_link->x = (rbd_const)(r[0] + x[0]), p_link->y = (rbd_const)(r[1] + x[1]),
+    p_link->z = (rbd_const)(r[2] + x[2]);
+    return rbdi_link_of_body(m, body);
+}
+
+static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
+                                  rbdi_constraint *to) {
+    to->link1 = (int16_t)rbdi_place_frame(m, from->body1, from->R1, from->p1, to->R1, &to->p1);
+    to->link2 = (int16_t)rbdi_place_frame(m, from->body2, from->R2, from->p2, to->R2, &to->p2);
+    to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
+    to->row = (int16_t)row;
+    to->rows = to->angular = 0;
+    for (int j = 0; j < 6; ++j) {
+        if (!from->axes[j]) continue;
+        to->axis[to->rows++] = (int16_t)j;
+        to->angular = (int16_t)(to->angular + (j < 3));
+    }
+}
+
+/* The rows of a constraint reach the dofs of the paths to its bodies and, in L^-T J', those before them. */
+static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k) {
+    RBDI_FOR_PATHS(m, k, link, sign) {
+        const rbdi_link *l = &m->link[link];
+        const int dofs = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+        for (int j = 0; j < dofs; ++j)
+            for (int i = rbdi_source(m, l->iv + j); i >= 0; i = m->dof[i].lambda) {
+                rbdi_span *s = &c->span[i];
+                if (s->n == 0) s->first = k->row;
+                s->n = (int16_t)(k->row + k->rows - s->first);
+            }
+    }
+}
+
+RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
+                                        void *memory, size_t size, rbd_constraints **constraints,
+                                        rbd_report *report) {
+    rbd_report own;
+    rbd_constraints *c;
+    unsigned char *p;
+    int rows = 0;
+    if (!report) report = &own;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (constraints) *constraints = NULL;
+    if (!m || !w || (!list && n) || !memory || !constraints)
+        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
+        rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+        report->error.text = RBDI_TEXT("the number of constraints is below 0 or above RBD_MAX_CONSTRAINTS");
+        return RBD_ERR_COUNT;
+    }
+    for (int i = 0; i < n; ++i) {
+        const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
+        if (status) return status;
+        rows += rbdi_held_axes(&list[i]);
+    }
+    if (size < rbd_constraints_size(m, list, n)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    p = rbdi_aligned(memory);
+    c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
+    c->w = w, c->n = n, c->rows = rows, c->stride = rbdi_row_stride(rows), c->infeasible = -1;
+    c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
+    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
+    c->Y = (rbd_real *)rbdi_take(&p, m->nv * c->stride, sizeof(rbd_real));
+    c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
+    c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    c->b = (rbd_real *)rbdi_take(&p, c->stride, sizeof(rbd_real));
+    c->lambda = (rbd_real *)rbdi_take(&p, c->stride, sizeof(rbd_real));
+    c->u = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->gamma = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->e = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->target = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].n = 0;
+    for (int i = 0, row = 0; i < n; row += c->constraint[i++].rows) {
+        rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
+        rbdi_span_constraint(m, c, &c->constraint[i]);
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        rbdi_span *s = &c->span[k];
+        s->n = (int16_t)rbdi_row_stride(s->n);
+        if (s->first + s->n > c->stride) s->first = (int16_t)(c->stride - s->n);
+    }
+    rbdi_clear(c->Y, m->nv * c->stride);
+    rbdi_clear(c->b, c->stride);
+    rbdi_clear(c->lambda, c->stride);
+    rbdi_clear(c->inverse, rows);
+    *constraints = c;
+    return RBD_OK;
+}
+
+#if RBDI_GCC
+#pragma GCC pop_options
+#endif
+
+#endif /* RBD_IMPLEMENTATION */
