@@ -23,10 +23,9 @@
      [design] [tolerances] [kinematics] [rows] [solution] [least norm] [call code] [set code]
 
    [conventions] Beyond those of rbd.h:
-     frames       frame 1 is fixed in body 1, frame 2 in body 2: R turns frame vectors into the body's axes,
-                  p is the frame's origin in the body; of the world: world axes. w_1, v_1 are the angular
-                  velocity of frame 1 and the velocity of its origin in the world, E = R_2' turns world
-                  vectors into the axes of frame 2, s = p_1 - p_2
+     frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1 are
+                  the orientation and origin of frame 1 in the world, its angular velocity and that of its
+                  origin; E = R_2' turns world vectors into the axes of frame 2; s = p_1 - p_2
      position     R = E R_1, r = E s: frame 1 seen from frame 2
      velocity     (E (w_1 - w_2); dr/dt), dr/dt = E (v_1 - v_2 - w_2 x s)
      rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
@@ -38,18 +37,39 @@
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
-   [configuration] That of rbd.h, which must have all its parts but RBD_NO_BUILD, RBD_NO_ABA, RBD_NO_LOOKUP
-   and RBD_NO_TEXT, or RBD_NO_CONSTRAINTS: leaves this header out, where one file includes all of them.
+   [configuration] That of rbd.h. It needs rbd.h's parts RNEA, CRBA, CHOLESKY, KINEMATICS and MANIFOLD.
 
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
      and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
      not described. M must be regular, also where the constraints would make up for it.
 */
+#include "rbd.h"
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("Y")
+#undef Y
+
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
-
-#include "rbd.h"
 
 #if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 2
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
@@ -81,10 +101,12 @@ extern "C" {
 typedef struct rbd_constraint {
     const char *name;    /* for findings; NULL = nameless */
     int body1, body2;    /* index in the description, -1 = world */
-    double R1[9], p1[3]; /* frame 1 in body 1: 3 x 3, all 0 = identity; origin, m */
-    double R2[9], p2[3]; /* frame 2 in body 2 */
-    int axes[6];         /* 1 = held: omega_x omega_y omega_z v_x v_y v_z, along the axes of frame 2 */
-    double kp, kd;       /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
+    double rotation1[9]; /* 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity */
+    double position1[3]; /* of its origin, m */
+    double rotation2[9]; /* the same of frame 2 in body 2 */
+    double position2[3];
+    int axes[6];   /* 1 = held: omega_x omega_y omega_z v_x v_y v_z, along the axes of frame 2 */
+    double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
 } rbd_constraint;
 
 /* Rows for what is common. Every field may be changed afterwards.
@@ -138,8 +160,8 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. All of them call rbd_kinematics, with the acceleration zero: what it gave before
-   is gone. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
+   an input of the same shape. All of them call rbd_kinematics, with the acceleration zero: its results before
+   are gone. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
@@ -171,13 +193,13 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
 
 /* A constraint between two links. */
 typedef struct rbdi_constraint {
-    rbd_const R1[9], R2[9]; /* frame vectors into link axes, row-major */
-    rbdi_c3 p1, p2;
+    rbd_const R[2][9]; /* frame vectors into link axes, row-major */
+    rbdi_c3 p[2];
     rbd_const kp, kd;
-    int16_t link1, link2; /* -1 = world */
-    int16_t row, rows;    /* the first, and how many */
-    int16_t angular;      /* how many of them are angular; they come first */
-    int16_t axis[6];      /* of each row: 0 .. 5 */
+    int16_t link[2];   /* -1 = world */
+    int16_t row, rows; /* the first, and how many */
+    int16_t angular;   /* how many of them are angular; they come first */
+    int16_t axis[6];   /* of each row: 0 .. 5 */
 } rbdi_constraint;
 
 /* The rows that a dof may have entries in: whole batches from row first on; what lies beside them is zero. */
@@ -274,18 +296,19 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-static rbdi_station rbdi_station_of(const rbd_work *w, int link, const rbd_const R[9], rbdi_c3 p) {
-    const rbdi_v3 x = rbdi_vec_c(p);
+static rbdi_station rbdi_station_of(const rbd_work *w, const rbdi_constraint *c, int side) {
+    const rbdi_v3 x = rbdi_vec_c(c->p[side]);
+    const rbdi_mat R = rbdi_mat_c(c->R[side]);
     const rbdi_kin *k;
     rbdi_station s;
-    if (link < 0) {
-        s.R = rbdi_mat_c(R);
+    if (c->link[side] < 0) {
+        s.R = R;
         s.p = x;
         s.omega = s.v = s.omega_dot = s.acc = rbdi_vec0();
         return s;
     }
-    k = &w->kin[link];
-    s.R = rbdi_mul_mat(k->R, rbdi_mat_c(R));
+    k = &w->kin[c->link[side]];
+    s.R = rbdi_mul_mat(k->R, R);
     s.p = rbdi_add(k->p, rbdi_mul(k->R, x));
     s.omega = rbdi_mul(k->R, k->state.omega);
     s.v = rbdi_mul(k->R, rbdi_add(k->v, rbdi_cross(k->state.omega, x)));
@@ -297,7 +320,7 @@ static rbdi_station rbdi_station_of(const rbd_work *w, int link, const rbd_const
 
 /* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
    by the component that they have as a positive sum of R's entries; the largest is taken. */
-static rbdi_v3 rbdi_log(rbdi_mat R) {
+static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
                    yz = R.yz + R.zy;
@@ -320,7 +343,7 @@ static rbdi_v3 rbdi_log(rbdi_mat R) {
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
-    if (k->angular != 2) return rbdi_log(R);
+    if (k->angular != 2) return rbdi_log_rotation(R);
     free = 3 - k->axis[0] - k->axis[1];
     if (free == 0) return rbdi_vec(o, -R.zx, R.yx);
     if (free == 1) return rbdi_vec(R.zy, o, -R.xy);
@@ -328,10 +351,11 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
 }
 
 /* The components of (angular; linear) that a constraint holds, world axes to those of frame 2. */
-static void rbdi_held(const rbdi_constraint *k, rbdi_mat R2, rbdi_v3 angular, rbdi_v3 linear, rbd_real *out) {
+static void rbdi_held(const rbdi_constraint *k, rbdi_mat axes, rbdi_v3 angular, rbdi_v3 linear,
+                      rbd_real *out) {
     rbd_real all[6];
-    rbdi_store(rbdi_mul_t(R2, angular), all);
-    rbdi_store(rbdi_mul_t(R2, linear), all + 3);
+    rbdi_store(rbdi_mul_t(axes, angular), all);
+    rbdi_store(rbdi_mul_t(axes, linear), all + 3);
     for (int r = 0; r < k->rows; ++r) out[r] = all[k->axis[r]];
 }
 
@@ -355,17 +379,17 @@ static void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k,
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
-static void rbdi_add_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_mat R2,
-                            int dof, int sign, rbdi_v3 angular, rbdi_v3 linear) {
+static void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                   rbdi_mat axes, int dof, int sign, rbdi_v3 angular, rbdi_v3 linear) {
     const rbd_real ratio = sign > 0 ? rbdi_ratio(m, dof) : -rbdi_ratio(m, dof);
     rbd_real *y = &c->Y[rbdi_source(m, dof) * c->stride + k->row], held[6];
-    rbdi_held(k, R2, angular, linear, held);
+    rbdi_held(k, axes, angular, linear, held);
     for (int r = 0; r < k->rows; ++r) y[r] = y[r] + held[r] * ratio;
 }
 
 /* The columns of the dofs of a link that carries the point p. */
-static void rbdi_link_columns(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_mat R2,
-                              rbdi_v3 p, int link, int sign) {
+static void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                 rbdi_mat axes, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_mat R = c->w->kin[link].R;
     const rbdi_v3 arm = rbdi_sub(p, c->w->kin[link].p);
@@ -374,18 +398,20 @@ static void rbdi_link_columns(const rbd_model *m, rbd_constraints *c, const rbdi
     if (l->kind != RBDI_BLOCK) {
         const rbdi_v3 angular = rbdi_scale(rbdi_set(l->rho), axis[2]);
         const rbdi_v3 slide = rbdi_scale(rbdi_set(l->kappa), axis[2]);
-        rbdi_add_column(m, c, k, R2, l->iv, sign, angular, rbdi_add(slide, rbdi_cross(angular, arm)));
+        rbdi_constraint_column(m, c, k, axes, l->iv, sign, angular,
+                               rbdi_add(slide, rbdi_cross(angular, arm)));
         return;
     }
     for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s) {
         const rbdi_v3 turn = s < 3 ? axis[s] : rbdi_vec0();
-        rbdi_add_column(m, c, k, R2, l->iv + j, sign, turn, s < 3 ? rbdi_cross(turn, arm) : axis[s - 3]);
+        rbdi_constraint_column(m, c, k, axes, l->iv + j, sign, turn,
+                               s < 3 ? rbdi_cross(turn, arm) : axis[s - 3]);
     }
 }
 
 /* Calls visit for every link that moves one of the two bodies only: those on both paths cancel. */
 #define RBDI_FOR_PATHS(m, k, link, sign) \
-    for (int link1_ = (k)->link1, link2_ = (k)->link2, link, sign; \
+    for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
@@ -397,10 +423,9 @@ static rbd_status rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, c
     for (int k = 0; k < m->nv; ++k) rbdi_clear(&c->Y[k * c->stride + c->span[k].first], c->span[k].n);
     for (int i = 0; i < c->n; ++i) {
         const rbdi_constraint *k = &c->constraint[i];
-        const rbdi_station one = rbdi_station_of(c->w, k->link1, k->R1, k->p1),
-                           two = rbdi_station_of(c->w, k->link2, k->R2, k->p2);
+        const rbdi_station one = rbdi_station_of(c->w, k, 0), two = rbdi_station_of(c->w, k, 1);
         rbdi_constraint_motion(c, k, &one, &two, errors || k->kp > 0);
-        RBDI_FOR_PATHS(m, k, link, sign) rbdi_link_columns(m, c, k, two.R, one.p, link, sign);
+        RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, two.R, one.p, link, sign);
     }
     return RBD_OK;
 }
@@ -434,14 +459,37 @@ static void rbdi_delta(const rbd_model *m, rbd_constraints *c, const rbd_real *L
     }
 }
 
+/* sum of x_k y_k */
+static rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
+    rbd_real sum = rbdi_zero();
+    for (int k = 0; k < n; ++k) sum = sum + x[k] * y[k];
+    return sum;
+}
+
+/* n = L^-1 e_j, for which n' Delta n = d_j, in the part of row j from the diagonal on, which nobody reads. */
+static void rbdi_combination(const rbd_constraints *c, int j) {
+    rbd_real *n = &c->D[j * c->stride];
+    n[j] = rbdi_set(RBD_C(1));
+    for (int k = j + 1; k < c->rows; ++k) n[k] = -rbdi_rows_product(&c->D[k * c->stride + j], &n[j], k - j);
+}
+
+/* Whether pivot d of row j is more than rounding: [tolerances]. */
+static rbdi_mask rbdi_judge_row(const rbd_constraints *c, int j, rbd_real d) {
+    const rbd_real *n = &c->D[j * c->stride];
+    rbd_real noise = rbdi_zero();
+    rbdi_combination(c, j);
+    for (int k = j; k < c->rows; ++k) noise = noise + n[k] * n[k] * c->diagonal[k];
+    return rbdi_and(rbdi_less(c->diagonal[j] * RBDI_RANK, d), rbdi_less(noise * RBDI_NOISE, d));
+}
+
 /* Delta = L'DL in place, as M in rbd.h, and b = L^-T b; 1/d = 0 where the pivot is only rounding. */
 static void rbdi_delta_factor(rbd_constraints *c) {
-    const rbd_real one = rbdi_set(RBD_C(1));
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero()), none = doubt;
     for (int i = 0; i < c->rows; ++i) c->diagonal[i] = c->D[i * c->stride + i];
     for (int i = c->rows - 1; i >= 0; --i) {
-        rbd_real *h = &c->D[i * c->stride];
-        const rbdi_mask kept = rbdi_less(c->diagonal[i] * RBDI_RANK, h[i]);
-        const rbd_real inverse = rbdi_select(kept, one / rbdi_select(kept, h[i], one), rbdi_zero());
+        rbd_real *h = &c->D[i * c->stride], d = h[i], inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
+        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[i] * RBDI_DOUBT, d)));
+        if (rbdi_any(doubt)) inverse = rbdi_select(rbdi_judge_row(c, i, d), inverse, rbdi_zero());
         c->inverse[i] = inverse;
         for (int t = i - 1; t >= 0; --t) {
             const rbd_real x = h[t] * inverse;
@@ -452,17 +500,10 @@ static void rbdi_delta_factor(rbd_constraints *c) {
     }
 }
 
-/* sum of x_k y_k */
-static rbd_real rbdi_product(const rbd_real *x, const rbd_real *y, int n) {
-    rbd_real sum = rbdi_zero();
-    for (int k = 0; k < n; ++k) sum = sum + x[k] * y[k];
-    return sum;
-}
-
 /* lambda = L^-1 D^-1 b. */
 static void rbdi_delta_solve(rbd_constraints *c) {
     for (int i = 0; i < c->rows; ++i)
-        c->lambda[i] = c->b[i] * c->inverse[i] - rbdi_product(&c->D[i * c->stride], c->lambda, i);
+        c->lambda[i] = c->b[i] * c->inverse[i] - rbdi_rows_product(&c->D[i * c->stride], c->lambda, i);
 }
 
 /* x = L^-1 (z + D^-1 Y lambda). */
@@ -471,7 +512,8 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
         const rbd_real *l = &L[m->dof[k].row];
         const rbdi_span s = c->span[k];
         const int d = m->dof[k].depth;
-        rbd_real x = c->x[k] + l[d] * rbdi_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
+        rbd_real x =
+            c->x[k] + l[d] * rbdi_rows_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
         for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x = x - l[t] * c->x[i];
         c->x[k] = x;
     }
@@ -483,10 +525,8 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
    = 0, and n'b is the b_j that elimination left. lambda loses its components along the null vectors, made
    orthogonal one after the other (Gram and Schmidt). In lanes that kept the row n is zero. */
 
-static void rbdi_null_vector(const rbd_constraints *c, int j, rbdi_mask dropped) {
-    rbd_real *n = &c->D[j * c->stride];
-    n[j] = rbdi_select(dropped, rbdi_set(RBD_C(1)), rbdi_zero());
-    for (int k = j + 1; k < c->rows; ++k) n[k] = -rbdi_product(&c->D[k * c->stride + j], &n[j], k - j);
+static rbdi_mask rbdi_dropped(const rbd_constraints *c, int j) {
+    return rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j]));
 }
 
 /* What row j asks for, as the sum of the magnitudes of its terms: a measure for its rounding. */
@@ -498,19 +538,37 @@ static rbd_real rbdi_demand(const rbd_model *m, const rbd_constraints *c, int j)
     return sum;
 }
 
-/* Notes the row if what it asks for contradicts what the kept rows behind it have. */
+static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
+
+/* What J v, gamma and e of a constraint are differences of: the bodies' own motion, the same for both maybe. */
+static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
+    const rbdi_station one = rbdi_station_of(c->w, k, 0), two = rbdi_station_of(c->w, k, 1);
+    const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
+                   v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v);
+    const rbd_real a = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot) + rbdi_sum_abs(one.acc) +
+                       rbdi_sum_abs(two.acc);
+    const rbd_real p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+    return a + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+}
+
+/* Notes row j if what it asks for contradicts what the kept rows behind it have. */
 static void rbdi_check_row(const rbd_model *m, rbd_constraints *c, int j) {
     const rbd_real *n = &c->D[j * c->stride];
-    rbd_real terms = rbdi_zero();
-    for (int k = j; k < c->rows; ++k) terms = terms + rbdi_abs(n[k]) * rbdi_demand(m, c, k);
-    if (rbdi_any(rbdi_less(terms * RBDI_FEASIBLE, rbdi_abs(n[j] * c->b[j])))) c->infeasible = j;
+    rbd_real bound = rbdi_zero();
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_constraint *k = &c->constraint[i];
+        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
+        for (int r = k->row > j ? k->row : j; r < k->row + k->rows; ++r)
+            bound = bound + rbdi_abs(n[r]) * (rbdi_demand(m, c, r) * RBDI_FEASIBLE + noise);
+    }
+    if (rbdi_any(rbdi_less(bound, rbdi_abs(n[j] * c->b[j])))) c->infeasible = j;
 }
 
 /* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
 static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
     rbdi_mask none = rbdi_less(n[0], n[0]);
     const rbd_real share =
-        rbdi_product(n, x, count) * rbdi_reciprocal(rbdi_product(n, n, count), RBD_C(0.5), &none);
+        rbdi_rows_product(n, x, count) * rbdi_reciprocal(rbdi_rows_product(n, n, count), RBD_C(0.5), &none);
     for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
 }
 
@@ -518,15 +576,16 @@ static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
 static void rbdi_least_norm(const rbd_model *m, rbd_constraints *c) {
     rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero()), dropped;
     c->infeasible = -1;
-    for (int j = 0; j < c->rows; ++j) any = rbdi_or(any, rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j])));
+    for (int j = 0; j < c->rows; ++j) any = rbdi_or(any, rbdi_dropped(c, j));
     if (!rbdi_any(any)) return;
     for (int j = c->rows - 1; j >= 0; --j) {
-        dropped = rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j]));
+        dropped = rbdi_dropped(c, j);
         if (!rbdi_any(dropped)) continue;
-        rbdi_null_vector(c, j, dropped);
+        for (int k = j; k < c->rows; ++k)
+            c->D[j * c->stride + k] = rbdi_select(dropped, c->D[j * c->stride + k], rbdi_zero());
         rbdi_check_row(m, c, j);
         for (int i = c->rows - 1; i > j; --i)
-            if (rbdi_any(rbdi_not(rbdi_less(rbdi_zero(), c->inverse[i]))))
+            if (rbdi_any(rbdi_dropped(c, i)))
                 rbdi_project(&c->D[i * c->stride + i], &c->D[j * c->stride + i], c->rows - i);
         rbdi_project(&c->D[j * c->stride + j], &c->lambda[j], c->rows - j);
     }
@@ -632,10 +691,10 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
     rbd_constraint k;
     k.name = NULL;
     k.body1 = body1, k.body2 = body2;
-    for (int i = 0; i < 9; ++i) k.R1[i] = k.R2[i] = i % 4 == 0;
+    for (int i = 0; i < 9; ++i) k.rotation1[i] = k.rotation2[i] = i % 4 == 0;
     for (int i = 0; i < 3; ++i) {
-        k.p1[i] = p1 ? p1[i] : 0;
-        k.p2[i] = p2 ? p2[i] : 0;
+        k.position1[i] = p1 ? p1[i] : 0;
+        k.position2[i] = p2 ? p2[i] : 0;
         k.axes[i] = i < angular;
         k.axes[i + 3] = 1;
     }
@@ -672,8 +731,8 @@ RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body
 RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                       const double point2[3], const double axis2[3]) {
     rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
-    if (axis1) rbdi_frame_along(axis1, k.R1);
-    if (axis2) rbdi_frame_along(axis2, k.R2);
+    if (axis1) rbdi_frame_along(axis1, k.rotation1);
+    if (axis2) rbdi_frame_along(axis2, k.rotation2);
     return k;
 }
 
@@ -734,10 +793,10 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));
-    RBDI_REQUIRE(rbdi_is_rotation(k->R1), RBD_ERR_ROTATION, "R1", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->p1, 3), RBD_ERR_POSITION, "p1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(k->R2), RBD_ERR_ROTATION, "R2", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->p2, 3), RBD_ERR_POSITION, "p2", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(k->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
+    RBDI_REQUIRE(rbdi_finite(k->position1, 3), RBD_ERR_POSITION, "position1", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(k->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
+    RBDI_REQUIRE(rbdi_finite(k->position2, 3), RBD_ERR_POSITION, "position2", NULL);
     RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
     RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_GAIN, "kp", NULL);
     RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_GAIN, "kd", NULL);
@@ -769,8 +828,10 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
 
 static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
                                   rbdi_constraint *to) {
-    to->link1 = (int16_t)rbdi_place_frame(m, from->body1, from->R1, from->p1, to->R1, &to->p1);
-    to->link2 = (int16_t)rbdi_place_frame(m, from->body2, from->R2, from->p2, to->R2, &to->p2);
+    to->link[0] =
+        (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->R[0], &to->p[0]);
+    to->link[1] =
+        (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->R[1], &to->p[1]);
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
     to->rows = to->angular = 0;
@@ -860,3 +921,14 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
 #endif
 
 #endif /* RBD_IMPLEMENTATION */
+
+#pragma pop_macro("A")
+#pragma pop_macro("C")
+#pragma pop_macro("D")
+#pragma pop_macro("E")
+#pragma pop_macro("H")
+#pragma pop_macro("J")
+#pragma pop_macro("L")
+#pragma pop_macro("R")
+#pragma pop_macro("T")
+#pragma pop_macro("Y")

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Compiles rbd.h, and rbd_derivatives.h behind it, with every compiler found, as every standard, with all warnings as errors:
+# Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC, and the declarations of rbd_urdf.h; for double
 # and float; at -O0, and with the first standard also at -O2, where the compiler sees more. Then the batch
 # calls for several numbers of lanes, with the SIMD unit for them where the compiler has it.
@@ -19,8 +19,8 @@ combinations=0
 for suffix in c cpp; do
     echo '#include "rbd_derivatives.h"' >"$scratch/declarations.$suffix"
     echo '#include "rbd_urdf.h"' >"$scratch/urdf.$suffix"
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/implementation.$suffix"
-    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/static.$suffix"
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_constraints.h"\n' >"$scratch/implementation.$suffix"
+    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_constraints.h"\n' >"$scratch/static.$suffix"
     for lanes in 2 4 8; do
         printf '#define RBD_LANES %s\n#define RBD_BATCH_IMPLEMENTATION\n#include "rbd.h"\n' "$lanes" \
             >"$scratch/batch-$lanes.$suffix"

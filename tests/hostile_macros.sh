@@ -58,7 +58,7 @@ hostile_functions() {
     printf '#undef I\n#define I 42\n'
 } >"$scratch/hostile.h"
 cat >"$scratch/behind.h" <<'END'
-#if I != 42 || !defined F || !defined E
+#if I != 42 || !defined F || !defined E || !defined J
 #error "the caller's macros are gone"
 #endif
 static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2) + RBD_DERIVATIVES_SIZE(2, 2)];
@@ -73,6 +73,7 @@ cat >"$scratch/hostile.c" <<'END'
 #include "hostile.h"
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"
 #include "models/iiwa_model.h"
 #include "behind.h"
 #include "rbd_spatial.h"
@@ -107,8 +108,8 @@ after_headers() {
             absent="$absent $header.h"
         fi
     done
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_spatial.h"\n#include "rbd_urdf.h"\n' \
-        >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "%s.h"\n#include "%s.h"\n#include "%s.h"\n#include "rbd_urdf.h"\n' \
+        rbd_derivatives rbd_constraints rbd_spatial >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     echo "$1: after $(grep -c '<' "$scratch/headers.c") headers; not there:${absent:- none}"
     [ "$(grep -c '<' "$scratch/headers.c")" -gt 60 ] || failures=$((failures + 1))

@@ -1,3 +1,4 @@
 /* rbd.c - the library as a program has it: the implementation in one file. */
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"

@@ -27,6 +27,7 @@
 
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"
 
 #include "reference.h"
 
@@ -128,16 +129,20 @@ static void judge(const char *what, int lane, double error, double bound) {
                   reference->name, number, lane, error, bound);
 }
 
-/* One lane of x against n numbers of the reference. */
-static void compare(const char *what, int lane, const rbd_real *x, const double *expected, int n,
-                    double bound) {
+/* One lane of x against n numbers: largest difference, relative to the largest of them. */
+static double error_of(int lane, const rbd_real *x, const double *expected, int n) {
     double difference = 0, size = 1e-3;
     for (int i = 0; i < n; i++) {
         const double value = get(x[i], lane);
         difference = isfinite(value) ? fmax(difference, fabs(value - expected[i])) : HUGE_VAL;
         size = fmax(size, fabs(expected[i]));
     }
-    judge(what, lane, difference / size, bound);
+    return difference / size;
+}
+
+static void compare(const char *what, int lane, const rbd_real *x, const double *expected, int n,
+                    double bound) {
+    judge(what, lane, error_of(lane, x, expected, n), bound);
 }
 
 #define EACH_LANE for (int lane = 0; lane < LANES; lane++)
@@ -343,6 +348,74 @@ static void check_derivatives(void) {
 START_TEST(momentum_and_derivatives_match_the_reference) { for_models(check_derivatives); }
 END_TEST
 
+/* ---- constraints ---- */
+
+static rbd_constraints *set_of(const ref_constraint_set *from, void **memory) {
+    rbd_constraint list[16];
+    rbd_constraints *c;
+    ck_assert_int_le(from->count, 16);
+    for (int i = 0; i < from->count; i++) {
+        const ref_constraint *k = &from->constraints[i];
+        memset(&list[i], 0, sizeof list[i]);
+        list[i].body1 = k->body1, list[i].body2 = k->body2;
+        memcpy(list[i].rotation1, k->R1, sizeof k->R1);
+        memcpy(list[i].position1, k->p1, sizeof k->p1);
+        memcpy(list[i].rotation2, k->R2, sizeof k->R2);
+        memcpy(list[i].position2, k->p2, sizeof k->p2);
+        memcpy(list[i].axes, k->axes, sizeof k->axes);
+    }
+    *memory = malloc(rbd_constraints_size(model, list, from->count));
+    RUN(rbd_constraints_init(model, work, list, from->count, *memory,
+                             rbd_constraints_size(model, list, from->count), &c, NULL));
+    return c;
+}
+
+/* Wrenches in every other lane. */
+static void check_set(const ref_model *r, const ref_control_state *s, const ref_constraint_set *set) {
+    static rbd_real lambda[64];
+    void *memory;
+    rbd_constraints *c = set_of(set, &memory);
+    EACH_LANE {
+        for (int i = 0; i < r->nq; i++) put(&q[i], lane, s->q[i]);
+        for (int i = 0; i < r->nv; i++) {
+            put(&v[i], lane, s->v[i]);
+            put(&tau[i], lane, s->tau[i]);
+        }
+        for (int i = 0; i < 6 * r->nb; i++) put(&f_ext[i], lane, lane % 2 ? 0 : s->f_ext[i]);
+    }
+    RUN(rbd_constrained_fd(model, c, q, v, tau, f_ext, found, lambda));
+    EACH_LANE {
+        const double bound = fmax(FLOOR, INVERSE(s->cond_M + set->cond));
+        const double a = error_of(lane, found, lane % 2 ? set->qdd_c : set->qdd_c_ext, r->nv);
+        const double force = error_of(lane, lambda, lane % 2 ? set->lambda : set->lambda_ext, set->rows);
+        ck_assert_int_eq((int)get(rbd_constraint_rank(c), lane), set->rank);
+        ck_assert_msg(a <= bound && force <= bound, "%s, %s: %s, lane %d: a %.3g, lambda %.3g exceed %.3g",
+                      SCALAR_NAME, r->name, set->name, lane, a, force, bound);
+    }
+    free(memory);
+}
+
+START_TEST(constrained_dynamics_match_the_reference) {
+    for (int i = 0; i < control_count; i++) {
+        const ref_control *control = reference_control(i);
+        const ref_model *r = control->model;
+        void *model_memory = malloc(rbd_model_size(r->bodies, r->nb));
+        RUN(rbd_model_build(r->bodies, r->nb, model_memory, rbd_model_size(r->bodies, r->nb), &model, NULL));
+        void *work_memory = malloc(rbd_work_size(model));
+        RUN(rbd_work_init(model, work_memory, rbd_work_size(model), &work));
+        for (int k = 0; k < control->nstates; k++) {
+            rbd_const gravity[3];
+            for (int j = 0; j < 3; j++) gravity[j] = (rbd_const)control->states[k].gravity[j];
+            RUN(rbd_set_gravity(work, gravity));
+            for (int j = 0; j < control->states[k].nconstraint_sets; j++)
+                check_set(r, &control->states[k], &control->states[k].constraint_sets[j]);
+        }
+        free(work_memory);
+        free(model_memory);
+    }
+}
+END_TEST
+
 /* ---- models of one body ---- */
 
 static rbd_body massive_body(rbd_joint_type type) {
@@ -424,6 +497,45 @@ START_TEST(point_mass_on_the_axis_is_singular) {
         ck_assert_int_eq(rbd_singular_dof(work), 0);
         ck_assert_int_eq(rbd_fd_cholesky(model, work, q, v, v, NULL, found), RBD_ERR_SINGULAR);
         ck_assert_int_eq(rbd_singular_dof(work), 0);
+    }
+}
+END_TEST
+
+/* The tip of an arm of two rods, held where it is: stretched, only one direction is held, in this lane alone. */
+START_TEST(rank_may_differ_from_lane_to_lane) {
+    static unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE(2, 2)],
+        memory[RBD_CONSTRAINTS_SIZE(2, 2)];
+    const double tip[3] = {1, 0, 0};
+    rbd_body arm[2] = {massive_body(RBD_REVOLUTE), massive_body(RBD_REVOLUTE)};
+    rbd_constraint k = rbd_point_contact(1, tip, NULL);
+    rbd_constraints *c;
+    rbd_real lambda[2], J[4], held;
+    arm[1].parent = 0;
+    arm[1].position[0] = 1;
+    k.axes[5] = 0;
+    RUN(rbd_model_build(arm, 2, model_memory, sizeof model_memory, &model, NULL));
+    RUN(rbd_work_init(model, work_memory, sizeof work_memory, &work));
+    RUN(rbd_constraints_init(model, work, &k, 1, memory, sizeof memory, &c, NULL));
+    for (int shift = 0; shift < 2; shift++) {
+        EACH_LANE {
+            put(&q[0], lane, 0);
+            put(&q[1], lane, (lane + shift) % 2 ? 0.7 : 0);
+            put(&v[0], lane, 0);
+            put(&v[1], lane, 0);
+            put(&tau[0], lane, 3);
+            put(&tau[1], lane, -5);
+        }
+        RUN(rbd_constrained_fd(model, c, q, v, tau, NULL, found, lambda));
+        RUN(rbd_constraint_jacobian(model, c, q, NULL, J, NULL, NULL));
+        EACH_LANE {
+            ck_assert_int_eq((int)get(rbd_constraint_rank(c), lane), 1 + (lane + shift) % 2);
+            for (int row = 0; row < 2; row++) {
+                held = J[2 * row] * found[0] + J[2 * row + 1] * found[1];
+                ck_assert(fabs(get(held, lane)) <= 1e4 * SCALAR_EPSILON + FLOOR);
+            }
+            ck_assert((lane + shift) % 2 || fabs(get(lambda[0], lane)) <= 1e4 * SCALAR_EPSILON + FLOOR);
+            ck_assert(fabs(get(lambda[1], lane)) >= 0.1);
+        }
     }
 }
 END_TEST
@@ -587,6 +699,8 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, momentum_and_derivatives_match_the_reference);
     tcase_add_test(c, thin_rod_turns_about_its_axis);
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
+    tcase_add_test(c, constrained_dynamics_match_the_reference);
+    tcase_add_test(c, rank_may_differ_from_lane_to_lane);
     tcase_add_test(c, only_directions_count_at_any_length);
     tcase_add_test(c, widest_limits_give_finite_configurations);
 #ifdef SCALAR_FLOAT

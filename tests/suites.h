@@ -8,7 +8,7 @@
 #define SUITES(x) \
     x(status) x(build) x(work) x(rnea) x(crba) x(aba) x(cholesky) x(passive) x(kinematics) x(points) \
         x(manifold) x(lookup) x(joints) x(mimic) x(singular) x(simulation) x(textbook) x(guarded) x(control) \
-            x(derivatives)
+            x(derivatives) x(constraints)
 
 #define DECLARE_SUITE(name) Suite *name##_suite(void);
 SUITES(DECLARE_SUITE)

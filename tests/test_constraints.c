@@ -1,0 +1,803 @@
+/* test_constraints.c - rbd_constraints.h: contacts, loops, impacts. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "rbd_constraints.h"
+
+#include "suites.h"
+#include "support.h"
+
+enum { MAX_ROWS = 60, MAX_SET = 16 };
+
+/* ---- a set in memory of just its size ---- */
+
+typedef struct set {
+    rbd_constraints *c;
+    int rows;
+    void *memory;
+} set;
+
+static set set_of(const robot *r, const rbd_constraint *list, int n) {
+    set s;
+    rbd_report report;
+    char text[200];
+    const size_t size = rbd_constraints_size(r->m, list, n);
+    s.memory = malloc(size);
+    ck_assert_msg(rbd_constraints_init(r->m, r->w, list, n, s.memory, size, &s.c, &report) == RBD_OK,
+                  "%s: %s", r->name, rbd_constraint_finding_text(&report.error, text, sizeof text));
+    s.rows = rbd_constraint_rows(s.c);
+    ck_assert_uint_le(size, RBD_CONSTRAINTS_SIZE((size_t)r->nv, (size_t)s.rows));
+    return s;
+}
+
+/* ---- the reference ---- */
+
+static const ref_control *control_named(const char *name) {
+    for (int i = 0; i < control_count; i++)
+        if (strcmp(reference_control(i)->model->name, name) == 0) return reference_control(i);
+    ck_abort_msg("no %s", name);
+    return NULL;
+}
+
+static void copy_constraints(const ref_constraint_set *from, double kp, double kd, rbd_constraint *to) {
+    ck_assert_int_le(from->count, MAX_SET);
+    for (int i = 0; i < from->count; i++) {
+        const ref_constraint *k = &from->constraints[i];
+        memset(&to[i], 0, sizeof to[i]);
+        to[i].body1 = k->body1, to[i].body2 = k->body2;
+        memcpy(to[i].rotation1, k->R1, sizeof k->R1);
+        memcpy(to[i].position1, k->p1, sizeof k->p1);
+        memcpy(to[i].rotation2, k->R2, sizeof k->R2);
+        memcpy(to[i].position2, k->p2, sizeof k->p2);
+        memcpy(to[i].axes, k->axes, sizeof k->axes);
+        to[i].kp = kp, to[i].kd = kd;
+    }
+}
+
+/* gamma and e may vanish: relative to 1 at least */
+static void expect_close_to_one(const char *what, const robot *r, int number, const double *found,
+                                const double *expected, int n) {
+    double worst = 0;
+    for (int i = 0; i < n; i++)
+        worst = fmax(worst, isfinite(found[i]) ? fabs(found[i] - expected[i]) : HUGE_VAL);
+    expect_small(what, r, number, worst / fmax(1, largest(expected, n)), 1e-11);
+}
+
+static void check_reference_set(const robot *r, const ref_control_state *s,
+                                const ref_constraint_set *expected, int number) {
+    rbd_constraint list[MAX_SET];
+    double J[MAX_ROWS * MAX_V], gamma[MAX_ROWS], e[MAX_ROWS], a[MAX_V], lambda[MAX_ROWS];
+    const double bound = fmax(inverse_bound(s->cond_M), 1e-15 * expected->cond);
+    const int rows = expected->rows, nv = r->nv;
+    copy_constraints(expected, 0, 0, list);
+    set c = set_of(r, list, expected->count);
+    ck_assert_int_eq(c.rows, rows);
+    RUN(rbd_constraint_jacobian(r->m, c.c, s->q, s->v, J, gamma, e));
+    expect_close("constraint J", r, number, J, expected->J_c, rows * nv, 1e-11);
+    expect_close_to_one("constraint gamma", r, number, gamma, expected->gamma, rows);
+    expect_close_to_one("constraint e", r, number, e, expected->e, rows);
+    RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, NULL, a, lambda));
+    expect_close("constrained a", r, number, a, expected->qdd_c, nv, bound);
+    expect_close("lambda", r, number, lambda, expected->lambda, rows, bound);
+    ck_assert_int_eq((int)rbd_constraint_rank(c.c), expected->rank);
+    RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, s->f_ext, a, lambda));
+    expect_close("constrained a, wrenches", r, number, a, expected->qdd_c_ext, nv, bound);
+    expect_close("lambda, wrenches", r, number, lambda, expected->lambda_ext, rows, bound);
+    RUN(rbd_impact(r->m, c.c, s->q, expected->v_minus, 0, a, lambda));
+    expect_close("v_plus", r, number, a, expected->v_plus, nv, bound);
+    expect_close("impulse", r, number, lambda, expected->impulse, rows, bound);
+    ck_assert_int_eq((int)rbd_constraint_rank(c.c), expected->rank);
+    RUN(rbd_impact(r->m, c.c, s->q, expected->v_minus, expected->restitution, a, lambda));
+    expect_close("v_plus, restitution", r, number, a, expected->v_plus_r, nv, bound);
+    expect_close("impulse, restitution", r, number, lambda, expected->impulse_r, rows, bound);
+    free(c.memory);
+    copy_constraints(expected, expected->kp, expected->kd, list);
+    c = set_of(r, list, expected->count);
+    RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, NULL, a, lambda));
+    expect_close("constrained a, stabilised", r, number, a, expected->qdd_b, nv, bound);
+    expect_close("lambda, stabilised", r, number, lambda, expected->lambda_b, rows, bound);
+    free(c.memory);
+}
+
+START_TEST(every_set_of_the_reference) {
+    int sets = 0, redundant = 0;
+    for (int i = 0; i < control_count; i++) {
+        const ref_control *control = reference_control(i);
+        robot r = robot_build(control->model->name, control->model->bodies, control->model->nb);
+        for (int k = 0; k < control->nstates; k++) {
+            const ref_control_state *s = &control->states[k];
+            ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
+            for (int j = 0; j < s->nconstraint_sets; j++, sets++) {
+                check_reference_set(&r, s, &s->constraint_sets[j], k);
+                redundant += s->constraint_sets[j].rank < s->constraint_sets[j].rows;
+            }
+        }
+        robot_free(&r);
+    }
+    ck_assert_int_ge(sets, 50);
+    ck_assert_int_ge(redundant, 3);
+}
+END_TEST
+
+/* ---- random sets on random trees, against the definitions and the textbook ---- */
+
+/* A frame of a constraint in the world, by the textbook's motion of its body. */
+typedef struct place {
+    tb_real R[9], p[3], w[3], v[3], alpha[3], a[3];
+} place;
+
+static void cross(const tb_real *a, const tb_real *b, tb_real *out) {
+    for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* R x, or R'x */
+static void turn(const tb_real *R, const tb_real *x, int transposed, tb_real *out) {
+    for (int i = 0; i < 3; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 3; k++) out[i] += R[transposed ? 3 * k + i : 3 * i + k] * x[k];
+    }
+}
+
+static place place_of(const tb_motion *t, int body, const double *R, const double *p) {
+    place out;
+    tb_real x[3], y[3], link[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    memset(&out, 0, sizeof out);
+    if (body >= 0) memcpy(link, t->R[body], sizeof link);
+    for (int i = 0; i < 9; i++)
+        for (int k = 0; k < 3; k++) out.R[i] += link[i / 3 * 3 + k] * (tb_real)R[3 * k + i % 3];
+    for (int k = 0; k < 3; k++) x[k] = p[k];
+    turn(link, x, 0, y);
+    memcpy(out.p, y, sizeof y);
+    if (body < 0) return out;
+    for (int k = 0; k < 3; k++) out.p[k] += t->p[body][k];
+    turn(link, t->velocity[body], 0, out.w);
+    turn(link, t->velocity[body] + 3, 0, out.v);
+    turn(link, t->classical[body], 0, out.alpha);
+    turn(link, t->classical[body] + 3, 0, out.a);
+    cross(out.w, y, x);
+    for (int k = 0; k < 3; k++) out.v[k] += x[k];
+    cross(out.w, x, link);
+    for (int k = 0; k < 3; k++) out.a[k] += link[k];
+    cross(out.alpha, y, x);
+    for (int k = 0; k < 3; k++) out.a[k] += x[k];
+    return out;
+}
+
+/* Velocity of frame 1 seen from frame 2 and its rate, the rows that are held: to the letter. */
+static int definition(const tb_motion *t, const rbd_constraint *k, double *velocity, double *rate) {
+    const place one = place_of(t, k->body1, k->rotation1, k->position1),
+                two = place_of(t, k->body2, k->rotation2, k->position2);
+    tb_real s[3], w[3], u[3], x[3], y[3], angular[3], linear[3], all[2][6];
+    int n = 0;
+    for (int i = 0; i < 3; i++) s[i] = one.p[i] - two.p[i], w[i] = one.w[i] - two.w[i];
+    cross(two.w, s, x);
+    for (int i = 0; i < 3; i++) u[i] = one.v[i] - two.v[i] - x[i];
+    cross(two.w, w, y);
+    for (int i = 0; i < 3; i++) angular[i] = one.alpha[i] - two.alpha[i] - y[i];
+    cross(two.w, x, y);
+    for (int i = 0; i < 3; i++) linear[i] = one.a[i] - two.a[i] - y[i];
+    cross(two.alpha, s, y);
+    cross(two.w, u, x);
+    for (int i = 0; i < 3; i++) linear[i] -= y[i] + 2 * x[i];
+    turn(two.R, w, 1, all[0]);
+    turn(two.R, u, 1, all[0] + 3);
+    turn(two.R, angular, 1, all[1]);
+    turn(two.R, linear, 1, all[1] + 3);
+    for (int i = 0; i < 6; i++)
+        if (k->axes[i]) velocity[n] = (double)all[0][i], rate[n++] = (double)all[1][i];
+    return n;
+}
+
+static int carrier(const robot *r, int body) { /* the first body that is rigidly joined to it */
+    while (body >= 0 && r->bodies[body].type == RBD_FIXED) body = r->bodies[body].parent;
+    return body;
+}
+
+/* Point, plane, line, surface, hinge, whatever six bits say; and now and then one again. */
+static int random_set(const robot *r, uint64_t *seed, rbd_constraint *list) {
+    static const int kinds[6][6] = {{0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 0, 1}, {1, 1, 1, 1, 1, 1},
+                                    {1, 1, 0, 1, 1, 1}, {1, 1, 1, 0, 0, 0}, {0, 0, 0, 1, 0, 1}};
+    const int wanted = 1 + below(seed, 3);
+    int n = 0;
+    for (int tries = 0; tries < 20 && n < wanted; tries++) {
+        rbd_constraint *k = &list[n];
+        memset(k, 0, sizeof *k);
+        k->body1 = below(seed, r->nb);
+        k->body2 = below(seed, 2) ? -1 : below(seed, r->nb + 1) - 1;
+        if (carrier(r, k->body1) == carrier(r, k->body2)) continue;
+        random_rotation(seed, k->rotation1);
+        random_rotation(seed, k->rotation2);
+        for (int i = 0; i < 3; i++)
+            k->position1[i] = uniform(seed, -0.5, 0.5), k->position2[i] = uniform(seed, -0.5, 0.5);
+        memcpy(k->axes, kinds[below(seed, 6)], sizeof k->axes);
+        if (below(seed, 2)) k->kd = uniform(seed, 0, 20), k->kp = uniform(seed, 0, 50);
+        n++;
+    }
+    if (n > 0 && below(seed, 3) == 0) list[n] = list[0], n++;
+    return n;
+}
+
+static void check_definition(const robot *r, const state *s, int number) {
+    uint64_t seed = 77 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    static tb_motion motion;
+    tb_real tau[TB_MAX_DOFS];
+    double J[MAX_ROWS * MAX_V], gamma[MAX_ROWS], velocity[MAX_ROWS], rate[MAX_ROWS], found[MAX_ROWS];
+    const int n = random_set(r, &seed, list);
+    set c = set_of(r, list, n);
+    int row = 0;
+    tb_rnea(r->bodies, r->nb, s->gravity, s->q, s->v, s->a, NULL, tau, &motion);
+    for (int i = 0; i < n; i++) {
+        ck_assert_int_eq(rbd_constraint_first(c.c, i), row);
+        row += definition(&motion, &list[i], velocity + row, rate + row);
+    }
+    ck_assert_int_eq(row, c.rows);
+    RUN(rbd_constraint_jacobian(r->m, c.c, s->q, s->v, J, gamma, NULL));
+    multiply(J, s->v, row, r->nv, found);
+    expect_close("J v by definition", r, number, found, velocity, row, 1e-12);
+    multiply(J, s->a, row, r->nv, found);
+    for (int i = 0; i < row; i++) found[i] += gamma[i];
+    expect_close("J a + gamma by definition", r, number, found, rate, row, 1e-11);
+    free(c.memory);
+}
+
+START_TEST(rows_are_as_defined_on_random_trees) { for_random_trees(300, check_definition); }
+END_TEST
+
+/* Largest entry of left - right, beside the largest of the terms. */
+typedef struct residual {
+    double error, size;
+} residual;
+static void add_residual(residual *to, double difference, double term) {
+    to->error = fmax(to->error, isfinite(difference) ? fabs(difference) : HUGE_VAL);
+    to->size = fmax(to->size, fabs(term));
+}
+
+static int solved, dependent;
+
+static void check_residuals(const robot *r, const state *s, int number) {
+    uint64_t seed = 99 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    static tb_real M[MAX_V * MAX_V];
+    tb_real c[TB_MAX_DOFS], free_a[TB_MAX_DOFS];
+    double J[MAX_ROWS * MAX_V], gamma[MAX_ROWS], e[MAX_ROWS], u[MAX_ROWS], a[MAX_V], lambda[MAX_ROWS],
+        zero[MAX_V] = {0};
+    const int n = random_set(r, &seed, list), nv = r->nv;
+    const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, free_a);
+    set k = set_of(r, list, n);
+    residual dynamics = {0, 0}, held = {0, 0};
+    RUN(rbd_constraint_jacobian(r->m, k.c, s->q, s->v, J, gamma, e));
+    const rbd_status status = rbd_constrained_fd(r->m, k.c, s->q, s->v, s->tau, s->f_ext, a, lambda);
+    if (!(condition > 0 && condition < 1e10L) ||
+        status == RBD_ERR_INFEASIBLE) { /* more is held than can be */
+        ck_assert(status == RBD_OK || status == RBD_ERR_SINGULAR || status == RBD_ERR_INFEASIBLE);
+        free(k.memory);
+        return;
+    }
+    ck_assert_int_eq(status, RBD_OK);
+    solved++;
+    dependent += rbd_constraint_rank(k.c) < k.rows;
+    tb_mass_matrix(r->bodies, r->nb, s->q, M);
+    tb_rnea(r->bodies, r->nb, s->gravity, s->q, s->v, zero, s->f_ext, c, NULL);
+    multiply(J, s->v, k.rows, nv, u);
+    for (int i = 0; i < nv; i++) {
+        double sum = (double)c[i] - s->tau[i];
+        for (int j = 0; j < nv; j++) {
+            sum += (double)M[i * nv + j] * a[j];
+            add_residual(&dynamics, 0, (double)M[i * nv + j] * a[j]);
+        }
+        for (int row = 0; row < k.rows; row++) {
+            sum -= J[row * nv + i] * lambda[row];
+            add_residual(&dynamics, 0, J[row * nv + i] * lambda[row]);
+        }
+        add_residual(&dynamics, sum, (double)c[i]);
+    }
+    for (int i = 0, row = 0; i < n; i++)
+        for (int axis = 0; axis < 6; axis++) {
+            if (!list[i].axes[axis]) continue;
+            double sum = gamma[row] + list[i].kd * u[row] + list[i].kp * e[row];
+            for (int j = 0; j < nv; j++) {
+                sum += J[row * nv + j] * a[j];
+                add_residual(&held, 0, J[row * nv + j] * a[j]);
+            }
+            add_residual(&held, sum, gamma[row]);
+            row++;
+        }
+    expect_small("M a + c = tau + J'lambda", r, number, dynamics.error / dynamics.size, 1e-11);
+    expect_small("J a + gamma = r", r, number, held.error / held.size, inverse_bound((double)condition));
+    free(k.memory);
+}
+
+START_TEST(both_equations_hold_on_random_trees) {
+    solved = dependent = 0;
+    for_random_trees(500, check_residuals);
+    ck_assert_msg(solved > 500 && dependent > 100, "%d solved, %d of dependent rows", solved, dependent);
+}
+END_TEST
+
+/* ---- mechanisms with closed forms ---- */
+
+/* Rods in the x-z plane, along their x, with pins at both ends; mass at the ends of the second only: then it
+   moves with its neighbours, and one angle says all. y points away, so angles run from z to x: the plane is
+   seen as (x, -z). */
+#define ROD(parent_, x, mass_, com_, Iyy) \
+    {.parent = parent_, \
+     .type = RBD_REVOLUTE, \
+     .axis = {0, -1, 0}, \
+     .position = {x, 0, 0}, \
+     .mass = mass_, \
+     .com = {com_, 0, 0}, \
+     .inertia = {0.001, 0, 0, Iyy, 0, 0.001}}
+
+static const double crank = 0.3, coupler = 0.8, rocker = 0.6, ground = 0.7, g = 9.81;
+static const double crank_mass = 1.1, crank_I = 0.03, end_mass = 0.7, rocker_mass = 0.9, rocker_I = 0.05;
+
+/* Closes it by the rows that the plane needs, by a ball joint, by a hinge: 2 rows of 2, 3, 5. */
+static rbd_constraint closing(int kind, int body1, double x1, int body2, double x2) {
+    const double p1[3] = {x1, 0, 0}, p2[3] = {x2, 0, 0}, y[3] = {0, 1, 0};
+    rbd_constraint k =
+        kind == 2 ? rbd_hinge_loop(body1, p1, y, body2, p2, y) : rbd_ball_loop(body1, p1, body2, p2);
+    if (kind == 0) k.axes[4] = 0;
+    return k;
+}
+
+static void check_mechanism(const robot *r, int number, int kind, const rbd_constraint *k, const double *q,
+                            const double *v, const double *tau, const double *expected) {
+    double a[3], e[5], lambda[5], J[5 * 3], u[5];
+    set c = set_of(r, k, 1);
+    RUN(rbd_constraint_jacobian(r->m, c.c, q, v, J, NULL, e));
+    multiply(J, v, c.rows, 3, u);
+    for (int i = 0; i < c.rows; i++) {
+        expect_small("closed: e", r, number, fabs(e[i]), 1e-14);
+        expect_small("closed: J v", r, number, fabs(u[i]), 1e-13);
+    }
+    RUN(rbd_constrained_fd(r->m, c.c, q, v, tau, NULL, a, lambda));
+    expect_close("closed form", r, number, a, expected, 3, 1e-11);
+    ck_assert_int_eq((int)rbd_constraint_rank(c.c), 2);
+    (void)kind;
+    free(c.memory);
+}
+
+/* The angle psi of the rocker for that of the crank, and its derivatives: the ends of both are `coupler` apart. */
+static void four_bar(double theta, double psi[3]) {
+    const double x = crank * cos(theta), z = crank * sin(theta), dx = x - ground, d2 = dx * dx + z * z,
+                 d = sqrt(d2);
+    const double corner = acos((rocker * rocker + d2 - coupler * coupler) / (2 * rocker * d));
+    psi[0] = atan2(z, dx) - corner;
+    /* f = |A(theta) - B(psi)|^2 / 2 is constant */
+    const double Ax = x, Az = z, Bx = ground + rocker * cos(psi[0]), Bz = rocker * sin(psi[0]);
+    const double ax = -z, az = x, bx = -rocker * sin(psi[0]), bz = rocker * cos(psi[0]), X = Ax - Bx,
+                 Z = Az - Bz;
+    const double ft = X * ax + Z * az, fp = -(X * bx + Z * bz);
+    psi[1] = -ft / fp;
+    const double ux = ax - bx * psi[1], uz = az - bz * psi[1]; /* rate of A - B */
+    const double cx = -Ax + (Bx - ground) * psi[1] * psi[1], cz = -Az + Bz * psi[1] * psi[1];
+    psi[2] = -(ux * ux + uz * uz + X * cx + Z * cz) / fp;
+}
+
+START_TEST(four_bar_linkage_over_a_revolution) {
+    const rbd_body bodies[3] = {
+        ROD(-1, 0, crank_mass, crank / 2, crank_I),
+        ROD(0, crank, 2 * end_mass, coupler / 2, 2 * end_mass * coupler * coupler / 4),
+        ROD(-1, ground, rocker_mass, rocker / 2, rocker_I)};
+    robot r = BUILD(bodies);
+    const double A = crank_I + crank_mass * crank * crank / 4 + end_mass * crank * crank;
+    const double B = rocker_I + rocker_mass * rocker * rocker / 4 + end_mass * rocker * rocker;
+    for (int step = 0; step < 48; step++) {
+        const double theta = step * 0.1309, rate = 1.7, torque = 3;
+        double psi[3], q[3], v[3], a[3], chi;
+        const double tau[3] = {torque, 0, 0};
+        four_bar(theta, psi);
+        const double V1 = g * (crank_mass * crank / 2 + end_mass * crank) * cos(theta);
+        const double V3 = g * (rocker_mass * rocker / 2 + end_mass * rocker) * cos(psi[0]) * psi[1];
+        a[0] = (torque - V1 - V3 - B * psi[1] * psi[2] * rate * rate) / (A + B * psi[1] * psi[1]);
+        a[2] = psi[1] * a[0] + psi[2] * rate * rate;
+        /* the coupler's angle, relative to the crank; rates across and along it */
+        const double X = ground + rocker * cos(psi[0]) - crank * cos(theta),
+                     Z = rocker * sin(psi[0]) - crank * sin(theta);
+        const double dX = -rocker * sin(psi[0]) * psi[1] * rate + crank * sin(theta) * rate;
+        const double dZ = rocker * cos(psi[0]) * psi[1] * rate - crank * cos(theta) * rate;
+        const double ddX = -rocker * (sin(psi[0]) * a[2] + cos(psi[0]) * psi[1] * psi[1] * rate * rate) +
+                           crank * (sin(theta) * a[0] + cos(theta) * rate * rate);
+        const double ddZ = rocker * (cos(psi[0]) * a[2] - sin(psi[0]) * psi[1] * psi[1] * rate * rate) -
+                           crank * (cos(theta) * a[0] - sin(theta) * rate * rate);
+        chi = atan2(Z, X);
+        q[0] = theta, q[1] = chi - theta, q[2] = psi[0];
+        v[0] = rate, v[1] = (X * dZ - Z * dX) / (coupler * coupler) - rate, v[2] = psi[1] * rate;
+        a[1] = (X * ddZ - Z * ddX) / (coupler * coupler) - a[0];
+        for (int kind = 0; kind < 3; kind++) {
+            const rbd_constraint k = closing(kind, 1, coupler, 2, rocker);
+            check_mechanism(&r, step, kind, &k, q, v, tau, a);
+        }
+    }
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(slider_crank_over_a_revolution) {
+    rbd_body bodies[3] = {ROD(-1, 0, crank_mass, crank / 2, crank_I),
+                          ROD(0, crank, 2 * end_mass, coupler / 2, 2 * end_mass * coupler * coupler / 4),
+                          {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1.3}};
+    robot r = BUILD(bodies);
+    const double A = crank_I + crank_mass * crank * crank / 4 + end_mass * crank * crank, B = 1.3 + end_mass;
+    for (int step = 0; step < 48; step++) {
+        const double theta = step * 0.1309, rate = -2.3, torque = 2, c = crank * cos(theta),
+                     s = crank * sin(theta);
+        const double h = sqrt(coupler * coupler - s * s), tau[3] = {torque, 0, 0};
+        const double x1 = -s - s * c / h; /* dx/dtheta of x = c + h, and the second derivative */
+        const double x2 = -c - (c * c - s * s) / h - s * s * c * c / (h * h * h);
+        const double V = g * (crank_mass / 2 + end_mass) * c;
+        const double phi1 = -c / h,
+                     phi2 = s / h - s * c * c / (h * h * h); /* of the rod's angle, sin = -s / coupler */
+        double q[3], v[3], a[3];
+        a[0] = (torque - V - B * x1 * x2 * rate * rate) / (A + B * x1 * x1);
+        a[1] = phi1 * a[0] + phi2 * rate * rate - a[0];
+        a[2] = x1 * a[0] + x2 * rate * rate;
+        q[0] = theta, q[1] = atan2(-s, h) - theta, q[2] = c + h;
+        v[0] = rate, v[1] = phi1 * rate - rate, v[2] = x1 * rate;
+        for (int kind = 0; kind < 3; kind++) {
+            const rbd_constraint k = closing(kind, 1, coupler, 2, 0);
+            check_mechanism(&r, step, kind, &k, q, v, tau, a);
+        }
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- impacts ---- */
+
+static void check_impact(const robot *r, const state *s, int number) {
+    uint64_t seed = 5 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    double M[MAX_V * MAX_V], J[MAX_ROWS * MAX_V], change[MAX_V], p[MAX_V], v[MAX_V], u[MAX_ROWS],
+        u_plus[MAX_ROWS];
+    double impulse[MAX_ROWS];
+    const int n = random_set(r, &seed, list), nv = r->nv;
+    const double restitution = uniform(&seed, 0, 1);
+    set k = set_of(r, list, n);
+    tb_real a[TB_MAX_DOFS];
+    const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, NULL, a);
+    if (condition > 0 && condition < 1e8L) {
+        RUN(rbd_impact(r->m, k.c, s->q, s->v, restitution, v, impulse));
+        RUN(rbd_crba(r->m, r->w, s->q, M));
+        RUN(rbd_constraint_jacobian(r->m, k.c, s->q, NULL, J, NULL, NULL));
+        double lost = 0, energy = 0;
+        for (int i = 0; i < nv; i++) change[i] = v[i] - s->v[i];
+        multiply(M, change, nv, nv, p);
+        for (int i = 0; i < nv; i++) {
+            lost -= p[i] * (v[i] + s->v[i]) / 2;
+            energy += fabs(p[i] * v[i]) + fabs(p[i] * s->v[i]);
+            for (int row = 0; row < k.rows; row++) p[i] -= J[row * nv + i] * impulse[row];
+        }
+        expect_small("M (v_plus - v) = J'impulse", r, number, largest(p, nv) / (1 + largest(impulse, k.rows)),
+                     1e-10);
+        multiply(J, s->v, k.rows, nv, u);
+        multiply(J, v, k.rows, nv, u_plus);
+        for (int row = 0; row < k.rows; row++) u_plus[row] += restitution * u[row];
+        expect_small("J v_plus = -restitution J v", r, number, largest(u_plus, k.rows) / (1 + largest(v, nv)),
+                     inverse_bound((double)condition));
+        ck_assert_msg(lost >= -1e-11 * energy, "%s, state %d: an impact gives %g", r->name, number, -lost);
+        RUN(rbd_impact(r->m, k.c, s->q, s->v, 1, v, NULL)); /* nothing is lost */
+        lost = 0;
+        for (int i = 0; i < nv; i++) change[i] = v[i] - s->v[i];
+        multiply(M, change, nv, nv, p);
+        for (int i = 0; i < nv; i++) lost += p[i] * (v[i] + s->v[i]) / 2;
+        expect_small("energy of an elastic impact", r, number, fabs(lost) / (1 + 4 * energy), 1e-11);
+    }
+    free(k.memory);
+}
+
+START_TEST(impacts_on_random_trees) { for_random_trees(300, check_impact); }
+END_TEST
+
+/* Bodies that catch each other change neither the whole momentum nor, with nothing else about, that of others:
+   of a free robot the base's rows of M (v_plus - v) are the change of the whole. */
+START_TEST(momentum_stays_when_two_links_are_caught) {
+    const ref_control *hyq = control_named("control_hyq");
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    ck_assert_int_eq(r.bodies[0].type, RBD_FLOATING);
+    for (int number = 0; number < hyq->nstates; number++) {
+        const ref_control_state *s = &hyq->states[number];
+        const double p1[3] = {0.1, 0, 0.2}, p2[3] = {0, -0.1, 0.3};
+        rbd_constraint k = rbd_ball_loop(3, p1, 9, p2);
+        double v[MAX_V], change[MAX_V], momentum[MAX_V], impulse[3];
+        set c = set_of(&r, &k, 1);
+        ck_assert_int_eq(rbd_impact(r.m, c.c, s->q, s->v, 0.3, v, impulse), RBD_OK);
+        for (int i = 0; i < r.nv; i++) change[i] = v[i] - s->v[i];
+        multiply(s->M, change, r.nv, r.nv, momentum);
+        ck_assert_double_gt(largest(impulse, 3), 1e-3);
+        expect_small("momentum", &r, number, largest(momentum, 6) / largest(impulse, 3), 1e-12);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* A ball that drops from 1 m comes back to restitution^2 of it, and takes 2 sqrt(2 h / g) for a bounce. */
+START_TEST(ball_bounces) {
+    const rbd_body bodies[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 2}};
+    robot r = BUILD(bodies);
+    const double origin[3] = {0, 0, 0}, restitution = 0.8;
+    rbd_constraint k = rbd_point_contact(0, origin, NULL);
+    k.axes[3] = k.axes[4] = 0;
+    set c = set_of(&r, &k, 1);
+    double q[1] = {0}, v[1] = {-sqrt(2 * g)}, impulse[1], a[1], lambda[1], tau[1] = {0}, height = 1;
+    for (int bounce = 0; bounce < 10; bounce++) {
+        const double before = v[0];
+        ck_assert_int_eq(rbd_impact(r.m, c.c, q, v, restitution, v, impulse), RBD_OK);
+        expect_small("impulse", &r, bounce, fabs(impulse[0] - 2 * (v[0] - before)), 1e-13);
+        height *= restitution * restitution;
+        expect_small("height of a bounce", &r, bounce, fabs(v[0] * v[0] / (2 * g) - height), 1e-14);
+        v[0] = -v[0]; /* up and down again */
+    }
+    v[0] = 0;
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda), RBD_OK);
+    expect_small("weight", &r, 0, fabs(lambda[0] - 2 * g) + fabs(a[0]), 1e-14);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- dependent and contradicting rows ---- */
+
+/* Points close together: their rows differ by a hundredth, and still count. */
+START_TEST(close_points_keep_their_rank) {
+    const ref_control *atlas = control_named("control_atlas");
+    robot r = robot_build(atlas->model->name, atlas->model->bodies, atlas->model->nb);
+    const ref_control_state *s = &atlas->states[0];
+    const int foot = s->constraint_sets[0].constraints[0].body1;
+    double a[3][MAX_V], zero[MAX_V] = {0};
+    for (int size = 0; size < 3; size++) {
+        const double l = size == 0 ? 0.1 : size == 1 ? 1e-2 : 1e-3;
+        rbd_constraint list[3];
+        double lambda[9];
+        for (int i = 0; i < 3; i++) {
+            const double point[3] = {i == 0 ? l : 0, i == 1 ? l : 0, -0.07};
+            list[i] = rbd_point_contact(foot, point, NULL);
+        }
+        set c = set_of(&r, list, 3);
+        ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, zero, s->tau, NULL, a[size], lambda), RBD_OK);
+        ck_assert_int_eq((int)rbd_constraint_rank(c.c), 6);
+        free(c.memory);
+    }
+    expect_close("points 1 cm apart", &r, 0, a[1], a[0], r.nv, 1e-9);
+    expect_close("points 1 mm apart", &r, 0, a[2], a[0], r.nv, 1e-7);
+    robot_free(&r);
+}
+END_TEST
+
+/* The same point shall stand still and, by its own stabilisation, come back. */
+START_TEST(contradiction_names_the_row) {
+    const ref_control *iiwa = control_named("control_iiwa");
+    robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
+    const ref_control_state *s = &iiwa->states[0];
+    const double point[3] = {0, 0, 0.1}, far[3] = {1, 2, 3};
+    rbd_constraint list[3] = {rbd_point_contact(3, point, NULL), rbd_point_contact(6, point, NULL),
+                              rbd_point_contact(6, point, far)};
+    double a[MAX_V], lambda[9], J[9 * MAX_V], gamma[9], e[9], held[9];
+    list[0].axes[3] = list[0].axes[4] = 0;
+    list[1].kp = 0, list[2].kp = 10;
+    set c = set_of(&r, list, 3);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_ERR_INFEASIBLE);
+    ck_assert_int_eq(rbd_infeasible_row(c.c), 1);
+    ck_assert_int_eq((int)rbd_constraint_rank(c.c), 4);
+    /* the rows behind have what they ask for */
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, gamma, e), RBD_OK);
+    multiply(J, a, c.rows, r.nv, held);
+    for (int row = 4; row < 7; row++)
+        expect_small("row behind a contradiction", &r, row, fabs(held[row] + gamma[row] + 10 * e[row]), 1e-9);
+    free(c.memory);
+    list[1].kp = 10; /* in agreement */
+    memcpy(list[1].position2, far, sizeof far);
+    c = set_of(&r, list, 3);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_OK);
+    ck_assert_int_eq(rbd_infeasible_row(c.c), -1);
+    expect_close("shared by twins", &r, 0, lambda + 1, lambda + 4, 3, 1e-11);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* No rows: forward dynamics, and an impact that changes nothing. */
+static void check_empty(const robot *r, const state *s, int number) {
+    double a[MAX_V], expected[MAX_V];
+    set c = set_of(r, NULL, 0);
+    const rbd_status status = rbd_fd_cholesky(r->m, r->w, s->q, s->v, s->tau, s->f_ext, expected);
+    ck_assert_int_eq(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, s->f_ext, a, NULL), status);
+    if (status == RBD_OK) {
+        expect_close("without rows", r, number, a, expected, r->nv, 1e-12);
+        RUN(rbd_impact(r->m, c.c, s->q, s->v, 0.5, a, NULL));
+        expect_close("impact on nothing", r, number, a, s->v, r->nv, 1e-15);
+    }
+    free(c.memory);
+}
+
+START_TEST(empty_set_is_forward_dynamics) { for_random_trees(50, check_empty); }
+END_TEST
+
+START_TEST(singular_mass_matrix_is_an_error) {
+    const rbd_body bodies[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1}};
+    robot r = BUILD(bodies);
+    const double q[2] = {0.1, 0.2}, point[3] = {1, 0, 0};
+    double a[2] = {7, 7}, lambda[3] = {7, 7, 7};
+    rbd_constraint k = rbd_point_contact(0, point, NULL);
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, q, q, NULL, a, lambda), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_singular_dof(r.w), 1);
+    ck_assert(!(largest(a, 2) > 0) && !(largest(lambda, 3) > 0));
+    ck_assert_int_eq(rbd_impact(r.m, c.c, q, q, 0, a, lambda), RBD_ERR_SINGULAR);
+    ck_assert(!(largest(a, 2) > 0) && !(largest(lambda, 3) > 0));
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- what is refused ---- */
+
+static void refuse(const robot *r, const rbd_constraint *bad, rbd_status status, const char *field) {
+    const double point[3] = {0, 0, 0};
+    rbd_constraint list[2] = {rbd_point_contact(0, point, NULL), *bad};
+    unsigned char memory[RBD_CONSTRAINTS_SIZE(7, 12)];
+    rbd_constraints *c = (rbd_constraints *)memory;
+    rbd_report report;
+    char text[200];
+    list[1].name = "bad one";
+    ck_assert_int_eq(rbd_constraints_init(r->m, r->w, list, 2, memory, sizeof memory, &c, &report), status);
+    ck_assert_ptr_null(c);
+    ck_assert_int_eq(report.error.status, status);
+    ck_assert_int_eq(report.error.body, 1);
+    ck_assert_str_eq(report.error.field, field);
+    rbd_constraint_finding_text(&report.error, text, sizeof text);
+    ck_assert_ptr_eq(strstr(text, "constraint 1 'bad one', field '"), text);
+    ck_assert_ptr_nonnull(strstr(text, field));
+}
+
+START_TEST(bad_rows_are_refused_by_name) {
+    const ref_control *iiwa = control_named("control_iiwa");
+    robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
+    const double point[3] = {0, 0, 0.1};
+    const rbd_constraint good = rbd_point_contact(6, point, NULL);
+    rbd_constraint bad;
+#define REFUSE(change, status, field) \
+    do { \
+        bad = good; \
+        change; \
+        refuse(&r, &bad, status, field); \
+    } while (0)
+    REFUSE(bad.body1 = 7, RBD_ERR_INDEX, "body1");
+    REFUSE(bad.body1 = -2, RBD_ERR_INDEX, "body1");
+    REFUSE(bad.body2 = 7, RBD_ERR_INDEX, "body2");
+    REFUSE(bad.body2 = -2, RBD_ERR_INDEX, "body2");
+    REFUSE(bad.body2 = 6, RBD_ERR_INDEX, "body2");
+    REFUSE(bad.body1 = -1, RBD_ERR_INDEX, "body2");
+    REFUSE(bad.rotation1[1] = 0.1, RBD_ERR_ROTATION, "rotation1");
+    REFUSE(bad.rotation2[8] = -1, RBD_ERR_ROTATION, "rotation2");
+    REFUSE(bad.rotation2[0] = NAN, RBD_ERR_ROTATION, "rotation2");
+    REFUSE(bad.position1[2] = NAN, RBD_ERR_POSITION, "position1");
+    REFUSE(bad.position2[0] = HUGE_VAL, RBD_ERR_POSITION, "position2");
+    REFUSE(bad.axes[3] = 2, RBD_ERR_AXIS, "axes");
+    REFUSE(bad.axes[0] = -1, RBD_ERR_AXIS, "axes");
+    REFUSE(memset(bad.axes, 0, sizeof bad.axes), RBD_ERR_AXIS, "axes");
+    REFUSE(bad.kp = -1, RBD_ERR_GAIN, "kp");
+    REFUSE(bad.kp = NAN, RBD_ERR_GAIN, "kp");
+    REFUSE(bad.kd = -0.1, RBD_ERR_GAIN, "kd");
+    REFUSE(bad.kd = HUGE_VAL, RBD_ERR_GAIN, "kd");
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(bad_calls_are_refused) {
+    const ref_control *iiwa = control_named("control_iiwa");
+    robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
+    const ref_control *hyq = control_named("control_hyq");
+    robot other = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const double point[3] = {0, 0, 0.1};
+    const rbd_constraint k = rbd_point_contact(6, point, NULL);
+    unsigned char memory[RBD_CONSTRAINTS_SIZE(7, 3)];
+    rbd_constraints *c;
+    rbd_report report;
+    double q[MAX_Q] = {0}, x[MAX_V], lambda[3];
+    const size_t size = rbd_constraints_size(r.m, &k, 1);
+#define INIT(m, w, list, n, memory, size, c) rbd_constraints_init(m, w, list, n, memory, size, c, &report)
+    ck_assert_int_eq(INIT(NULL, r.w, &k, 1, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, NULL, &k, 1, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, NULL, 1, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, &k, 1, NULL, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, &k, 1, memory, size, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(other.m, r.w, &k, 1, memory, size, &c), RBD_ERR_WORK);
+    ck_assert_int_eq(INIT(r.m, r.w, &k, 1, memory, size - 1, &c), RBD_ERR_MEMORY);
+    ck_assert_int_eq(INIT(r.m, r.w, &k, -1, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_int_eq(INIT(r.m, r.w, &k, RBD_MAX_CONSTRAINTS + 1, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_ptr_null(c);
+    ck_assert_uint_eq(rbd_constraints_size(NULL, &k, 1), 0);
+    ck_assert_uint_eq(rbd_constraints_size(r.m, NULL, 1), 0);
+    ck_assert_uint_eq(rbd_constraints_size(r.m, &k, -1), 0);
+    ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &k, 1, memory, size, &c, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rows(c), 3);
+    ck_assert_int_eq(rbd_constraint_rows(NULL), 0);
+    ck_assert_int_eq(rbd_constraint_first(c, 0), 0);
+    ck_assert_int_eq(rbd_constraint_first(c, 1), -1);
+    ck_assert_int_eq(rbd_constraint_first(c, -1), -1);
+    ck_assert_int_eq(rbd_constraint_first(NULL, 0), -1);
+    ck_assert_int_eq(rbd_infeasible_row(c), -1);
+    ck_assert_int_eq(rbd_infeasible_row(NULL), -1);
+    ck_assert_int_eq((int)rbd_constraint_rank(c), 0);
+    ck_assert_int_eq((int)rbd_constraint_rank(NULL), 0);
+    ck_assert_int_eq(rbd_constrained_fd(NULL, c, q, q, q, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, NULL, q, q, q, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c, NULL, q, q, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c, q, NULL, q, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c, q, q, NULL, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c, q, q, q, NULL, NULL, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd(other.m, c, q, q, q, NULL, x, lambda), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_impact(r.m, c, NULL, q, 0, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, NULL, 0, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, 0, NULL, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_impact(other.m, c, q, q, 0, x, lambda), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, q, NULL, NULL, NULL, NULL), RBD_OK);
+    robot_free(&other);
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- memory ---- */
+
+/* Whatever is given ends where it must: behind it nothing is written, and what was in the memory before does
+   not matter. */
+static void check_fences(const robot *r, const state *s, int number) {
+    enum { FENCE = 64 };
+    uint64_t seed = 31 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    const int n = random_set(r, &seed, list);
+    const size_t size = rbd_constraints_size(r->m, list, n);
+    double a[2][MAX_V], lambda[2][MAX_ROWS];
+    for (int run = 0; run < 2; run++) {
+        unsigned char *memory = malloc(size + 2 * FENCE);
+        rbd_constraints *c;
+        memset(memory, run ? 0xff : 0, size + 2 * FENCE);
+        memset(a[run], 0, sizeof a[run]);
+        memset(lambda[run], 0, sizeof lambda[run]);
+        RUN(rbd_constraints_init(r->m, r->w, list, n, memory + FENCE + run, size, &c, NULL));
+        rbd_constrained_fd(r->m, c, s->q, s->v, s->tau, s->f_ext, a[run], lambda[run]);
+        rbd_impact(r->m, c, s->q, s->v, 0.5, a[run], lambda[run]);
+        rbd_constrained_fd(r->m, c, s->q, s->v, s->tau, s->f_ext, a[run], lambda[run]);
+        for (size_t k = 0; k < (size_t)FENCE - 1; k++) {
+            ck_assert_int_eq(memory[k], run ? 0xff : 0);
+            ck_assert_int_eq(memory[size + 2 * FENCE - 1 - k], run ? 0xff : 0);
+        }
+        free(memory);
+    }
+    ck_assert_msg(memcmp(a[0], a[1], sizeof a[0]) == 0 && memcmp(lambda[0], lambda[1], sizeof lambda[0]) == 0,
+                  "%s, state %d: results depend on what the memory held", r->name, number);
+}
+
+START_TEST(memory_is_the_sets_alone) { for_random_trees(100, check_fences); }
+END_TEST
+
+Suite *constraints_suite(void) {
+    Suite *suite = suite_create("constraints");
+    TCase *c = tcase_create("constraints");
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, every_set_of_the_reference);
+    tcase_add_test(c, rows_are_as_defined_on_random_trees);
+    tcase_add_test(c, both_equations_hold_on_random_trees);
+    tcase_add_test(c, four_bar_linkage_over_a_revolution);
+    tcase_add_test(c, slider_crank_over_a_revolution);
+    tcase_add_test(c, impacts_on_random_trees);
+    tcase_add_test(c, momentum_stays_when_two_links_are_caught);
+    tcase_add_test(c, ball_bounces);
+    tcase_add_test(c, close_points_keep_their_rank);
+    tcase_add_test(c, contradiction_names_the_row);
+    tcase_add_test(c, empty_set_is_forward_dynamics);
+    tcase_add_test(c, singular_mass_matrix_is_an_error);
+    tcase_add_test(c, bad_rows_are_refused_by_name);
+    tcase_add_test(c, bad_calls_are_refused);
+    tcase_add_test(c, memory_is_the_sets_alone);
+    suite_add_tcase(suite, c);
+    return suite;
+}
