@@ -274,9 +274,11 @@ RBD_NO_MANIFOLD undefined"
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_RANK: of its diagonal entry a pivot of Delta must exceed this. Pivots of dependent rows are found below
-   1e-15 of it; those of four points a hundredth of a foot apart are at 3e-6. RBDI_FEASIBLE: of the terms of what a dependent row
-   asks for, how much may be left: that much a set may contradict itself by drift. */
+/* Of Delta's diagonal entry a pivot must exceed RBDI_RANK; those of dependent rows are found below 1e-15 of it, of
+   four points a hundredth of a foot apart at 3e-6. Where any pivot is below RBDI_DOUBT of it, rounding may have
+   been magnified before: pivot j and those after it must exceed RBDI_NOISE times the sum of n_k^2 Delta_kk too,
+   for n with n' Delta n = d_j (rbdi_combination). What a dependent row asks for may be off by RBDI_FEASIBLE of
+   its terms: that much a set contradicts itself by drift. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_RANK 1e-12
 #define RBDI_FEASIBLE 1e-6
