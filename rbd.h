@@ -63,6 +63,8 @@
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
      RBD_REAL_CUSTOM  RBD_REAL is a C++ class with + - * / unary -, < and a constructor from
                       RBD_CONST; sin, cos, sqrt are found by argument-dependent lookup
+     RBD_MASK         what < of such a class gives, if not bool (a class that records): with ! | & and a
+                      conversion to int, whether any holds; select(mask, a, b) is found like sin
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
      RBD_STATIC       every function is static
@@ -1352,13 +1354,21 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
     return x;
 }
 #else
+#ifdef RBD_MASK
+typedef RBD_MASK rbdi_mask;
+#else
 typedef int rbdi_mask;
+#endif
 RBDI_INLINE rbd_real rbdi_set(rbd_const c) { return (rbd_real)(c); }
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return a < b; }
 RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return !k; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
+#ifdef RBD_MASK
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return select(k, a, b); }
+#else
 RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return k ? a : b; }
+#endif
 RBDI_INLINE int rbdi_any(rbdi_mask k) { return k; }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif

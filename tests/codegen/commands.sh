@@ -1,0 +1,85 @@
+#!/bin/sh
+# rbd-codegen as its user meets it: files, self-tests, messages, exit statuses.
+# usage: commands.sh ROOT RBD_CODEGEN
+set -u
+root=$(realpath "$1") rbd_codegen=$(realpath "$2")
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+failed=0
+
+fail() { echo "FAILED: $*"; failed=1; }
+
+# expect STATUS MESSAGE ARGUMENT...: the exit status, and a line that standard error has ("" = nothing at all)
+expect() {
+    status=$1 message=$2
+    shift 2
+    "$rbd_codegen" "$@" >out 2>err </dev/null
+    found=$?
+    [ $found -eq "$status" ] || fail "exit status $found, not $status: $*"
+    if [ -n "$message" ]; then
+        grep -qxF -- "rbd-codegen: $message" err || { fail "no line '$message': $*"; cat err; }
+    elif [ -s err ]; then
+        fail "something on standard error: $*"
+        cat err
+    fi
+}
+
+# ---- arguments ----
+
+see="; see rbd-codegen --help"
+iiwa=$root/models/iiwa.urdf
+expect 0 "" --help
+grep -q "^usage: rbd-codegen" out || fail "--help does not say how it is used"
+grep -q "fd_cholesky" out || fail "--help does not say which functions there are"
+expect 0 "" --version
+grep -q "^rbd-codegen [0-9]" out || fail "--version does not say which"
+expect 2 "no file given$see"
+expect 2 "more than one file: 'b'$see" a b
+expect 2 "unknown option '--x'$see" --x
+expect 2 "--name: '1x' is not a C identifier$see" --name 1x a
+expect 2 "'a-b' is not a C identifier: give a --name$see" a-b.urdf
+expect 2 "--algorithm: there is no 'ik'$see" --algorithm id,ik a
+expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,id a
+expect 2 "--algorithm: its value is missing$see" --algorithm
+expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
+expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
+expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
+expect 1 "cannot write nowhere/iiwa_code.h" --output nowhere "$iiwa"
+ls ./*_code.* >/dev/null 2>&1 && fail "files in spite of an error"
+
+# ---- self-tests ----
+
+# selftest NAME ARGUMENT...: the files, without warnings, give 0; with one result changed they do not
+selftest() {
+    name=$1 upper=$(echo "$1" | tr a-z A-Z)
+    shift
+    expect 0 "" --name "$name" "$@"
+    [ -s out ] && fail "something on standard output: $*"
+    for flags in "" "-DBROKEN"; do
+        [ -n "$flags" ] && sed -i "/^static const scalar ${name}_[a-z_]*_is/{n;s/{/{1 + /}" "${name}_code.c"
+        ${CC:-cc} -std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wno-psabi -Werror \
+            "-D${upper}_SELFTEST" "-D${upper}_SELFTEST_MAIN" -o test "${name}_code.c" -lm || fail "does not compile: $*"
+        ./test
+        found=$?
+        [ -z "$flags" ] && [ $found -ne 0 ] && fail "self-test $found: $*"
+        [ -n "$flags" ] && [ $found -eq 0 ] && fail "self-test with another result: $*"
+    done
+}
+all=id,bias,gravity,mm,mm_packed,fd,fd_cholesky
+selftest iiwa --algorithm $all "$iiwa"
+selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
+selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
+selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
+selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
+
+# what is written twice is the same
+cp cart_code.h first.h
+expect 0 "" --name cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
+cmp -s first.h cart_code.h || fail "another header the second time"
+
+# C++ takes the header
+printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity(q, tau); return tau[0] > 1; }\n' >use.cpp
+${CC:-cc} -c iiwa_code.c -o iiwa.o && ${CXX:-c++} use.cpp iiwa.o -lm -o use && ./use || fail "not from C++"
+
+exit $failed

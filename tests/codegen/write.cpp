@@ -1,0 +1,36 @@
+// write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with all
+// arguments. usage: write NAME N double|float LANES BLOCK long|short FOLDER
+#include "../../tools/codegen/emit.h"
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+extern "C" const rbd_body *chosen_robot(int index, int *nb);
+
+static void write(const std::string &path, const std::string &text) {
+    FILE *file = std::fopen(path.c_str(), "w");
+    if (!file || std::fputs(text.c_str(), file) < 0 || std::fclose(file) != 0) std::exit(1);
+}
+
+int main(int argc, char **argv) {
+    if (argc != 8) return 2;
+    for (int k = 0; k < std::atoi(argv[2]); k++) {
+        codegen::target t = {};
+        codegen::robot r = {};
+        r.bodies = chosen_robot(k, &r.nb);
+        r.f_ext = r.gravity_argument = true;
+        t.name = argv[1] + std::to_string(k);
+        t.is_float = std::strcmp(argv[3], "float") == 0;
+        t.lanes = std::atoi(argv[4]);
+        t.block = std::atoi(argv[5]);
+        t.statements.long_sums = std::strcmp(argv[6], "long") == 0;
+        std::vector<codegen::tested> functions;
+        for (const std::string &name : codegen::algorithm_names())
+            functions.push_back(
+                {t.is_float ? codegen::record_float(r, name) : codegen::record_double(r, name), {}, 0});
+        const std::string path = argv[7] + ("/" + t.name);
+        write(path + "_code.h", codegen::declarations(functions, t));
+        write(path + "_code.c", "#include \"" + t.name + "_code.h\"\n" + codegen::definitions(functions, t));
+    }
+    return 0;
+}

@@ -1,0 +1,518 @@
+/* The C text of programs. SPDX-License-Identifier: MIT */
+#include "emit.h"
+#include "sines.h"
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+namespace codegen {
+namespace {
+
+std::string format(const char *text, ...) __attribute__((format(printf, 1, 2)));
+std::string format(const char *text, ...) {
+    va_list list, again;
+    va_start(list, text);
+    va_copy(again, list);
+    std::string s(size_t(vsnprintf(nullptr, 0, text, list)) + 1, 0);
+    vsnprintf(&s[0], s.size(), text, again);
+    va_end(again);
+    va_end(list);
+    s.pop_back();
+    return s;
+}
+
+/* The shortest text that reads back as the same number of the scalar. */
+std::string literal(double x, bool is_float) {
+    char text[40];
+    for (int digits = 1; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, x);
+        if (is_float ? strtof(text, nullptr) == float(x) : strtod(text, nullptr) == x) break;
+    }
+    std::string s = text;
+    if (s.find_first_of(".en") == std::string::npos) s += ".0";
+    return is_float ? s + "f" : s;
+}
+
+std::string upper(std::string s) {
+    for (char &c : s) c = char(toupper(static_cast<unsigned char>(c)));
+    return s;
+}
+
+std::string real_name(const target &t) {
+    return t.lanes > 1 ? t.name + "_real" : t.is_float ? "float" : "double";
+}
+
+/* "const double q[7], ..., double tau[7]", as the header has them; or the names alone. */
+std::string parameters(const function &f, const target &t) {
+    std::string s;
+    for (const array &a : f.inputs)
+        s += format("const %s %s[%d], ", real_name(t).c_str(), a.name.c_str(), a.size);
+    return s + format("%s %s[%d]", real_name(t).c_str(), f.output.name.c_str(), f.output.size);
+}
+std::string restricted_parameters(const function &f) {
+    std::string s;
+    for (const array &a : f.inputs) s += format("const real %s[restrict %d], ", a.name.c_str(), a.size);
+    return s + format("real %s[restrict %d]", f.output.name.c_str(), f.output.size);
+}
+std::string names(const function &f) {
+    std::string s;
+    for (const array &a : f.inputs) s += a.name + ", ";
+    return s + f.output.name;
+}
+
+const char *result_type(const function &f) { return f.pivots.empty() ? "void" : "int"; }
+
+/* ---- one function ---- */
+
+class writer {
+  public:
+    writer(const function &f_, const target &t_)
+        : f(f_), t(t_), p(f_, t_.statements), name(f_.code.nodes.size()) {
+        for (int i = 0; i < int(f.code.nodes.size()); i++)
+            if (p.is_statement[size_t(i)]) order.push_back(i);
+        for (size_t k = 0; k < p.angles.size(); k++) angle[p.angles[k]] = int(k);
+        for (size_t k = 0; k < f.results.size(); k++) store_at(f.results[k], f.output.name, k);
+        for (size_t k = 0; k < f.pivots.size(); k++) store_at(f.pivots[k], "pivot", k);
+        split();
+    }
+    std::string text();
+
+  private:
+    const function &f;
+    const target &t;
+    program p;
+    std::vector<int> order;             /* statements */
+    std::vector<std::string> name;      /* of each node's value */
+    std::unordered_map<int, int> angle; /* of a node: its index among the angles */
+    std::map<int, std::vector<std::pair<std::string, bool>>> stores; /* of a node; negated */
+    std::vector<int> block, shared; /* of a node: the block that computes it, its place in `kept` or -1 */
+    int blocks = 1, kept = 0;
+
+    void store_at(value x, const std::string &array, size_t k);
+    void split();
+    std::string number(double x) const { return literal(x, t.is_float); }
+    std::string leaf(int i) const;
+    std::string operand(int i) const { return p.is_leaf(i) ? leaf(i) : name[size_t(i)]; }
+    std::string operand_signed(value x) const;
+    std::string angle_text(value x) const;
+    std::string sum(int i) const;
+    std::string expression(int i) const;
+    std::string statement(int i);
+    std::string block_text(int b);
+    std::string sines() const;
+    std::string end() const;
+};
+
+void writer::store_at(value x, const std::string &array, size_t k) {
+    stores[node_of(x)].push_back({format("%s[%zu]", array.c_str(), k), is_negative(x)});
+}
+
+/* Blocks of as many statements, and places for what later blocks read; a place is free again behind the last. */
+void writer::split() {
+    const int n = int(order.size());
+    blocks = std::max(1, (n + t.block - 1) / t.block);
+    block.assign(f.code.nodes.size(), -1);
+    shared.assign(f.code.nodes.size(), -1);
+    for (int k = 0; k < n; k++) block[size_t(order[size_t(k)])] = int(int64_t(k) * blocks / n);
+    std::vector<int> last(f.code.nodes.size(), -1);
+    for (int i : order)
+        for (int k : p.operands(i)) last[size_t(k)] = block[size_t(i)];
+    std::vector<std::vector<int>> released(size_t(blocks) + 1);
+    std::vector<int> unused;
+    int current = 0;
+    for (int i : order) {
+        for (; current < block[size_t(i)]; current++)
+            for (int k : released[size_t(current)]) unused.push_back(k);
+        if (last[size_t(i)] <= current) continue;
+        if (unused.empty()) unused.push_back(kept++);
+        shared[size_t(i)] = unused.back();
+        unused.pop_back();
+        released[size_t(last[size_t(i)])].push_back(shared[size_t(i)]);
+    }
+}
+
+std::string writer::leaf(int i) const {
+    const node &n = p.at(i);
+    if (n.op == CONSTANT) return number(n.constant);
+    if (n.op == INPUT) return format("%s[%d]", f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1]);
+    return format("%s[%d]", n.op == SINE ? "sine" : "cosine", angle.at(node_of(n.arg[0])));
+}
+
+std::string writer::operand_signed(value x) const {
+    const int i = node_of(x);
+    const std::string s = (is_negative(x) != bool(p.flipped[size_t(i)]) ? "-" : "") + operand(i);
+    return p.at(i).op == CONSTANT && t.lanes > 1 ? "splat(" + s + ")" : s;
+}
+
+/* An angle, as one expression of the inputs. */
+std::string writer::angle_text(value x) const {
+    const node &n = p.at(node_of(x));
+    std::string s;
+    if (n.op == ADD)
+        s = "(" + angle_text(n.arg[0]) + " + " + angle_text(n.arg[1]) + ")";
+    else if (n.op == MULTIPLY)
+        s = angle_text(n.arg[0]) + " * " + angle_text(n.arg[1]);
+    else
+        s = leaf(node_of(x));
+    return is_negative(x) ? "-" + s : s;
+}
+
+/* First a term that is no product and positive, for what follows to be fused to; else what is there. */
+std::string writer::sum(int i) const {
+    std::vector<term> all = p.terms[size_t(i)];
+    const auto rank = [&](const term &x) {
+        const bool negative = p.term_is_negative(i, x);
+        return x.b < 0 ? (negative ? 2 : 0) : negative ? 3 : 1;
+    };
+    const auto bring = [&](size_t to, auto better) {
+        size_t best = to;
+        for (size_t k = to; k < all.size(); k++)
+            if (better(all[k], all[best])) best = k;
+        std::rotate(all.begin() + long(to), all.begin() + long(best), all.begin() + long(best) + 1);
+    };
+    bring(0, [&](const term &x, const term &y) { return rank(x) < rank(y); });
+    if (all[0].b >= 0) /* a b - c is one operation */
+        bring(1, [](const term &x, const term &y) { return x.b < 0 && y.b >= 0; });
+    std::string s;
+    for (size_t k = 0; k < all.size(); k++) {
+        const bool negative = p.term_is_negative(i, all[k]);
+        s += k == 0 ? (negative ? "-" : "") : negative ? " - " : " + ";
+        s += operand(all[k].a) + (all[k].b < 0 ? "" : " * " + operand(all[k].b));
+    }
+    return s;
+}
+
+std::string writer::expression(int i) const {
+    const node &n = p.at(i);
+    const term &x = p.terms[size_t(i)][0];
+    switch (n.op) {
+    case ADD: return sum(i);
+    case MULTIPLY: return operand(x.a) + " * " + operand(x.b);
+    case DIVIDE: return operand(x.a) + " / " + operand(x.b);
+    case ROOT: return "root(" + operand_signed(n.arg[0]) + ")";
+    case SELECT:
+        return format("choose(%s < %s, %s, %s)", operand_signed(n.arg[0]).c_str(),
+                      operand_signed(n.arg[1]).c_str(), operand_signed(n.arg[2]).c_str(),
+                      operand_signed(n.arg[3]).c_str());
+    default: abort();
+    }
+}
+
+std::string writer::statement(int i) {
+    std::string &own = name[size_t(i)];
+    own = format("t%d", i);
+    std::string s = "    const real " + own + " = " + expression(i) + ";\n";
+    const auto found = stores.find(i);
+    if (found != stores.end())
+        for (const auto &to : found->second)
+            s += "    " + to.first + " = " + (to.second != bool(p.flipped[size_t(i)]) ? "-" : "") + own +
+                 ";\n";
+    if (shared[size_t(i)] >= 0) s += format("    kept[%d] = %s;\n", shared[size_t(i)], own.c_str());
+    return s;
+}
+
+std::string writer::block_text(int b) {
+    std::string s;
+    for (int i : order)
+        if (block[size_t(i)] < b && shared[size_t(i)] >= 0)
+            name[size_t(i)] = format("kept[%d]", shared[size_t(i)]);
+    for (int i : order)
+        if (block[size_t(i)] == b) s += statement(i);
+    return s;
+}
+
+std::string writer::sines() const {
+    const size_t n = p.angles.size(), padded = (n + 3) / 4 * 4;
+    if (n == 0) return "";
+    std::string s = format("    real angle[%zu], sine[%zu], cosine[%zu];\n    bits inside = ~(bits){0};\n",
+                           padded, padded, padded);
+    for (size_t k = 0; k < n; k += 4) {
+        s += format("    sines4(%zu", std::min<size_t>(4, n - k));
+        for (size_t j = k; j < k + 4; j++) s += ", " + angle_text(2 * p.angles[j < n ? j : k]);
+        s += format(", angle + %zu, sine + %zu, cosine + %zu, &inside);\n", k, k, k);
+    }
+    return s + "    SINES_BEYOND(" + format("%zu);\n", n);
+}
+
+/* Results that are no statements, and the judgement of the pivots. */
+std::string writer::end() const {
+    std::string s;
+    for (const auto &x : stores)
+        for (const auto &to : x.second) {
+            if (p.is_statement[size_t(x.first)]) continue;
+            s += "    " + to.first + " = " + operand_signed(negated(2 * x.first, to.second)) + ";\n";
+        }
+    if (f.pivots.empty()) return s;
+    s += "    return judge(pivot, " + format("%s_%s_limit, %zu, %s, %d);\n", t.name.c_str(), f.name.c_str(),
+                                             f.pivots.size(), f.output.name.c_str(), f.output.size);
+    return s;
+}
+
+std::string writer::text() {
+    const std::string full = t.name + "_" + f.name;
+    const bool angles = !p.angles.empty(), pivots = !f.pivots.empty();
+    std::string s, calls;
+    if (pivots) {
+        s += format("static const scalar %s_limit[%zu] = {", full.c_str(), f.limits.size());
+        for (size_t k = 0; k < f.limits.size(); k++) s += (k ? ", " : "") + number(f.limits[k]);
+        s += "};\n";
+    }
+    std::string more = ", real *restrict kept", pass = ", kept";
+    if (angles) more += ", const real *restrict sine, const real *restrict cosine", pass += ", sine, cosine";
+    if (pivots) more += ", real *restrict pivot", pass += ", pivot";
+    for (int b = 0; b < blocks && blocks > 1; b++) {
+        s += format("PART void %s_%d(%s%s) {\n", full.c_str(), b, restricted_parameters(f).c_str(),
+                    more.c_str());
+        const std::string inside = block_text(b);
+        for (const array &a : f.inputs) s += "    (void)" + a.name + ";\n";
+        s += "    (void)" + f.output.name + ", (void)kept" + (angles ? ", (void)sine, (void)cosine" : "") +
+             (pivots ? ", (void)pivot" : "") + ";\n" + inside + "}\n";
+        calls += format("    %s_%d(%s%s);\n", full.c_str(), b, names(f).c_str(), pass.c_str());
+    }
+    s += format("%s %s(%s) {\n", result_type(f), full.c_str(), restricted_parameters(f).c_str());
+    if (blocks > 1) s += format("    real kept[%d];\n", std::max(1, kept));
+    if (pivots) s += format("    real pivot[%zu];\n", f.pivots.size());
+    s += sines() + (blocks > 1 ? calls : block_text(0));
+    for (const array &a : f.inputs) s += "    (void)" + a.name + ";\n";
+    return s + end() + "}\n\n";
+}
+
+} // namespace
+
+/* ---- the files ---- */
+
+std::string declarations(const std::vector<tested> &functions, const target &t) {
+    std::string s;
+    if (t.lanes > 1)
+        s += format("/* %d states at once: element k of each array holds coordinate k of all. */\n"
+                    "typedef %s %s_real __attribute__((vector_size(%d * sizeof(%s))));\n\n",
+                    t.lanes, t.is_float ? "float" : "double", t.name.c_str(), t.lanes,
+                    t.is_float ? "float" : "double");
+    for (const tested &x : functions) {
+        const operations n = program(x.f, t.statements).count();
+        s += "/* " + x.f.about + "\n";
+        for (const array &a : x.f.inputs) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
+        s += format("   %-8s %s\n", x.f.output.name.c_str(), x.f.output.shape);
+        s += format("   Operations: %d multiplications, %d additions, %d divisions, %d roots, %d sines and "
+                    "cosines. */\n",
+                    n.multiplications, n.additions, n.divisions, n.roots, n.angles);
+        s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
+                    parameters(x.f, t).c_str());
+    }
+    return s;
+}
+
+namespace {
+
+const char compiler_text[] = R"(
+#include <math.h>
+#include <stdint.h>
+
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error "reassociation voids the sine's argument reduction: compile without -ffast-math, this file fuses by itself"
+#endif
+
+/* GCC's vectoriser packs scalars and loses time by it, as does its first scheduler on Arm, which spills; its ISO
+   modes switch contraction to fused operations off. */
+#if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__
+#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-math-errno,fp-contract=fast")
+#ifdef __arm__
+#pragma GCC optimize("no-schedule-insns")
+#endif
+#elif defined __clang__
+#pragma STDC FP_CONTRACT ON
+#endif
+#ifdef __GNUC__
+#define INLINE static inline __attribute__((always_inline, unused))
+#define PART static __attribute__((noinline))
+#define COLD static __attribute__((noinline, cold, unused))
+#else
+#define INLINE static inline
+#define PART static
+#define COLD static
+#endif
+#if defined __GNUC__ && defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+#define OWN_SINES
+#endif
+)";
+
+const char scalar_text[] = R"(
+typedef scalar real;
+INLINE real choose(int k, real x, real y) { return k ? x : y; }
+INLINE real root(real x) { return LIBM_SQRT(x); }
+)";
+
+const char lanes_text[] = R"(
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+typedef signed_bit mask __attribute__((vector_size(LANES * sizeof(scalar))));
+INLINE real splat(scalar x) {
+    const real zero = {0};
+    return zero + x;
+}
+INLINE real choose(mask k, real x, real y) { return (real)(((mask)x & k) | ((mask)y & ~k)); }
+INLINE real root(real x) {
+    for (int i = 0; i < LANES; ++i) x[i] = LIBM_SQRT(x[i]);
+    return x;
+}
+)";
+
+const char beyond_text[] = R"(
+#ifdef ANGLES_ARE_BOUNDED
+#define SINES_BEYOND(n) (void)angle, (void)inside
+#else
+#define SINES_BEYOND(n) \
+    if (!are_inside(inside)) sines_by_libm(angle, n, sine, cosine)
+#endif
+)";
+
+/* As rbd.h's verdict on pivots: the first in the order of elimination that is not sound. */
+const char judge_text[] = R"(
+/* The dofs' pivots are sound if they are above their rounding. 0 if all are; else 1 + the first dof, in the order
+   of elimination, whose pivot is not, its negative if that is not a number; the results become 0. */
+#if LANES > 1
+COLD int judge_closely(const real *pivot, const scalar *limit, int n, real *x, int size) {
+    int status = 0;
+    mask sound = ~(mask){0};
+    for (int k = n - 1; k >= 0; --k) {
+        const mask ok = limit[k] < pivot[k], number = pivot[k] == pivot[k];
+        int found = 0;
+        for (int j = 0; j < LANES; ++j)
+            if (!ok[j] && found >= 0) found = number[j] ? k + 1 : -1 - k;
+        if (status == 0) status = found;
+        sound &= ok;
+    }
+    for (int k = 0; k < size; ++k) x[k] = (real)((mask)x[k] & sound);
+    return status;
+}
+INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int size) {
+    mask sound = limit[0] < pivot[0];
+    signed_bit all = -1;
+    for (int k = 1; k < n; ++k) sound &= limit[k] < pivot[k];
+    for (int j = 0; j < LANES; ++j) all &= sound[j];
+    return all ? 0 : judge_closely(pivot, limit, n, x, size);
+}
+#else
+COLD int judge_closely(const real *pivot, const scalar *limit, int n, real *x, int size) {
+    int k = n - 1;
+    while (limit[k] < pivot[k]) --k;
+    for (int j = 0; j < size; ++j) x[j] = 0;
+    return pivot[k] < pivot[k] || pivot[k] >= pivot[k] ? k + 1 : -1 - k;
+}
+INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int size) {
+    int sound = 1;
+    for (int k = 0; k < n; ++k) sound &= limit[k] < pivot[k];
+    return sound ? 0 : judge_closely(pivot, limit, n, x, size);
+}
+#endif
+
+)";
+
+std::string numbers(const std::vector<double> &x, bool is_float) {
+    std::string s = "{";
+    for (size_t k = 0; k < x.size(); k++)
+        s += (k == 0 ? "" : k % 6 == 0 ? ",\n     " : ", ") + literal(x[k], is_float);
+    return s + "}";
+}
+
+const char selftest_text[] = R"(
+static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance) {
+    scalar largest = 0;
+    int same = 1;
+    for (int k = 0; k < n; ++k) {
+        if (y[k] > largest) largest = y[k];
+        if (-y[k] > largest) largest = -y[k];
+    }
+    for (int k = 0; k < n; ++k) {
+#if LANES > 1
+        const scalar d = x[k][lane] - y[k];
+#else
+        const scalar d = x[k] - y[k];
+        (void)lane;
+#endif
+        same = same && d <= tolerance * largest && -d <= tolerance * largest;
+    }
+    return !same;
+}
+static void give(const scalar *y, int n, int lane, real *x) {
+#if LANES > 1
+    for (int k = 0; k < n; ++k) x[k][lane] = y[k];
+#else
+    for (int k = 0; k < n; ++k) x[k] = y[k];
+    (void)lane;
+#endif
+}
+)";
+
+/* A function that runs all functions on known states. */
+std::string selftest(const std::vector<tested> &functions, const target &t) {
+    const std::string test = upper(t.name) + "_SELFTEST";
+    std::string s = "#ifdef " + test + "\n" + selftest_text, runs;
+    int number = 0;
+    for (const tested &x : functions) {
+        const function &f = x.f;
+        const int states = int(x.examples.size());
+        const auto table = [&](const std::string &name, const array &a, auto get) {
+            s += format("static const scalar %s_%s_%s[%d][%d] = {\n", t.name.c_str(), f.name.c_str(),
+                        name.c_str(), states, a.size);
+            for (const example &e : x.examples) s += "    " + numbers(get(e), t.is_float) + ",\n";
+            s += "};\n";
+        };
+        for (size_t k = 0; k < f.inputs.size(); k++)
+            table("of_" + f.inputs[k].name, f.inputs[k], [k](const example &e) { return e.in[k]; });
+        table("is", f.output, [](const example &e) { return e.out; });
+        number++;
+        s += format("static int test_%s(void) {\n    static real %s[%d]", f.name.c_str(),
+                    f.output.name.c_str(), f.output.size);
+        for (const array &a : f.inputs) s += format(", %s[%d]", a.name.c_str(), a.size);
+        s += format(";\n    for (int k = 0; k < %d; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n",
+                    states);
+        for (const array &a : f.inputs)
+            s += format("            give(%s_%s_of_%s[(k + j) %% %d], %d, j, %s);\n", t.name.c_str(),
+                        f.name.c_str(), a.name.c_str(), states, a.size, a.name.c_str());
+        const std::string call = format("%s_%s(%s)", t.name.c_str(), f.name.c_str(), names(f).c_str());
+        s += "        }\n        " + (f.pivots.empty() ? call + ";\n" : "if (" + call + " != 0) return 1;\n");
+        s += "        for (int j = 0; j < LANES; ++j)\n";
+        s += format("            if (differs(%s, %s_%s_is[(k + j) %% %d], %d, j, %s)) return 1;\n    }\n    "
+                    "return 0;\n}\n",
+                    f.output.name.c_str(), t.name.c_str(), f.name.c_str(), states, f.output.size,
+                    literal(x.tolerance, t.is_float).c_str());
+        runs += format("    if (test_%s()) return %d;\n", f.name.c_str(), number);
+    }
+    s += format("int %s_selftest(void) {\n%s    return 0;\n}\n", t.name.c_str(), runs.c_str());
+    s += "#ifdef " + test + "_MAIN\nint main(void) { return " + t.name + "_selftest(); }\n#endif\n#endif\n";
+    return s;
+}
+
+} // namespace
+
+std::string definitions(const std::vector<tested> &functions, const target &t) {
+    const char *scalar = t.is_float ? "float" : "double", *suffix = t.is_float ? "f" : "";
+    std::string s = compiler_text;
+    s += format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SIN sin%s\n#define LIBM_COS cos%s\n"
+                "#define LIBM_SQRT sqrt%s\n",
+                scalar, t.lanes, suffix, suffix, suffix);
+    if (t.is_float) s += "#define SCALAR_IS_FLOAT\n";
+    if (t.is_bounded) s += "#define ANGLES_ARE_BOUNDED\n";
+    if (t.lanes > 1)
+        s += format("typedef %s_real real;\ntypedef %s signed_bit;\n", t.name.c_str(),
+                    t.is_float ? "int32_t" : "int64_t") +
+             lanes_text;
+    else
+        s += scalar_text;
+    bool angles = false, pivots = false;
+    for (const tested &x : functions) {
+        angles = angles || !program(x.f, t.statements).angles.empty();
+        pivots = pivots || !x.f.pivots.empty();
+    }
+    if (angles) s += std::string(t.is_float ? sines_float : sines_double) + sines_common + beyond_text;
+    if (pivots) s += judge_text;
+    s += "\n";
+    for (const tested &x : functions) s += writer(x.f, t).text();
+    return s + selftest(functions, t);
+}
+
+} // namespace codegen

@@ -1,0 +1,29 @@
+/* emit.h - the C text of a set of functions. SPDX-License-Identifier: MIT */
+#ifndef TOOLS_CODEGEN_EMIT_H
+#define TOOLS_CODEGEN_EMIT_H
+
+#include "program.h"
+#include "record.h"
+
+namespace codegen {
+
+struct target {
+    std::string name;          /* what all names begin with */
+    bool is_float, is_bounded; /* is_bounded: no angle is beyond what the polynomials take */
+    int lanes;                 /* 1: plain scalars */
+    int block;                 /* most statements of one C function */
+    style statements;
+};
+
+/* A function, and states with rbd.h's results for them. */
+struct tested {
+    function f;
+    std::vector<example> examples;
+    double tolerance; /* of the self-test, relative to the largest result */
+};
+
+std::string declarations(const std::vector<tested> &functions, const target &t);
+std::string definitions(const std::vector<tested> &functions, const target &t);
+
+} // namespace codegen
+#endif

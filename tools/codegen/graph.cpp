@@ -1,0 +1,119 @@
+/* Arithmetic as a graph: folding, sharing, evaluation. SPDX-License-Identifier: MIT */
+#include "graph.h"
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace codegen {
+
+size_t graph::hash::operator()(const node &n) const {
+    uint64_t bits, h = uint64_t(n.op);
+    std::memcpy(&bits, &n.constant, sizeof bits);
+    for (value x : n.arg) h = (h ^ uint64_t(x + 1)) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ bits) * UINT64_C(0xbf58476d1ce4e5b9);
+    return size_t(h ^ h >> 31);
+}
+
+bool graph::same::operator()(const node &a, const node &b) const {
+    return a.op == b.op && std::memcmp(a.arg, b.arg, sizeof a.arg) == 0 && a.constant == b.constant;
+}
+
+value graph::make(operation op, value a, value b, value c, value d, double x) {
+    const node n = {op, {a, b, c, d}, x};
+    const auto found = table.emplace(n, int(nodes.size()));
+    if (found.second) nodes.push_back(n);
+    return 2 * found.first->second;
+}
+
+value graph::constant(double x) { return negated(make(CONSTANT, -1, -1, -1, -1, std::fabs(x)), x < 0); }
+double graph::constant_of(value x) const {
+    const double c = nodes[size_t(node_of(x))].constant;
+    return is_negative(x) ? -c : c;
+}
+value graph::input(int array, int element) { return make(INPUT, array, element); }
+
+value graph::add(value a, value b) {
+    if (is(a, 0)) return b;
+    if (is(b, 0)) return a;
+    if (is_constant(a) && is_constant(b)) return constant(constant_of(a) + constant_of(b));
+    if (a == negated(b)) return constant(0);
+    if (a == b) return scaled(2, a);
+    if (node_of(a) > node_of(b)) std::swap(a, b);
+    const bool sign = is_negative(a);
+    return negated(make(ADD, negated(a, sign), negated(b, sign)), sign);
+}
+
+/* k x; of a product with a constant, that times k. */
+value graph::scaled(double k, value x) {
+    const node &n = nodes[size_t(node_of(x))];
+    if (n.op == MULTIPLY)
+        for (int i = 0; i < 2; i++)
+            if (is_constant(n.arg[i])) {
+                const value rest = n.arg[1 - i];
+                return multiply(constant(k * constant_of(n.arg[i])), negated(rest, is_negative(x)));
+            }
+    const value c = constant(k);
+    const bool sign = is_negative(c) != is_negative(x);
+    value a = 2 * node_of(c), b = 2 * node_of(x);
+    if (a > b) std::swap(a, b);
+    return negated(make(MULTIPLY, a, b), sign);
+}
+
+value graph::multiply(value a, value b) {
+    if (is_constant(b)) std::swap(a, b);
+    if (is(a, 0) || is(b, 1)) return a;
+    if (is_constant(a) && is_constant(b)) return constant(constant_of(a) * constant_of(b));
+    if (is(a, 1)) return b;
+    if (is(a, -1)) return negated(b);
+    if (is_constant(a)) return scaled(constant_of(a), b);
+    const bool sign = is_negative(a) != is_negative(b);
+    a = 2 * node_of(a), b = 2 * node_of(b);
+    if (a > b) std::swap(a, b);
+    return negated(make(MULTIPLY, a, b), sign);
+}
+
+value graph::divide(value a, value b) {
+    if (is_constant(b) && constant_of(b) != 0) return multiply(constant(1 / constant_of(b)), a);
+    if (is(a, 0)) return a;
+    return negated(make(DIVIDE, 2 * node_of(a), 2 * node_of(b)), is_negative(a) != is_negative(b));
+}
+
+value graph::root(value a) { return is_constant(a) ? constant(std::sqrt(constant_of(a))) : make(ROOT, a); }
+
+value graph::sine(value a) {
+    if (is_constant(a)) return constant(std::sin(constant_of(a)));
+    return negated(make(SINE, 2 * node_of(a)), is_negative(a));
+}
+value graph::cosine(value a) {
+    return is_constant(a) ? constant(std::cos(constant_of(a))) : make(COSINE, 2 * node_of(a));
+}
+
+value graph::select(value a, value b, value x, value y) { return x == y ? x : make(SELECT, a, b, x, y); }
+
+/* ---- evaluation ---- */
+
+template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in) {
+    std::vector<T> x(f.code.nodes.size()), results;
+    const auto of = [&](value v) { return is_negative(v) ? -x[size_t(node_of(v))] : x[size_t(node_of(v))]; };
+    for (size_t i = 0; i < x.size(); i++) {
+        const node &n = f.code.nodes[i];
+        const value *a = n.arg;
+        switch (n.op) {
+        case CONSTANT: x[i] = T(n.constant); break;
+        case INPUT: x[i] = T(in[size_t(a[0])][size_t(a[1])]); break;
+        case ADD: x[i] = of(a[0]) + of(a[1]); break;
+        case MULTIPLY: x[i] = of(a[0]) * of(a[1]); break;
+        case DIVIDE: x[i] = of(a[0]) / of(a[1]); break;
+        case ROOT: x[i] = std::sqrt(of(a[0])); break;
+        case SINE: x[i] = std::sin(of(a[0])); break;
+        case COSINE: x[i] = std::cos(of(a[0])); break;
+        case SELECT: x[i] = of(a[0]) < of(a[1]) ? of(a[2]) : of(a[3]); break;
+        }
+    }
+    for (value v : f.results) results.push_back(of(v));
+    return results;
+}
+template std::vector<double> evaluate<double>(const function &, const std::vector<std::vector<double>> &);
+template std::vector<float> evaluate<float>(const function &, const std::vector<std::vector<double>> &);
+
+} // namespace codegen

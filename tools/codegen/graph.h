@@ -1,0 +1,83 @@
+/* graph.h - arithmetic as a graph, folded while it grows. SPDX-License-Identifier: MIT */
+#ifndef TOOLS_CODEGEN_GRAPH_H
+#define TOOLS_CODEGEN_GRAPH_H
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace codegen {
+
+enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT };
+
+/* A node or its negative, 2 * node + sign: signs stand on the edges, so that no negation costs anything. */
+typedef int value;
+inline int node_of(value x) { return x >> 1; }
+inline bool is_negative(value x) { return x & 1; }
+inline value negated(value x, bool when = true) { return x ^ int(when); }
+
+/* arg: operands, -1 where there are fewer; of an input its array and element. SELECT: arg[0] < arg[1] ?
+   arg[2] : arg[3]. Operands of products and quotients, and the first of a sum, are never negative. */
+struct node {
+    operation op;
+    value arg[4];
+    double constant;
+};
+
+/* Every node stands once: what is equal is shared. Operands come before what uses them. */
+class graph {
+  public:
+    std::vector<node> nodes;
+
+    value constant(double x);
+    value input(int array, int element);
+    value add(value a, value b);
+    value multiply(value a, value b);
+    value divide(value a, value b);
+    value root(value a);
+    value sine(value a);
+    value cosine(value a);
+    value select(value a, value b, value x, value y);
+
+    bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }
+    double constant_of(value x) const;
+
+  private:
+    struct hash {
+        size_t operator()(const node &n) const;
+    };
+    struct same {
+        bool operator()(const node &a, const node &b) const;
+    };
+    std::unordered_map<node, int, hash, same> table;
+
+    value make(operation op, value a = -1, value b = -1, value c = -1, value d = -1, double x = 0);
+    bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
+    value scaled(double k, value x);
+};
+
+/* ---- functions ---- */
+
+struct array {
+    std::string name;
+    int size;
+    const char *shape; /* for the header's reader */
+};
+
+/* One function to be written: a graph with names. */
+struct function {
+    std::string name, about;
+    graph code;
+    std::vector<array> inputs;
+    array output;
+    std::vector<value> results;
+    std::vector<value> pivots;  /* of a factorisation, by degree of freedom */
+    std::vector<double> limits; /* that they must exceed */
+};
+
+/* The results, computed in the scalar T. in: an array for each input. */
+template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in);
+
+} // namespace codegen
+#endif

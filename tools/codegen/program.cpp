@@ -1,0 +1,183 @@
+/* Statements: what is dead goes, sums become long, products stand inside the sums that use them, so that the
+   compiler can fuse the two. SPDX-License-Identifier: MIT */
+#include "program.h"
+#include <algorithm>
+
+namespace codegen {
+
+bool program::is_leaf(int i) const {
+    const operation op = at(i).op;
+    return op == CONSTANT || op == INPUT || op == SINE || op == COSINE;
+}
+
+/* Nodes that results need, and how often each is used. */
+void program::mark() {
+    const auto use = [this](value x) {
+        if (x < 0) return;
+        is_statement[size_t(node_of(x))] = 1;
+        uses[size_t(node_of(x))]++;
+    };
+    for (value x : f.results) use(x);
+    for (value x : f.pivots) use(x);
+    for (int i = int(f.code.nodes.size()) - 1; i >= 0; i--) {
+        const node &n = at(i);
+        if (!is_statement[size_t(i)]) continue;
+        if (n.op == SINE || n.op == COSINE) {
+            const int angle = node_of(n.arg[0]);
+            if (std::find(angles.begin(), angles.end(), angle) == angles.end()) angles.push_back(angle);
+        }
+        if (is_leaf(i))
+            is_statement[size_t(i)] = 0;
+        else
+            for (value x : n.arg) use(x);
+    }
+    std::sort(angles.begin(), angles.end());
+}
+
+/* The terms of a sum: sums and products that are used but once open up, as long as there is room. */
+void program::gather(int i, bool negative, bool top, std::vector<term> &t, int &room) const {
+    const node &n = at(i);
+    const bool once = uses[size_t(i)] == 1;
+    if (n.op == ADD && (top || (once && room > 0))) {
+        if (!top) room--;
+        for (int k = 0; k < 2; k++)
+            gather(node_of(n.arg[k]), negative != is_negative(n.arg[k]), false, t, room);
+    } else if (n.op == MULTIPLY && once) {
+        t.push_back({negative, node_of(n.arg[0]), node_of(n.arg[1])});
+    } else {
+        t.push_back({negative, i, -1});
+    }
+}
+
+/* What a sum has opened is no statement any more. */
+void program::absorb(int i) {
+    const std::vector<term> &t = terms[size_t(i)];
+    std::vector<int> open = {node_of(at(i).arg[0]), node_of(at(i).arg[1])};
+    while (!open.empty()) {
+        const int k = open.back();
+        open.pop_back();
+        if (is_leaf(k) || std::any_of(t.begin(), t.end(), [k](const term &x) { return x.b < 0 && x.a == k; }))
+            continue;
+        is_statement[size_t(k)] = 0;
+        if (at(k).op == ADD)
+            for (int j = 0; j < 2; j++) open.push_back(node_of(at(k).arg[j]));
+    }
+}
+
+void program::gather_sums(int longest) {
+    for (int i = int(terms.size()) - 1; i >= 0; i--) {
+        const node &n = at(i);
+        int room = longest - 2;
+        if (!is_statement[size_t(i)]) continue;
+        if (n.op == ADD) {
+            gather(i, false, true, terms[size_t(i)], room);
+            absorb(i);
+        } else {
+            terms[size_t(i)] = {{false, node_of(n.arg[0]), n.arg[1] < 0 ? -1 : node_of(n.arg[1])}};
+            if (n.op == SELECT) terms[size_t(i)].push_back({false, node_of(n.arg[2]), node_of(n.arg[3])});
+        }
+    }
+}
+
+/* A product that only sums use is computed in each of them, where a fused multiplication costs no more than
+   the addition: in sums with another term left that is no product. */
+void program::share_products() {
+    std::vector<std::vector<int>> users(terms.size());
+    std::vector<char> elsewhere(terms.size(), 0);
+    for (value x : f.results) elsewhere[size_t(node_of(x))] = 1;
+    for (value x : f.pivots) elsewhere[size_t(node_of(x))] = 1;
+    for (int i = 0; i < int(terms.size()); i++)
+        for (const term &t : terms[size_t(i)]) {
+            if (!is_statement[size_t(i)]) continue;
+            if (at(i).op == ADD && t.b < 0)
+                users[size_t(t.a)].push_back(i);
+            else
+                for (int k : {t.a, t.b})
+                    if (k >= 0) elsewhere[size_t(k)] = 1;
+        }
+    for (int i = int(terms.size()) - 1; i >= 0; i--) {
+        if (!is_statement[size_t(i)] || at(i).op != MULTIPLY || elsewhere[size_t(i)]) continue;
+        const auto alone = [this](int s) {
+            const auto &t = terms[size_t(s)];
+            return std::count_if(t.begin(), t.end(), [](const term &x) { return x.b < 0; }) < 2;
+        };
+        const std::vector<int> &all = users[size_t(i)];
+        if (all.empty() || std::any_of(all.begin(), all.end(), alone)) continue;
+        for (int s : all)
+            for (term &t : terms[size_t(s)])
+                if (t.b < 0 && t.a == i) t.a = terms[size_t(i)][0].a, t.b = terms[size_t(i)][0].b;
+        is_statement[size_t(i)] = 0;
+    }
+}
+
+/* In a sum what is ready last comes last. */
+void program::sort_by_depth() {
+    std::vector<int> depth(terms.size(), 0);
+    const auto of = [&](const term &t) {
+        return std::max(depth[size_t(t.a)], t.b < 0 ? 0 : depth[size_t(t.b)]);
+    };
+    for (int i = 0; i < int(terms.size()); i++) {
+        std::vector<term> &t = terms[size_t(i)];
+        if (!is_statement[size_t(i)]) continue;
+        if (at(i).op == ADD)
+            std::stable_sort(t.begin(), t.end(), [&](const term &x, const term &y) { return of(x) < of(y); });
+        for (const term &x : t) depth[size_t(i)] = std::max(depth[size_t(i)], of(x) + 1);
+    }
+}
+
+bool program::term_is_negative(int i, const term &t) const {
+    const bool a = flipped[size_t(t.a)], b = t.b >= 0 && flipped[size_t(t.b)];
+    return (t.negative != flipped[size_t(i)]) != (a != b);
+}
+
+/* A sum may stand for its negative: where all its terms are negative, or the result that it is. */
+void program::choose_signs() {
+    std::vector<int> wanted(terms.size(), 0);
+    for (value x : f.results) wanted[size_t(node_of(x))] += is_negative(x) ? 1 : -1;
+    for (int i = 0; i < int(terms.size()); i++) {
+        if (!is_statement[size_t(i)]) continue;
+        const std::vector<term> &t = terms[size_t(i)];
+        const auto negative =
+            std::count_if(t.begin(), t.end(), [&](const term &x) { return term_is_negative(i, x); });
+        if (at(i).op == ADD)
+            flipped[size_t(i)] = negative == int(t.size()) || (negative > 0 && wanted[size_t(i)] > 0);
+        else if (at(i).op == MULTIPLY || at(i).op == DIVIDE)
+            flipped[size_t(i)] = negative > 0;
+    }
+}
+
+std::vector<int> program::operands(int i) const {
+    std::vector<int> all;
+    for (const term &t : terms[size_t(i)]) {
+        all.push_back(t.a);
+        if (t.b >= 0) all.push_back(t.b);
+    }
+    return all;
+}
+
+operations program::count() const {
+    operations n = {0, 0, 0, 0, int(angles.size()), 0};
+    for (int i = 0; i < int(terms.size()); i++) {
+        if (!is_statement[size_t(i)]) continue;
+        const operation op = at(i).op;
+        if (op == ADD) n.additions += int(terms[size_t(i)].size()) - 1;
+        for (const term &t : terms[size_t(i)])
+            if (op == MULTIPLY || (op == ADD && t.b >= 0)) n.multiplications++;
+        n.divisions += op == DIVIDE;
+        n.roots += op == ROOT;
+        n.choices += op == SELECT;
+    }
+    return n;
+}
+
+program::program(const function &f_, const style &s)
+    : f(f_), is_statement(f_.code.nodes.size(), 0), terms(f_.code.nodes.size()),
+      flipped(f_.code.nodes.size(), 0), uses(f_.code.nodes.size(), 0) {
+    mark();
+    gather_sums(s.long_sums ? 8 : 2);
+    if (s.long_sums) share_products();
+    sort_by_depth();
+    choose_signs();
+}
+
+} // namespace codegen

@@ -1,0 +1,57 @@
+/* program.h - the statements that a graph becomes. SPDX-License-Identifier: MIT */
+#ifndef TOOLS_CODEGEN_PROGRAM_H
+#define TOOLS_CODEGEN_PROGRAM_H
+
+#include "graph.h"
+
+namespace codegen {
+
+/* What suits the target. */
+struct style {
+    bool long_sums; /* of up to eight terms, and products that sums share computed in each: for machines that
+                       multiply and add in one instruction and run several at once */
+};
+
+/* a b, or a alone if b is -1; nodes. */
+struct term {
+    bool negative;
+    int a, b;
+};
+
+struct operations {
+    int multiplications, additions, divisions, roots, angles, choices;
+};
+
+/* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is the
+   one recorded: every cleverer order was tried, and gained nothing. */
+class program {
+  public:
+    const function &f;
+    std::vector<char> is_statement;
+    std::vector<std::vector<term>> terms;
+    std::vector<char> flipped; /* the statement computes the node's negative */
+    std::vector<int> angles;   /* nodes whose sine and cosine are wanted */
+
+    program(const function &f, const style &s);
+
+    const node &at(int i) const { return f.code.nodes[size_t(i)]; }
+    bool
+    is_leaf(int i) const; /* constants, inputs, sines and cosines, which are there before all statements */
+    bool term_is_negative(int i, const term &t) const;
+    std::vector<int> operands(int i) const; /* nodes that a statement uses, leaves among them */
+    operations count() const;
+
+  private:
+    std::vector<int> uses;
+
+    void mark();
+    void gather_sums(int longest);
+    void gather(int i, bool negative, bool top, std::vector<term> &t, int &room) const;
+    void absorb(int i);
+    void share_products();
+    void sort_by_depth();
+    void choose_signs();
+};
+
+} // namespace codegen
+#endif

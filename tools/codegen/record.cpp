@@ -1,0 +1,166 @@
+/* rbd.h run with a scalar that records what is done to it. Compiled for the constants of each scalar: CONSTANTS
+   is double or float, RECORD the function's name. SPDX-License-Identifier: MIT */
+#include "record.h"
+#include <memory>
+#include <stdexcept>
+
+namespace codegen {
+namespace RECORD_SPACE {
+
+static graph *tape;                                /* where it is recorded */
+static std::unordered_map<double, value> stand_in; /* constants that stand for arguments */
+
+class number {
+  public:
+    value x;
+    number() = default; /* trivial: the library's memory is raw */
+    number(double c) {
+        const auto found = stand_in.find(c);
+        x = found != stand_in.end() ? found->second : tape->constant(c);
+    }
+    static number of(value x) {
+        number n;
+        n.x = x;
+        return n;
+    }
+};
+
+static inline number operator+(number a, number b) { return number::of(tape->add(a.x, b.x)); }
+static inline number operator-(number a) { return number::of(negated(a.x)); }
+static inline number operator-(number a, number b) { return a + -b; }
+static inline number operator*(number a, number b) { return number::of(tape->multiply(a.x, b.x)); }
+static inline number operator/(number a, number b) { return number::of(tape->divide(a.x, b.x)); }
+static inline number sin(number a) { return number::of(tape->sine(a.x)); }
+static inline number cos(number a) { return number::of(tape->cosine(a.x)); }
+static inline number sqrt(number a) { return number::of(tape->root(a.x)); }
+
+/* A condition: known, or a comparison a < b or its opposite, or more than that, which can be asked for only as
+   `any`. Of what is not known the recording takes that no state meets it: the one such question of rbd.h is
+   whether pivots are in doubt, and that is asked again after the recorded code, see `pivots`. */
+enum certainty { NEVER, ALWAYS, LESS, NOT_LESS, MANY };
+class mask {
+  public:
+    certainty kind;
+    value a, b;
+    mask() = default;
+    mask(bool known) : kind(known ? ALWAYS : NEVER), a(-1), b(-1) {}
+    mask(value a_, value b_) : kind(LESS), a(a_), b(b_) {}
+    operator int() const { return kind == ALWAYS; }
+};
+static inline mask operator!(mask k) {
+    static const certainty opposite[] = {ALWAYS, NEVER, NOT_LESS, LESS, MANY};
+    k.kind = opposite[k.kind];
+    return k;
+}
+static inline mask operator|(mask a, mask b) {
+    if (a.kind == ALWAYS || b.kind == NEVER) return a;
+    if (b.kind == ALWAYS || a.kind == NEVER) return b;
+    a.kind = MANY;
+    return a;
+}
+static inline mask operator&(mask a, mask b) { return !((!a) | (!b)); }
+static inline number select(mask k, number x, number y) {
+    if (k.kind == ALWAYS) return x;
+    if (k.kind == NEVER) return y;
+    if (k.kind == MANY) throw std::runtime_error("a choice by more than one comparison");
+    if (k.kind == NOT_LESS) std::swap(x, y);
+    return number::of(tape->select(k.a, k.b, x.x, y.x));
+}
+static mask operator<(number a, number b);
+
+} // namespace RECORD_SPACE
+} // namespace codegen
+
+#define RBD_REAL codegen::RECORD_SPACE::number
+#define RBD_REAL_CUSTOM
+#define RBD_MASK codegen::RECORD_SPACE::mask
+#define RBD_CONST CONSTANTS
+#define RBD_STATIC
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+
+namespace codegen {
+namespace RECORD_SPACE {
+
+#include "algorithms.h"
+
+/* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
+static mask operator<(number a, number b) {
+    if (tape->is_constant(a.x) && tape->is_constant(b.x))
+        return tape->constant_of(a.x) < tape->constant_of(b.x);
+    if (a.x == b.x) return false;
+    if (tape->is_constant(a.x) && tape->constant_of(a.x) == double(RBDI_TINY)) return true;
+    return mask(a.x, b.x);
+}
+
+static void demand(rbd_status status) {
+    if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
+}
+
+struct recorder {
+    std::vector<unsigned char> model_memory, work_memory;
+    const rbd_model *m;
+    rbd_work *w;
+    function f;
+
+    explicit recorder(const robot &r) : model_memory(rbd_model_size(r.bodies, r.nb)) {
+        demand(rbd_model_build(r.bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
+        work_memory.resize(rbd_work_size(m));
+        tape = &f.code;
+        stand_in.clear();
+        demand(rbd_work_init(m, work_memory.data(), work_memory.size(), &w));
+    }
+
+    std::vector<number> input(const argument &a) {
+        const int k = int(f.inputs.size());
+        std::vector<number> x(size_t(a.size(m)));
+        for (size_t i = 0; i < x.size(); i++) x[i] = number::of(tape->input(k, int(i)));
+        f.inputs.push_back({a.name, int(x.size()), a.shape});
+        return x;
+    }
+
+    /* Gravity is a constant to rbd.h: where it is an argument here, numbers that nothing else has stand in. */
+    void set_gravity(const robot &r, const std::vector<number> &g) {
+        rbd_const c[3];
+        for (int i = 0; i < 3; i++) {
+            c[i] = rbd_const(g.empty() ? r.gravity[i] : 1.2345678912e-21 * (i + 2));
+            if (g.empty()) continue;
+            stand_in[double(c[i])] = g[size_t(i)].x;
+            stand_in[-double(c[i])] = negated(g[size_t(i)].x);
+        }
+        demand(rbd_set_gravity(w, c));
+    }
+
+    void record(const robot &r, const algorithm &row) {
+        std::vector<number> x[sizeof arguments / sizeof *arguments];
+        for (size_t i = 0; i < sizeof arguments / sizeof *arguments; i++) {
+            const char letter = arguments[i].letter;
+            const bool wanted = letter == 'f' ? r.f_ext : letter == 'g' ? r.gravity_argument : true;
+            if (std::string(row.arguments).find(letter) != std::string::npos && wanted)
+                x[i] = input(arguments[i]);
+        }
+        set_gravity(r, x[5]);
+        std::vector<number> out(size_t(row.size(m)));
+        demand(row.run({m, w, x[0].data(), x[1].data(), x[2].data(), x[3].data(),
+                        x[4].empty() ? NULL : x[4].data(), out.data()}));
+        for (number y : out) f.results.push_back(y.x);
+        for (int k = 0; row.pivots && k < rbd_nv(m); k++) {
+            f.pivots.push_back(w->pivot[k].x);
+            f.limits.push_back(double((m->dof[k].scale + m->dof[k].armature) * RBDI_NOISE));
+        }
+        f.name = row.name, f.about = row.about;
+        f.output = {row.result, row.size(m), row.shape};
+    }
+};
+
+} // namespace RECORD_SPACE
+
+function RECORD(const robot &r, const std::string &name) {
+    using namespace RECORD_SPACE;
+    recorder rec(r);
+    for (const algorithm &row : algorithms)
+        if (name == row.name) rec.record(r, row);
+    return std::move(rec.f);
+}
+
+} // namespace codegen

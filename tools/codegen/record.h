@@ -1,0 +1,36 @@
+/* record.h - rbd.h run once with a scalar that records, and once with doubles. SPDX-License-Identifier: MIT */
+#ifndef TOOLS_CODEGEN_RECORD_H
+#define TOOLS_CODEGEN_RECORD_H
+
+#include "graph.h"
+
+struct rbd_body;
+
+namespace codegen {
+
+/* A robot, and what the functions take as arguments. */
+struct robot {
+    const rbd_body *bodies;
+    int nb;
+    double gravity[3];
+    bool f_ext, gravity_argument;
+};
+
+/* The names of all algorithms. */
+std::vector<std::string> algorithm_names();
+
+/* The call that rbd.h makes for an algorithm, with constants of the model in double or float. Throws
+   std::runtime_error where it cannot be recorded. */
+function record_double(const robot &r, const std::string &algorithm);
+function record_float(const robot &r, const std::string &algorithm);
+
+/* States drawn at random, an array for each of `inputs` (the same array for the same name), and rbd.h's
+   results for it in double. */
+struct example {
+    std::vector<std::vector<double>> in;
+    std::vector<double> out;
+};
+example compute(const robot &r, const std::string &algorithm, unsigned state);
+
+} // namespace codegen
+#endif

@@ -1,0 +1,290 @@
+/* rbd-codegen: writes rbd.h's functions for one robot as straight-line C. SPDX-License-Identifier: MIT */
+extern "C" {
+#include "print.h"
+#include "robot.h"
+}
+#include "codegen/emit.h"
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+const char *program = "rbd-codegen";
+
+namespace {
+
+const char help[] = "usage: rbd-codegen [OPTION...] FILE.urdf\n"
+                    "\n"
+                    "Writes NAME_code.h and NAME_code.c: functions of one robot as straight-line C99, which "
+                    "need no rbd.h. What\n"
+                    "they compute is what rbd.h computes: it is run once, on a scalar that records, and the "
+                    "record is written.\n"
+                    "  --name NAME         what files, functions and constants begin with (the file's name)\n"
+                    "  --output FOLDER     where to write (here)\n"
+                    "  --algorithm LIST    which functions, with commas between (id,mm,fd); there are\n"
+                    "                     ";
+const char help_more[] =
+    "\n"
+    "  --scalar SCALAR     double or float (double)\n"
+    "  --lanes N           N states at once, 2, 4, 8 or 16: GCC's and clang's vectors of N scalars\n"
+    "  --f-ext             external wrenches are an argument\n"
+    "  --gravity-argument  gravity is an argument, not the constant of --gravity\n"
+    "  --bounded-angles    the caller promises that no angle exceeds 1e6 rad (float: 1e4) and is a number: "
+    "no\n"
+    "                      code of libm's is linked for them\n"
+    "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
+    "  --block N           most statements of a C function (600); longer ones are cut into several\n"
+    "How the file is read:\n";
+const char help_end[] =
+    "\n"
+    "Exit status: 0, 1 if the file has an error (with --strict: or a warning), 2 for bad arguments.\n";
+
+struct options {
+    codegen::target target;
+    codegen::robot robot;
+    std::vector<std::string> algorithms;
+    std::string folder;
+    const char *path;
+    settings read;
+};
+
+/* ---- arguments ---- */
+
+bool is_identifier(const std::string &s) {
+    if (s.empty() || isdigit(static_cast<unsigned char>(s[0]))) return false;
+    for (char c : s)
+        if (!isalnum(static_cast<unsigned char>(c)) && c != '_') return false;
+    return true;
+}
+
+int read_algorithms(options *o, const char *list) {
+    const std::vector<std::string> all = codegen::algorithm_names();
+    std::string rest = std::string(list) + ",";
+    o->algorithms.clear();
+    for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
+        const std::string name = rest.substr(0, comma);
+        bool known = false, again = false;
+        for (const std::string &x : all) known = known || x == name;
+        for (const std::string &x : o->algorithms) again = again || x == name;
+        if (!known) return usage_error("--algorithm: there is no '%s'", name.c_str());
+        if (again) return usage_error("--algorithm: '%s' stands twice", name.c_str());
+        o->algorithms.push_back(name);
+    }
+    return 0;
+}
+
+int read_scalar(options *o, const char *text) {
+    o->target.is_float = strcmp(text, "float") == 0;
+    if (o->target.is_float || strcmp(text, "double") == 0) return 0;
+    return usage_error("--scalar: '%s' is neither double nor float", text);
+}
+
+int read_lanes(options *o, const char *text) {
+    for (int n = 2; n <= 16; n *= 2)
+        if (text == std::to_string(n)) return o->target.lanes = n, 0;
+    return usage_error("--lanes: '%s' is none of 2, 4, 8, 16", text);
+}
+
+int read_block(options *o, const char *text) {
+    char *end;
+    const long n = strtol(text, &end, 10);
+    if (*end || end == text || n < 50 || n > 1000000)
+        return usage_error("--block: '%s' is no number from 50 on", text);
+    o->target.block = int(n);
+    return 0;
+}
+
+int read_name(options *o, const char *text) {
+    o->target.name = text;
+    return is_identifier(text) ? 0 : usage_error("--name: '%s' is not a C identifier", text);
+}
+
+int read_folder(options *o, const char *text) {
+    o->folder = std::string(text) + "/";
+    return 0;
+}
+
+/* Reads argument *i if it is one of this command's own; -1 if it is none. */
+int read_own(options *o, char **argv, int *i) {
+    static const struct {
+        const char *name;
+        int (*read)(options *, const char *);
+    } with_value[] = {{"--name", read_name},     {"--output", read_folder}, {"--algorithm", read_algorithms},
+                      {"--scalar", read_scalar}, {"--lanes", read_lanes},   {"--block", read_block}};
+    for (const auto &x : with_value) {
+        if (!option_is(argv[*i], x.name)) continue;
+        const char *text = option_value(argv, i);
+        return text ? x.read(o, text) : int(EXIT_USAGE);
+    }
+    if (strcmp(argv[*i], "--f-ext") == 0)
+        o->robot.f_ext = true;
+    else if (strcmp(argv[*i], "--gravity-argument") == 0)
+        o->robot.gravity_argument = true;
+    else if (strcmp(argv[*i], "--bounded-angles") == 0)
+        o->target.is_bounded = true;
+    else if (strcmp(argv[*i], "--short-sums") == 0)
+        o->target.statements.long_sums = false;
+    else
+        return -1;
+    return 0;
+}
+
+void print_help() {
+    printf("%s", help);
+    for (const std::string &name : codegen::algorithm_names()) printf(" %s", name.c_str());
+    printf("%s%s%s", help_more, settings_help, help_end);
+}
+
+/* The file's name without folder and ending. */
+std::string stem(const char *path) {
+    std::string s = file_name(path);
+    return s.substr(0, s.find('.'));
+}
+
+/* Returns 0 to go on, or 1 + the exit status to end with. */
+int read_options(options *o, char **argv) {
+    for (int i = 1; argv[i]; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return print_help(), 1;
+        if (strcmp(argv[i], "--version") == 0) return puts("rbd-codegen " RBD_VERSION), 1;
+        int status = read_own(o, argv, &i);
+        if (status < 0) status = settings_read(&o->read, argv, &i);
+        if (status < 0 && argv[i][0] == '-' && argv[i][1])
+            status = usage_error("unknown option '%s'", argv[i]);
+        if (status < 0) {
+            status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;
+            o->path = argv[i];
+        }
+        if (status > 0) return 1 + status;
+    }
+    if (!o->path) return 1 + usage_error("no file given");
+    if (o->target.name.empty()) o->target.name = stem(o->path);
+    if (!is_identifier(o->target.name))
+        return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
+    return 0;
+}
+
+/* ---- functions ---- */
+
+template <class T> double error_of(const codegen::function &f, const codegen::example &e) {
+    const std::vector<T> found = codegen::evaluate<T>(f, e.in);
+    double largest = 0, error = 0;
+    for (double y : e.out) largest = std::fmax(largest, std::fabs(y));
+    for (size_t k = 0; k < e.out.size(); k++) {
+        const double d = std::fabs(double(found[k]) - e.out[k]);
+        if (!(d <= error)) error = d;
+        if (!(d < HUGE_VAL)) return HUGE_VAL;
+    }
+    return largest > 0 ? error / largest : error;
+}
+
+/* Records an algorithm and holds the record against rbd.h in some states: what is wrong is not written. */
+codegen::tested record(const options *o, const std::string &algorithm) {
+    const bool is_float = o->target.is_float;
+    const auto recorded = is_float ? codegen::record_float : codegen::record_double;
+    codegen::tested x = {recorded(o->robot, algorithm), {}, 0};
+    for (unsigned state = 0; state < 3; state++) {
+        codegen::example e = codegen::compute(o->robot, algorithm, state);
+        if (!(error_of<double>(x.f, e) < (is_float ? 0.05 : 1e-9)))
+            throw std::runtime_error("what was recorded is not what rbd.h computes; please report this");
+        if (is_float) e.out = codegen::evaluate<double>(x.f, e.in); /* of the rounded constants */
+        x.tolerance = std::fmax(x.tolerance, is_float ? error_of<float>(x.f, e) : error_of<double>(x.f, e));
+        x.examples.push_back(e);
+    }
+    x.tolerance = 32 * x.tolerance + (is_float ? 1e-5 : 1e-13);
+    return x;
+}
+
+/* ---- files ---- */
+
+/* Makes standard output that file. */
+void begin(const options *o, const robot *r, const char *ending, const char *what) {
+    const std::string path = o->folder + o->target.name + "_code." + ending;
+    if (!freopen(path.c_str(), "w", stdout)) throw std::runtime_error("cannot write " + path);
+    printf("/* %s_code.%s - ", o->target.name.c_str(), ending);
+    print_in_comment(r->urdf.name);
+    printf(", %s\n   Written by rbd-codegen " RBD_VERSION " from ", what);
+    print_in_comment(file_name(r->path));
+    printf(": change that instead.");
+}
+
+void end() {
+    if (fflush(stdout) != 0 || ferror(stdout)) throw std::runtime_error("cannot write the output");
+}
+
+void print_lines(const char *text) {
+    for (; *text; text++) putchar(*text);
+}
+
+void print_header(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
+    const char *name = o->target.name.c_str();
+    begin(o, r, "h", "functions of this robot alone, straight-line code.");
+    print_lines(
+        "\n\n   Compile NAME_code.c, a file of its own, with\n"
+        "       cc -O3 -march=native -c NAME_code.c                               (a computer)\n"
+        "       arm-none-eabi-gcc -O2 -mcpu=... -mfloat-abi=... -c NAME_code.c    (a microcontroller)\n"
+        "   without -ffast-math. With -DNAME_SELFTEST it has int NAME_selftest(void), which runs all "
+        "functions\n"
+        "   on known states: 0, or the number of the first that is wrong; -DNAME_SELFTEST_MAIN adds a "
+        "main.\n\n"
+        "   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
+        "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
+        "freedom\n"
+        "   at which the mass matrix is singular, or -1 - that at which it is not a number. */\n");
+    printf("#ifndef ");
+    print_upper(name);
+    printf("_CODE_H\n#define ");
+    print_upper(name);
+    printf("_CODE_H\n\n/* clang-format off */\n\n");
+    print_c_indices(r, name);
+    printf("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n%s",
+           codegen::declarations(functions, o->target).c_str());
+    printf("#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
+    end();
+}
+
+void print_source(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
+    begin(o, r, "c", "see the header.");
+    printf(" */\n/* clang-format off */\n#include \"%s_code.h\"\n%s", o->target.name.c_str(),
+           codegen::definitions(functions, o->target).c_str());
+    end();
+}
+
+int run(options *o) {
+    robot r;
+    int status = robot_open(&r, o->path, &o->read);
+    if (status == 0) {
+        robot_print_warnings(&r);
+        o->robot.bodies = r.urdf.bodies;
+        o->robot.nb = r.urdf.nb;
+        const double usual[3] = {0, 0, -9.81};
+        std::memcpy(o->robot.gravity, o->read.urdf.gravity ? o->read.gravity : usual, sizeof usual);
+        try {
+            std::vector<codegen::tested> functions;
+            for (const std::string &name : o->algorithms) functions.push_back(record(o, name));
+            print_header(o, &r, functions);
+            print_source(o, &r, functions);
+        } catch (const std::exception &e) {
+            fprintf(stderr, "%s: %s\n", program, e.what());
+            status = EXIT_BAD;
+        }
+    }
+    robot_close(&r);
+    return status;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    options o = {};
+    o.target.lanes = 1;
+    o.target.block = 600;
+    o.target.statements.long_sums = true;
+    o.algorithms = {"id", "mm", "fd"};
+    o.read = settings_new(argc);
+    int status = read_options(&o, argv);
+    status = status ? status - 1 : run(&o);
+    settings_free(&o.read);
+    return status;
+}
