@@ -73,6 +73,13 @@ selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
 selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
 
+# the sines
+for scalar in double float; do
+    expect 0 "" --name sines --scalar $scalar --algorithm gravity "$iiwa"
+    ${CC:-cc} -O1 -I"$root" -I. -DRBD_REAL=$scalar -DCODE='"sines_code.c"' "$root/tests/codegen/sines.c" -o sines -lm &&
+        ./sines || fail "the sines of $scalar are not those of rbd.h"
+done
+
 # what is written twice is the same
 cp cart_code.h first.h
 expect 0 "" --name cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"

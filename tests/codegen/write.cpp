@@ -1,5 +1,5 @@
-// write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with all
-// arguments. usage: write NAME N double|float LANES BLOCK long|short FOLDER
+// write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
+// all arguments. usage: write NAME N double|float LANES BLOCK long|short FOLDER
 #include "../../tools/codegen/emit.h"
 #include <cstdio>
 #include <cstdlib>

@@ -109,7 +109,7 @@ void writer::store_at(value x, const std::string &array, size_t k) {
     stores[node_of(x)].push_back({format("%s[%zu]", array.c_str(), k), is_negative(x)});
 }
 
-/* Blocks of as many statements, and places for what later blocks read; a place is free again behind the last. */
+/* Blocks of as many statements, and places for what later blocks read, free again behind the last of them. */
 void writer::split() {
     const int n = int(order.size());
     blocks = std::max(1, (n + t.block - 1) / t.block);
@@ -311,11 +311,11 @@ const char compiler_text[] = R"(
 #include <stdint.h>
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
-#error "reassociation voids the sine's argument reduction: compile without -ffast-math, this file fuses by itself"
+#error "reassociation voids the sine's argument reduction: compile without -ffast-math"
 #endif
 
-/* GCC's vectoriser packs scalars and loses time by it, as does its first scheduler on Arm, which spills; its ISO
-   modes switch contraction to fused operations off. */
+/* GCC's vectoriser packs scalars and loses time by it, as does its first scheduler on Arm, which spills; its
+   ISO modes switch contraction to fused operations off. */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__
 #pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-math-errno,fp-contract=fast")
 #ifdef __arm__
@@ -371,8 +371,8 @@ const char beyond_text[] = R"(
 
 /* As rbd.h's verdict on pivots: the first in the order of elimination that is not sound. */
 const char judge_text[] = R"(
-/* The dofs' pivots are sound if they are above their rounding. 0 if all are; else 1 + the first dof, in the order
-   of elimination, whose pivot is not, its negative if that is not a number; the results become 0. */
+/* Pivots are sound if they are above their rounding. 0 if all are; else 1 + the first dof, in the order of
+   elimination, whose pivot is not, its negative if that is not a number; the results become 0. */
 #if LANES > 1
 COLD int judge_closely(const real *pivot, const scalar *limit, int n, real *x, int size) {
     int status = 0;

@@ -22,8 +22,8 @@ struct operations {
     int multiplications, additions, divisions, roots, angles, choices;
 };
 
-/* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is the
-   one recorded: every cleverer order was tried, and gained nothing. */
+/* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is
+   the one recorded: every cleverer order was tried, and gained nothing. */
 class program {
   public:
     const function &f;

@@ -1,5 +1,6 @@
-/* rbd.h run with a scalar that records what is done to it. Compiled for the constants of each scalar: CONSTANTS
-   is double or float, RECORD the function's name. SPDX-License-Identifier: MIT */
+/* rbd.h run with a scalar that records what is done to it. Compiled for the constants of each scalar:
+   CONSTANTS is double or float, RECORD the function's name, RECORD_SPACE a namespace for it.
+   SPDX-License-Identifier: MIT */
 #include "record.h"
 #include <memory>
 #include <stdexcept>
@@ -34,9 +35,9 @@ static inline number sin(number a) { return number::of(tape->sine(a.x)); }
 static inline number cos(number a) { return number::of(tape->cosine(a.x)); }
 static inline number sqrt(number a) { return number::of(tape->root(a.x)); }
 
-/* A condition: known, or a comparison a < b or its opposite, or more than that, which can be asked for only as
-   `any`. Of what is not known the recording takes that no state meets it: the one such question of rbd.h is
-   whether pivots are in doubt, and that is asked again after the recorded code, see `pivots`. */
+/* A condition: known, or a comparison a < b or its opposite, or more than that, which can be asked for only
+   as `any`. Of what is not known the recording takes that no state meets it: the one such question of rbd.h
+   is whether pivots are in doubt, and that is asked again after the recorded code, see `pivots`. */
 enum certainty { NEVER, ALWAYS, LESS, NOT_LESS, MANY };
 class mask {
   public:
@@ -119,7 +120,7 @@ struct recorder {
         return x;
     }
 
-    /* Gravity is a constant to rbd.h: where it is an argument here, numbers that nothing else has stand in. */
+    /* Gravity is a constant to rbd.h: where it is an argument, numbers that nothing else has stand in. */
     void set_gravity(const robot &r, const std::vector<number> &g) {
         rbd_const c[3];
         for (int i = 0; i < 3; i++) {

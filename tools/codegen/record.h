@@ -1,4 +1,4 @@
-/* record.h - rbd.h run once with a scalar that records, and once with doubles. SPDX-License-Identifier: MIT */
+/* record.h - rbd.h run with a scalar that records, and with doubles. SPDX-License-Identifier: MIT */
 #ifndef TOOLS_CODEGEN_RECORD_H
 #define TOOLS_CODEGEN_RECORD_H
 

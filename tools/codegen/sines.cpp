@@ -1,5 +1,5 @@
-/* The generated code's own sine and cosine: rbd.h's, see its rbdi_sincos_batch, for the scalar that is wanted.
-   tests/codegen holds the two against each other, bit by bit. SPDX-License-Identifier: MIT */
+/* The generated code's own sine and cosine: rbd.h's, see its rbdi_sincos_batch, for the scalar wanted.
+   tests/codegen/sines.c holds the two against each other, bit by bit. SPDX-License-Identifier: MIT */
 #include "sines.h"
 
 namespace codegen {
@@ -15,11 +15,13 @@ typedef uint64_t bit;
 #define REST(x, n) (((x) - (n) * 1.57079632673412561417) - (n) * 6.07710050630396597660e-11) - \
                    (n) * 2.02226624879595063154e-21
 #define SINE_TAIL(z) \
-    (((((z) * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * (z) + 2.7557313718766776671e-6) * (z) + \
-       -0.0001984126982989857878) * (z) + 0.0083333333333225528993) * (z) + -0.16666666666666632772
+    (((((z) * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * (z) + \
+       2.7557313718766776671e-6) * (z) + -0.0001984126982989857878) * (z) + \
+     0.0083333333333225528993) * (z) + -0.16666666666666632772
 #define COSINE_TAIL(z) \
-    (((((z) * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * (z) + -2.755731463445455091e-7) * (z) + \
-       2.4801587290576460775e-5) * (z) + -0.0013888888888876133562) * (z) + 0.041666666666666613249
+    (((((z) * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * (z) + \
+       -2.755731463445455091e-7) * (z) + 2.4801587290576460775e-5) * (z) + \
+     -0.0013888888888876133562) * (z) + 0.041666666666666613249
 #define HALF 0.5
 #define ONE 1.0
 )";
