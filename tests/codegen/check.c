@@ -1,6 +1,6 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
    ROBOTS is 3 or 8, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes. What is no number
-   is wrong where rbd.h has one, and so is any status that is not rbd.h's. rbd.h judges pivots in one step here,
+   is wrong where rbd.h has one, and so is any status that is not rbd.h's. rbd.h judges pivots in one step,
    as generated code does. */
 #define RBD_REAL REAL
 #define RBD_STATIC
