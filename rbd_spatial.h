@@ -492,9 +492,9 @@ RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i)
     return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
 }
 
-/* Whether a body can be like that: its mass is above 0, and its second moment of mass about the centre of mass
-   has no negative eigenvalue (Wensing, Kim and Slotine 2018), but for 1e-9 of its size and for rounding: the
-   three pivots of its Cholesky factor. Of lanes, all. */
+/* Whether a body can be like that: its mass is above 0, and its second moment of mass about the centre of
+   mass has no negative eigenvalue (Wensing, Kim and Slotine 2018), but for 1e-9 of its size and for rounding:
+   the three pivots of its Cholesky factor. Of lanes, all. */
 static RBDI_UNUSED int rbd_inertia_is_physical(rbd_inertia i) {
     rbdi_mask bad = rbdi_less(i.h.x, i.h.x);
     const rbd_real mass = rbdi_set(i.mass), inverse = rbdi_reciprocal(mass, RBDI_TINY, &bad);
