@@ -634,6 +634,25 @@ START_TEST(fixed_and_mimic_joints_have_no_place) {
 }
 END_TEST
 
+/* In the solver's order the largest subtree follows its parent, so that most links have theirs before them. */
+START_TEST(largest_subtree_comes_first) {
+    static const int parents[5] = {-1, 0, 0, 2, 0}, order[5] = {0, 2, 3, 1, 4};
+    rbd_body b[5];
+    memset(b, 0, sizeof b);
+    for (int i = 0; i < 5; i++) {
+        b[i].parent = parents[i];
+        b[i].type = RBD_REVOLUTE;
+        b[i].axis[i % 3] = 1;
+        b[i].position[1] = 0.1 * (i + 1);
+        b[i].mass = 1;
+        b[i].inertia[0] = b[i].inertia[3] = b[i].inertia[5] = 1;
+    }
+    robot r = BUILD(b);
+    for (int i = 0; i < 5; i++) ck_assert_int_eq(r.m->order[i].dof, order[i]);
+    robot_free(&r);
+}
+END_TEST
+
 /* Only the strings must outlive the build. */
 START_TEST(description_may_go_after_the_build) {
     rbd_body b[NB];
@@ -687,6 +706,7 @@ Suite *build_suite(void) {
     tcase_add_test(c, memory_of_any_alignment_suffices);
     tcase_add_test(c, largest_model_is_built);
     tcase_add_test(c, fixed_and_mimic_joints_have_no_place);
+    tcase_add_test(c, largest_subtree_comes_first);
     tcase_add_test(c, description_may_go_after_the_build);
     suite_add_tcase(suite, c);
     return suite;
