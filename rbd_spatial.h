@@ -492,24 +492,6 @@ RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i)
     return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
 }
 
-/* Whether a body can be like that: its mass is above 0, and its second moment of mass about the centre of
-   mass has no negative eigenvalue (Wensing, Kim and Slotine 2018), but for 1e-9 of its size and for rounding:
-   the three pivots of its Cholesky factor. Of lanes, all. */
-static RBDI_UNUSED int rbd_inertia_is_physical(rbd_inertia i) {
-    rbdi_mask bad = rbdi_less(i.h.x, i.h.x);
-    const rbd_real mass = rbdi_set(i.mass), inverse = rbdi_reciprocal(mass, RBDI_TINY, &bad);
-    const rbd_vec3 c = rbdi_scale(inverse, i.h);
-    const rbd_sym3 s = rbdi_second_moment(i.rotational);
-    const rbd_real xx = s.xx - c.x * i.h.x, yy = s.yy - c.y * i.h.y, zz = s.zz - c.z * i.h.z,
-                   xy = s.xy - c.x * i.h.y, xz = s.xz - c.x * i.h.z, yz = s.yz - c.y * i.h.z,
-                   e = RBD_C(RBDI_SEMIDEFINITE) * (rbdi_abs(xx) + rbdi_abs(yy) + rbdi_abs(zz)) +
-                       RBD_C(32) * RBDI_EPS * (s.xx + s.yy + s.zz) + RBDI_SHORT * mass;
-    const rbd_real p = rbdi_reciprocal(xx + e, RBDI_TINY, &bad), l = yz - xy * p * xz,
-                   q = rbdi_reciprocal(yy + e - xy * p * xy, RBDI_TINY, &bad);
-    rbdi_reciprocal(zz + e - xz * p * xz - l * q * l, RBDI_TINY, &bad);
-    return !rbdi_any(bad);
-}
-
 /* i m: of a velocity the momentum, of an acceleration the force that it takes; (2.63). */
 RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
     rbd_force f;

@@ -398,39 +398,6 @@ START_TEST(inertias_move_by_the_parallel_axis_theorem) {
 }
 END_TEST
 
-/* Given by mass, centre of mass on x, and principal moments about it, xx, yy and zz. */
-static int is_physical(double mass, double com, double xx, double yy, double zz) {
-    const rbd_const c[3] = {(rbd_const)com, 0, 0},
-                    moments[6] = {(rbd_const)xx, 0, 0, (rbd_const)yy, 0, (rbd_const)zz};
-    const rbd_inertia i = rbd_inertia_of((rbd_const)mass, c, moments, HAND);
-    const int verdict = rbd_inertia_is_physical(i);
-    for (int k = 0; k < 20; k++) /* and in any other frame */
-        ck_assert_int_eq(rbd_inertia_is_physical(rbd_inertia_up(draw_placement(HAND, BASE), i)), verdict);
-    return verdict;
-}
-
-START_TEST(what_no_body_can_be_is_told) {
-    const rbd_const flat[10] = {1, 0, 0, 0, 1, 0, 0, 1, 0, 2}, /* with the centre of mass far out */
-        out[10] = {1, 2, 0, 0, 1, 0, 0, 1, 0, 2}, skew[10] = {1, 0, 0, 0, 2, 0, (rbd_const)1.5, 2, 0, 2},
-                    only_product[10] = {1, 0, 0, 0, 0, 0, 1, 0, 0, 0};
-    seed = 12;
-    ck_assert(is_physical(2, 0.3, 1, 1.2, 1.5));
-    ck_assert(is_physical(2, 0.3, 1, 1, 2));  /* flat */
-    ck_assert(is_physical(2, -3, 0, 1, 1));   /* a rod */
-    ck_assert(is_physical(1e-3, 3, 0, 0, 0)); /* a point */
-    ck_assert(!is_physical(2, 0.3, 1, 1, 2.01));
-    ck_assert(!is_physical(2, 0.3, 2.01, 1, 1));
-    ck_assert(!is_physical(2, 0.3, 1, 2.01, 1));
-    ck_assert(!is_physical(2, 0.3, -0.01, 1, 1));
-    ck_assert(!is_physical(-2, 0, 1, 1, 1));
-    ck_assert(!is_physical(0, 0, 1, 1, 1));
-    ck_assert(rbd_inertia_is_physical(rbd_inertia_from_parameters(flat, HAND)));
-    ck_assert(!rbd_inertia_is_physical(rbd_inertia_from_parameters(out, HAND)));
-    ck_assert(!rbd_inertia_is_physical(rbd_inertia_from_parameters(skew, HAND)));
-    ck_assert(!rbd_inertia_is_physical(rbd_inertia_from_parameters(only_product, HAND)));
-}
-END_TEST
-
 START_TEST(momentum_and_energy_do_not_depend_on_the_frame) {
     seed = 11;
     for (int k = 0; k < TRIALS; k++) {
@@ -494,7 +461,6 @@ static void check_momentum(const ref_model *model, const ref_state *s) {
         const rbd_inertia i = rbd_inertia_of((rbd_const)body->mass, com, inertia, b);
         const rbd_motion v = rbd_motion_from_array(velocity, b);
         SMALL(of_inertias(i, rbd_inertia_from_parameters(pi, b)), DOUBLE_BOUND * fmax(1, body->mass));
-        ck_assert_int_eq(rbd_inertia_is_physical(i), body->mass > 0);
         if (!moves(model, b)) continue;
         whole = rbd_inertia_add(whole, rbd_inertia_up(x, i));
         momentum = rbd_force_add(momentum, rbd_force_up(x, rbd_inertia_times(i, v)));
@@ -549,7 +515,6 @@ int main(void) {
     tcase_add_test(c, cross_products_have_their_identities);
     tcase_add_test(c, cross_products_are_rates);
     tcase_add_test(c, inertias_move_by_the_parallel_axis_theorem);
-    tcase_add_test(c, what_no_body_can_be_is_told);
     tcase_add_test(c, momentum_and_energy_do_not_depend_on_the_frame);
     tcase_add_test(c, momentum_is_that_of_the_reference);
     tcase_add_test(c, structs_are_their_numbers);
