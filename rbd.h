@@ -1248,8 +1248,12 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
+#define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
+#define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
 #else
 #define RBDI_UNROLL_SIX RBDI_UNROLL
+#define RBDI_UNROLL_ROW RBDI_UNROLL
+#define RBDI_UNROLL_TWO
 #endif
 
 RBDI_CODE_BEGIN
@@ -3191,6 +3195,15 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
    changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
    path, root first, the diagonal last; after the factorisation L, and 1/D on the diagonal. */
 
+/* y *= k, a batch at a time. */
+RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
+    int j = 0;
+#if RBDI_LOOP_BATCH > 1
+    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * k;
+#endif
+    for (; j < n; ++j) y[j] = y[j] * k;
+}
+
 /* y -= k x, a batch at a time. */
 RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
     int j = 0;
@@ -3250,7 +3263,7 @@ RBDI_PART void rbdi_solve_many(const rbd_model *m, const rbd_real *L, int n, rbd
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
         rbd_real *x = &X[(ptrdiff_t)k * n];
-        for (int j = 0; j < n; ++j) x[j] = x[j] * l[d];
+        rbdi_multiply(x, l[d], n);
         for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             rbdi_subtract(x, l[t], &X[(ptrdiff_t)i * n], n);
     }
@@ -3275,6 +3288,183 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
             Z[j * n + k] = row[j];
     }
 }
+
+#if (RBDI_BATCH > 1 || defined RBD_LANES) && !defined RBD_SPECIALISE
+#define RBDI_GATHER
+/* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is a sum of
+   rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of columns of it. The
+   columns go by whole batches from the first on, but for the last batch, which ends with the last column; fewer
+   columns than a batch go one by one. The row made just before comes last, for it has to be waited for. */
+#define RBDI_ROW 12
+typedef int32_t rbdi_index __attribute__((may_alias));
+
+typedef struct rbdi_rows { /* n rows, row t at X + at[t], with the factor x[t] */
+    const rbd_real *X, *x;
+    const rbdi_index *at;
+    int n, d; /* d: see RBDI_OWN */
+} rbdi_rows;
+
+/* y = k (y - sum of the rows), with RBDI_FRESH k (0 - sum); with RBDI_OWN the factors are x[t] times the row's
+   own entry d, and k = 1. Written once for T = one scalar and T = a batch of them. */
+enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
+#define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
+#define RBDI_DEFINE_GATHER(name, T) \
+    RBDI_INLINE void name##_blocks(rbdi_rows g, int mode, rbd_real k, int blocks, int last, rbd_real *y) { \
+        const T zero = {0}; \
+        T sum[RBDI_ROW]; \
+        RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            sum[b] = zero; \
+            if (mode != RBDI_FRESH) sum[b] = RBDI_OF_ROW(const T, y); \
+        } \
+        RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
+            const rbd_real *row = g.X + g.at[t], x = mode == RBDI_OWN ? g.x[t] * row[g.d] : g.x[t]; \
+            __asm__("" : "+r"(row)); /* or each column gets an index of its own */ \
+            RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) sum[b] = \
+                sum[b] - RBDI_OF_ROW(const T, row) * x; \
+        } \
+        RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            if (mode != RBDI_OWN) sum[b] = sum[b] * k; \
+            RBDI_OF_ROW(T, y) = sum[b]; \
+        } \
+    } \
+    RBDI_INLINE void name(rbdi_rows g, int mode, rbd_real k, int columns, rbd_real *y) { \
+        const int width = (int)(sizeof(T) / sizeof *y), last = columns - width; \
+        switch ((unsigned)(columns + width - 1) / (unsigned)width) { \
+        case 1: name##_blocks(g, mode, k, 1, last, y); break; \
+        case 2: name##_blocks(g, mode, k, 2, last, y); break; \
+        case 3: name##_blocks(g, mode, k, 3, last, y); break; \
+        case 4: name##_blocks(g, mode, k, 4, last, y); break; \
+        case 5: name##_blocks(g, mode, k, 5, last, y); break; \
+        case 6: name##_blocks(g, mode, k, 6, last, y); break; \
+        case 7: name##_blocks(g, mode, k, 7, last, y); break; \
+        case 8: name##_blocks(g, mode, k, 8, last, y); break; \
+        case 9: name##_blocks(g, mode, k, 9, last, y); break; \
+        case 10: name##_blocks(g, mode, k, 10, last, y); break; \
+        case 11: name##_blocks(g, mode, k, 11, last, y); break; \
+        default: name##_blocks(g, mode, k, 12, last, y); break; \
+        } \
+    }
+RBDI_DEFINE_GATHER(rbdi_gather_scalars, rbd_real)
+#if RBDI_BATCH > 1
+RBDI_DEFINE_GATHER(rbdi_gather_batches, rbdi_batch)
+#endif
+
+/* The same for the first n columns. */
+RBDI_INLINE void rbdi_gather(rbdi_rows g, int mode, rbd_real k, int n, rbd_real *y) {
+    for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
+#if RBDI_BATCH > 1
+        if (n >= RBDI_BATCH) {
+            columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+            rbdi_gather_batches(g, mode, k, columns, y);
+            continue;
+        }
+#endif
+        columns = n < RBDI_ROW ? n : RBDI_ROW;
+        rbdi_gather_scalars(g, mode, k, columns, y);
+    }
+}
+
+/* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k behind i,
+   which in the solver's order stand together. */
+static rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    const rbdi_order *o = m->order + m->nv;
+    rbdi_index *at = (rbdi_index *)w->bias; /* rows and inverse pivots, last dof first */
+    rbd_real *inverse = w->F;
+    int done = 0;
+    for (int p = m->nl - 1; p >= 0; --p) {
+        const rbdi_link *l = &m->link[p];
+        const int behind = m->nv - l->end;
+        for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
+            const rbdi_dof *dof = &m->dof[(--o)->dof];
+            rbd_real *row = &H[o->row];
+            rbdi_rows g;
+            g.X = H, g.x = inverse + behind, g.at = at + behind, g.n = done - behind, g.d = dof->depth;
+            if (g.n > 0) rbdi_gather(g, RBDI_OWN, rbdi_zero(), dof->depth + 1, row);
+            at[done] = o->row;
+            inverse[done] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
+            ++done;
+        }
+    }
+    return doubt;
+}
+
+/* The rows of the dofs on the path to dof k, root first, k's row being at k stride; at has that of the dof before,
+   n of them, as long as it is the same. */
+RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, rbdi_index *at) {
+    int t = dof[k].depth;
+    for (int i = dof[k].lambda; t > 0 && (t > n || at[t - 1] != i * stride); --t, i = dof[i].lambda)
+        at[t - 1] = i * stride;
+    return dof[k].depth;
+}
+
+/* L' X = X, gathering from the dofs behind. */
+static void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+    const rbdi_order *o = m->order + m->nv, *end = o;
+    rbdi_index *at = (rbdi_index *)w->bias;
+    rbd_real *x = w->F;
+    int done = 0;
+    for (int p = m->nl - 1; p >= 0; --p) {
+        const rbdi_link *l = &m->link[p];
+        const int behind = m->nv - l->end;
+        for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
+            const int i = (--o)->dof;
+            const rbd_real *column = L + m->dof[i].depth;
+            rbdi_rows g;
+            g.X = X, g.x = x, g.at = at + behind, g.n = done - behind, g.d = 0;
+            for (int t = 0; t < g.n; ++t) x[t] = column[end[-1 - behind - t].row];
+            if (g.n > 0) rbdi_gather(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, &X[(ptrdiff_t)i * n]);
+            at[done++] = i * n;
+        }
+    }
+}
+
+/* L X = D^-1 X, gathering from the dofs on the path. */
+static void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+    rbdi_index *at = (rbdi_index *)w->bias;
+    rbdi_rows g;
+    g.X = X, g.at = at, g.n = g.d = 0;
+    for (int k = 0; k < m->nv; ++k, X += n) {
+        g.x = &L[m->dof[k].row];
+        g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
+        rbdi_multiply(X, g.x[g.n], n);
+        rbdi_gather(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, X);
+    }
+}
+
+/* Column k of Z, n x n, from what its row has up to the diagonal. */
+RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *column) {
+    const rbd_real *end = row + k;
+    for (; end - row >= 4; row += 4, column += 4 * n)
+        column[0] = row[0], column[n] = row[1], column[2 * n] = row[2], column[3 * n] = row[3];
+    for (; row != end; ++row, column += n) *column = *row;
+}
+
+/* Sum of entries of a column, each times its factor. */
+RBDI_INLINE rbd_real rbdi_gather_column(rbdi_rows g) {
+    rbd_real a = rbdi_zero(), b = a;
+    __asm__("" : "+r"(g.X));
+    for (; g.n > 1; g.n -= 2, g.x += 2, g.at += 2)
+        a = a + g.x[0] * g.X[g.at[0]], b = b + g.x[1] * g.X[g.at[1]];
+    return g.n > 0 ? a + g.x[0] * g.X[g.at[0]] + b : a + b;
+}
+
+static void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
+    const int n = m->nv;
+    rbdi_index *at = (rbdi_index *)w->bias;
+    rbd_real *row = Z;
+    rbdi_rows g;
+    g.at = at, g.n = g.d = 0;
+    for (int k = 0; k < n; ++k, row += n) {
+        g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
+        g.X = Z, g.x = &U[m->dof[k].row];
+        rbdi_gather(g, RBDI_FRESH, g.x[g.n], k, row);
+        rbdi_mirror(row, n, k, Z + k);
+        g.X = Z + k;
+        row[k] = g.x[g.n] - g.x[g.n] * rbdi_gather_column(g);
+    }
+}
+#endif
 
 /* ---- pivots [pivots] ----
    M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint
@@ -3613,7 +3803,15 @@ RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, cons
                                            const rbd_real *B, rbd_real *X) {
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
+    if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+#ifdef RBDI_GATHER
+    if (!m->nmimic && (ptrdiff_t)m->nv * n <= INT32_MAX) {
+        rbdi_solve_behind(m, w, L, n, X);
+        rbdi_solve_path(m, w, L, n, X);
+        return RBD_OK;
+    }
+#endif
     rbdi_solve_many(m, L, n, X);
     return RBD_OK;
 }
@@ -3625,6 +3823,15 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
     const rbd_status status = rbdi_check(m, w, q && Minv);
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
+#ifdef RBDI_GATHER
+    if (!m->nmimic) {
+        doubt = rbdi_factor_gather(m, w, w->H);
+        rbdi_inverse_gather(m, w, w->H, Minv);
+        w->singular = -1;
+        if (!rbdi_any(doubt)) return RBD_OK;
+        rbd_crba_packed(m, w, q, w->H);
+    }
+#endif
     doubt = rbdi_factor(m, w, w->H);
     rbdi_inverse(m, w->H, Minv);
     return rbdi_status_of(m, w, doubt, 0, w->H, Minv, m->nv * m->nv);
