@@ -3298,18 +3298,19 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
 #define RBDI_ROW 12
 typedef int32_t rbdi_index __attribute__((may_alias));
 
-typedef struct rbdi_rows { /* n rows, row t at X + at[t], with the factor x[t] */
+typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[t] */
     const rbd_real *X, *x;
     const rbdi_index *at;
     int n, d; /* d: see RBDI_OWN */
-} rbdi_rows;
+} rbdi_gathered;
 
 /* y = k (y - sum of the rows), with RBDI_FRESH k (0 - sum); with RBDI_OWN the factors are x[t] times the row's
    own entry d, and k = 1. Written once for T = one scalar and T = a batch of them. */
 enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
 #define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
 #define RBDI_DEFINE_GATHER(name, T) \
-    RBDI_INLINE void name##_blocks(rbdi_rows g, int mode, rbd_real k, int blocks, int last, rbd_real *y) { \
+    RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int blocks, int last, \
+                                   rbd_real *y) { \
         const T zero = {0}; \
         T sum[RBDI_ROW]; \
         RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
@@ -3327,7 +3328,7 @@ enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
             RBDI_OF_ROW(T, y) = sum[b]; \
         } \
     } \
-    RBDI_INLINE void name(rbdi_rows g, int mode, rbd_real k, int columns, rbd_real *y) { \
+    RBDI_INLINE void name(rbdi_gathered g, int mode, rbd_real k, int columns, rbd_real *y) { \
         const int width = (int)(sizeof(T) / sizeof *y), last = columns - width; \
         switch ((unsigned)(columns + width - 1) / (unsigned)width) { \
         case 1: name##_blocks(g, mode, k, 1, last, y); break; \
@@ -3350,7 +3351,7 @@ RBDI_DEFINE_GATHER(rbdi_gather_batches, rbdi_batch)
 #endif
 
 /* The same for the first n columns. */
-RBDI_INLINE void rbdi_gather(rbdi_rows g, int mode, rbd_real k, int n, rbd_real *y) {
+RBDI_INLINE void rbdi_gather_rows(rbdi_gathered g, int mode, rbd_real k, int n, rbd_real *y) {
     for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
 #if RBDI_BATCH > 1
         if (n >= RBDI_BATCH) {
@@ -3366,7 +3367,7 @@ RBDI_INLINE void rbdi_gather(rbdi_rows g, int mode, rbd_real k, int n, rbd_real 
 
 /* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k behind i,
    which in the solver's order stand together. */
-static rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
+RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbdi_order *o = m->order + m->nv;
     rbdi_index *at = (rbdi_index *)w->bias; /* rows and inverse pivots, last dof first */
@@ -3378,9 +3379,9 @@ static rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H
         for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
             const rbdi_dof *dof = &m->dof[(--o)->dof];
             rbd_real *row = &H[o->row];
-            rbdi_rows g;
+            rbdi_gathered g;
             g.X = H, g.x = inverse + behind, g.at = at + behind, g.n = done - behind, g.d = dof->depth;
-            if (g.n > 0) rbdi_gather(g, RBDI_OWN, rbdi_zero(), dof->depth + 1, row);
+            if (g.n > 0) rbdi_gather_rows(g, RBDI_OWN, rbdi_zero(), dof->depth + 1, row);
             at[done] = o->row;
             inverse[done] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
             ++done;
@@ -3399,7 +3400,7 @@ RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, 
 }
 
 /* L' X = X, gathering from the dofs behind. */
-static void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+RBDI_PART void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
     const rbdi_order *o = m->order + m->nv, *end = o;
     rbdi_index *at = (rbdi_index *)w->bias;
     rbd_real *x = w->F;
@@ -3410,25 +3411,25 @@ static void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L
         for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
             const int i = (--o)->dof;
             const rbd_real *column = L + m->dof[i].depth;
-            rbdi_rows g;
+            rbdi_gathered g;
             g.X = X, g.x = x, g.at = at + behind, g.n = done - behind, g.d = 0;
             for (int t = 0; t < g.n; ++t) x[t] = column[end[-1 - behind - t].row];
-            if (g.n > 0) rbdi_gather(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, &X[(ptrdiff_t)i * n]);
+            if (g.n > 0) rbdi_gather_rows(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, &X[(ptrdiff_t)i * n]);
             at[done++] = i * n;
         }
     }
 }
 
 /* L X = D^-1 X, gathering from the dofs on the path. */
-static void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+RBDI_PART void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
     rbdi_index *at = (rbdi_index *)w->bias;
-    rbdi_rows g;
+    rbdi_gathered g;
     g.X = X, g.at = at, g.n = g.d = 0;
     for (int k = 0; k < m->nv; ++k, X += n) {
         g.x = &L[m->dof[k].row];
         g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
         rbdi_multiply(X, g.x[g.n], n);
-        rbdi_gather(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, X);
+        rbdi_gather_rows(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, X);
     }
 }
 
@@ -3441,7 +3442,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
 }
 
 /* Sum of entries of a column, each times its factor. */
-RBDI_INLINE rbd_real rbdi_gather_column(rbdi_rows g) {
+RBDI_INLINE rbd_real rbdi_gather_column(rbdi_gathered g) {
     rbd_real a = rbdi_zero(), b = a;
     __asm__("" : "+r"(g.X));
     for (; g.n > 1; g.n -= 2, g.x += 2, g.at += 2)
@@ -3449,16 +3450,16 @@ RBDI_INLINE rbd_real rbdi_gather_column(rbdi_rows g) {
     return g.n > 0 ? a + g.x[0] * g.X[g.at[0]] + b : a + b;
 }
 
-static void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
+RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
     const int n = m->nv;
     rbdi_index *at = (rbdi_index *)w->bias;
     rbd_real *row = Z;
-    rbdi_rows g;
+    rbdi_gathered g;
     g.at = at, g.n = g.d = 0;
     for (int k = 0; k < n; ++k, row += n) {
         g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
         g.X = Z, g.x = &U[m->dof[k].row];
-        rbdi_gather(g, RBDI_FRESH, g.x[g.n], k, row);
+        rbdi_gather_rows(g, RBDI_FRESH, g.x[g.n], k, row);
         rbdi_mirror(row, n, k, Z + k);
         g.X = Z + k;
         row[k] = g.x[g.n] - g.x[g.n] * rbdi_gather_column(g);
