@@ -173,6 +173,9 @@ typedef struct rbdi_entry {
     int16_t end;    /* end of its subtree */
     int16_t joint;  /* end of the dofs of its link */
     int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
+    int16_t form;   /* what is known of its motion: RBDI_FORM_... */
+    int32_t at;     /* where its lane of the first component is, in scalars */
+    int32_t row;    /* where the caller's row starts in a square matrix */
 } rbdi_entry;
 
 struct rbd_derivatives {
@@ -182,7 +185,6 @@ struct rbd_derivatives {
     int n, batches, runs;  /* dofs, those of mimic joints too */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
-    rbd_real *rows;    /* RBDI_ROWS x padded n: see [entries] */
     rbdi_entry *entry; /* n */
     rbdi_run *run;     /* runs */
     int16_t *origin;   /* nl: the root link whose tree has its origin in this link, else -1 */
@@ -191,7 +193,6 @@ struct rbd_derivatives {
 
 #define RBDI_COLUMN 110  /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17 /* in rbdi_constants */
-#define RBDI_ROWS 5
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
 #else
@@ -201,7 +202,7 @@ struct rbd_derivatives {
 /* Bytes for nl links and n dofs, padded. */
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
-     (size_t)(padded) * ((RBDI_COLUMN + RBDI_ROWS) * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
+     (size_t)(padded) * (RBDI_COLUMN * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
      (size_t)(n) * sizeof(rbdi_entry) + (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
@@ -281,6 +282,13 @@ typedef struct rbdi_bforce {
     rbdi_b3 n, f;
 } rbdi_bforce;
 
+/* What is known of a dof's motion. */
+enum {
+    RBDI_FORM_ANY,
+    RBDI_FORM_SLIDES, /* along an axis: no angular halves of S, Psi, U, Phi */
+    RBDI_FORM_ROOT    /* turns a root about the origin: no linear half of S, no angular ones of Psi and Phi */
+};
+
 /* What is summed over subtrees, in nines. */
 typedef struct rbdi_sums {
     rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
@@ -345,12 +353,9 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
     return c;
 }
 
-/* Scalars of a dof: lane k % RBDI_BATCH of its batch; from one component to the next are RBDI_BATCH scalars,
-   from one batch to the next rbdi_next. RBDI_OF(d, k, field) is the first component of a field. */
-#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns[(k) / RBDI_BATCH].field + (k) % RBDI_BATCH)
-RBDI_INLINE ptrdiff_t rbdi_at(int k) {
-    return (ptrdiff_t)(k / RBDI_BATCH) * RBDI_COLUMN * RBDI_BATCH + k % RBDI_BATCH;
-}
+/* Scalars of a dof, one lane of its batch: the first component of a field. From one component to the next are
+   RBDI_BATCH scalars. */
+#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
 RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
     return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
 }
@@ -393,21 +398,14 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     return X;
 }
 
-/* Axes and origin of a link to its dofs: R has world axes as rows. A block's dofs have theirs on z in turn.
-   */
-RBDI_INLINE void rbdi_put_pose(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, const rbdi_v3 R[3],
-                               rbdi_v3 x) {
+/* Axes and origin of a link to one of its dofs, the dof's own axis on z. R has world axes as rows. */
+RBDI_INLINE void rbdi_put_pose(rbd_real *out, const rbdi_v3 R[3], rbdi_v3 x, int z) {
     const rbdi_v3 e[3] = {rbdi_vec(R[0].x, R[1].x, R[2].x), rbdi_vec(R[0].y, R[1].y, R[2].y),
                           rbdi_vec(R[0].z, R[1].z, R[2].z)};
-    const int n = rbdi_link_dofs(m, l);
-    for (int k = l->first; k < l->first + n; ++k) {
-        const int z = rbdi_dof_axis(m, l, k);
-        rbd_real *out = RBDI_OF(d, k, ex);
-        rbdi_store_vec(out, e[(z + 1) % 3]);
-        rbdi_store_vec(out + 3 * RBDI_BATCH, e[(z + 2) % 3]);
-        rbdi_store_vec(out + 6 * RBDI_BATCH, e[z]);
-        rbdi_store_vec(out + 9 * RBDI_BATCH, x);
-    }
+    rbdi_store_vec(out, e[z == 2 ? 0 : z + 1]);
+    rbdi_store_vec(out + 3 * RBDI_BATCH, e[z == 0 ? 2 : z - 1]);
+    rbdi_store_vec(out + 6 * RBDI_BATCH, e[z]);
+    rbdi_store_vec(out + 9 * RBDI_BATCH, x);
 }
 
 /* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
@@ -429,9 +427,15 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
 }
 
+/* The same of a block. */
+RBDI_INLINE rbdi_v3 rbdi_pose_block(const rbdi_pose *X, int root, rbdi_v3 R[3], rbdi_v3 x) {
+    if (!root) x = rbdi_add(x, rbdi_vec(rbdi_dot(R[0], X->r), rbdi_dot(R[1], X->r), rbdi_dot(R[2], X->r)));
+    for (int k = 0; k < 3; ++k) R[k] = rbdi_mul(X->E, R[k]);
+    return x;
+}
+
 /* R and x of all links. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
-    const rbd_work *w = d->work;
     const rbdi_v3 ex = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
     rbdi_v3 R[3] = {ex, rbdi_uncycle(ex), rbdi_cycle(ex)}, x = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
@@ -445,19 +449,20 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
             R[2] = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
             x = p.r;
         }
-        if (l->kind == RBDI_BLOCK) {
-            const rbdi_pose *X = &w->block[l->block].X;
-            if (l->parent >= 0)
-                x = rbdi_add(x, rbdi_vec(rbdi_dot(R[0], X->r), rbdi_dot(R[1], X->r), rbdi_dot(R[2], X->r)));
-            for (int k = 0; k < 3; ++k) R[k] = rbdi_mul(X->E, R[k]);
-        } else {
-            RBDI_BY_FORM(form, l, x = rbdi_pose_axis(l, form, rbdi_trig_of(m, w, i, form), R, x));
-        }
+        if (l->kind == RBDI_BLOCK)
+            x = rbdi_pose_block(&d->work->block[l->block].X, l->parent < 0, R, x);
+        else
+            RBDI_BY_FORM(form, l, x = rbdi_pose_axis(l, form, rbdi_trig_of(m, d->work, i, form), R, x));
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, x);
             x = rbdi_vec0();
         }
-        rbdi_put_pose(m, d, l, R, x);
+        if (l->kind != RBDI_BLOCK) {
+            rbdi_put_pose(RBDI_OF(d, l->first, ex), R, x, 2);
+            continue;
+        }
+        for (int k = l->first, n = d->entry[k].joint; k < n; ++k)
+            rbdi_put_pose(RBDI_OF(d, k, ex), R, x, rbdi_dof_axis(m, l, k));
     }
 }
 
@@ -480,30 +485,30 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, rbd_real *Vp, rbd_real *
     for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
         rbdi_motion V = world;
         if (r->parent >= 0)
-            V = rbdi_motion_add(rbdi_load_motion(Vp + rbdi_at(r->parent)),
-                                rbdi_load_motion(dV + rbdi_at(r->parent)));
+            V = rbdi_motion_add(rbdi_load_motion(Vp + d->entry[r->parent].at),
+                                rbdi_load_motion(dV + d->entry[r->parent].at));
         for (int k = r->first; moves && k < r->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(dV + rbdi_at(k) + 3 * RBDI_BATCH));
+            V.v = rbdi_sub(V.v, rbdi_load_vec(dV + d->entry[k].at + 3 * RBDI_BATCH));
         if (r->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = r->first; k < r->end; ++k)
-                all = rbdi_motion_add(all, rbdi_load_motion(dV + rbdi_at(k)));
+                all = rbdi_motion_add(all, rbdi_load_motion(dV + d->entry[k].at));
             for (int k = r->first; k < r->end; ++k) {
-                rbdi_store_motion(Vp + rbdi_at(k), V);
-                rbdi_store_motion(dV + rbdi_at(k), all);
+                rbdi_store_motion(Vp + d->entry[k].at, V);
+                rbdi_store_motion(dV + d->entry[k].at, all);
             }
             continue;
         }
         for (int k = r->first; k < r->end; ++k) {
-            rbdi_store_motion(Vp + rbdi_at(k), V);
-            V = rbdi_motion_add(V, rbdi_load_motion(dV + rbdi_at(k)));
+            rbdi_store_motion(Vp + d->entry[k].at, V);
+            V = rbdi_motion_add(V, rbdi_load_motion(dV + d->entry[k].at));
         }
     }
 }
 
 /* Components of v, or a, to the dofs. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, const rbd_real *v, rbd_real *out) {
-    for (int k = 0; k < d->n; ++k) out[rbdi_at(k)] = v[d->entry[k].source];
+    for (int k = 0; k < d->n; ++k) out[d->entry[k].at] = v[d->entry[k].source];
 }
 
 /* V_p, dV, Psi and U. coriolis: U = V x S, without Psi. */
@@ -629,16 +634,16 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 /* Sums over subtrees of the nine components that x begins with. */
 RBDI_INLINE void rbdi_sum_nine(rbd_derivatives *d, rbd_real *x) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
-        const rbd_real *last = x + rbdi_at(r->end - 1);
+        const rbd_real *last = x + d->entry[r->end - 1].at;
         rbd_real sum[9], *out;
         RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) sum[j] = last[j * RBDI_BATCH];
         for (int k = r->end - 2; k >= r->first; --k) {
-            out = x + rbdi_at(k);
+            out = x + d->entry[k].at;
             RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
         if (r->parent < 0) continue;
-        out = x + rbdi_at(r->parent);
+        out = x + d->entry[r->parent].at;
         RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
@@ -739,93 +744,170 @@ RBDI_INLINE void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_r
 
    and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
    with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
-   from halved columns. One dof i at a time, its subtree as lanes: rows of RBDI_ROWS in d->rows, then put into
-   the caller's order; those of mimic joints add to those they follow, G' (.) G. */
+   from halved columns. One dof i at a time, its subtree as lanes. */
 
-enum { RBDI_ROW_M, RBDI_ROW_V, RBDI_COLUMN_V, RBDI_ROW_Q, RBDI_COLUMN_Q };
+enum { RBDI_ANGULAR = 1, RBDI_LINEAR = 2, RBDI_BOTH = 3 }; /* halves of a motion that need not be zero */
 
-RBDI_INLINE rbd_real *rbdi_row(const rbd_derivatives *d, int row) {
-    return d->rows + (ptrdiff_t)row * d->batches * RBDI_BATCH;
+/* T' s, and with a added. */
+RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 T, rbdi_v3 s) { return T.x * s.x + T.y * s.y + T.z * s.z; }
+RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch a, rbdi_b3 T, rbdi_v3 s) {
+    return a + T.x * s.x + T.y * s.y + T.z * s.z;
 }
-RBDI_INLINE void rbdi_set_row(const rbd_derivatives *d, int row, int b, rbdi_batch x) {
-    *(rbdi_batch *)(rbdi_row(d, row) + b * RBDI_BATCH) = x;
-}
-/* A' V of one dof's motion with forces, and a + A' w of moments. */
-RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bforce F, rbdi_motion S) {
-    return (F.n.x * S.omega.x + F.n.y * S.omega.y + F.n.z * S.omega.z) +
-           (F.f.x * S.v.x + F.f.y * S.v.y + F.f.z * S.v.z);
-}
-RBDI_INLINE rbdi_batch rbdi_b_moment_power(rbdi_batch a, rbdi_b3 T, rbdi_v3 w) {
-    return a + T.x * w.x + T.y * w.y + T.z * w.z;
+/* S' F of forces with one dof's motion, of which some halves are zero. */
+RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bforce F, rbdi_motion S, int halves) {
+    if (halves == RBDI_ANGULAR) return rbdi_b_dot(F.n, S.omega);
+    if (halves == RBDI_LINEAR) return rbdi_b_dot(F.f, S.v);
+    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
 }
 
-RBDI_INLINE void rbdi_rows(const rbd_derivatives *d, int i, int M, int need) {
-    const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S)), U = rbdi_load_motion(RBDI_OF(d, i, U)),
-                      Psi = rbdi_load_motion(RBDI_OF(d, i, Psi)), Phi = rbdi_load_motion(RBDI_OF(d, i, Phi));
-    for (int b = i / RBDI_BATCH; b * RBDI_BATCH < d->entry[i].end; ++b) {
-        const rbdi_columns *c = &d->columns[b];
-        if (M) rbdi_set_row(d, RBDI_ROW_M, b, rbdi_b_power(c->F, S));
-        if (need & RBDI_NEED_V) {
-            rbdi_set_row(d, RBDI_ROW_V, b, rbdi_b_power(c->D, S));
-            rbdi_set_row(d, RBDI_COLUMN_V, b, rbdi_b_moment_power(rbdi_b_power(c->F, U), c->T, S.omega));
-        }
-        if (need & 4) {
-            rbdi_set_row(d, RBDI_ROW_Q, b, rbdi_b_power(c->E, S));
-            rbdi_set_row(d, RBDI_COLUMN_Q, b, rbdi_b_moment_power(rbdi_b_power(c->F, Phi), c->T, Psi.omega));
-        }
+/* Entries of a dof's row and of its column, with a chunk of the dofs of its subtree. */
+#define RBDI_PAIRS (8 * RBDI_BATCH)
+typedef struct rbdi_pairs {
+    rbd_real M[RBDI_PAIRS], v_row[RBDI_PAIRS], v_column[RBDI_PAIRS], q_row[RBDI_PAIRS], q_column[RBDI_PAIRS];
+} rbdi_pairs;
+
+/* The caller's matrices, and which of them are wanted: derivatives by q and v, or C, and M. */
+typedef struct rbdi_wanted {
+    rbd_real *by_q, *by_v, *M;
+} rbdi_wanted;
+enum { RBDI_WANT_Q = 1, RBDI_WANT_V = 2, RBDI_WANT_M = 4 };
+
+/* Of dof i, of this form, with batch b, to x[k] on. */
+RBDI_INLINE void rbdi_pairs_of(const rbdi_columns *c, int form, int want, rbdi_motion S, rbdi_motion U,
+                               rbdi_v3 Psi, rbdi_motion Phi, int k, rbdi_pairs *x) {
+    const int S_halves = form == RBDI_FORM_SLIDES ? RBDI_LINEAR
+                         : form == RBDI_FORM_ROOT ? RBDI_ANGULAR
+                                                  : RBDI_BOTH;
+    if (want & RBDI_WANT_M) *(rbdi_batch *)&x->M[k] = rbdi_b_power(c->F, S, S_halves);
+    if (want & RBDI_WANT_V) {
+        rbdi_batch y = rbdi_b_power(c->F, U, form == RBDI_FORM_SLIDES ? RBDI_LINEAR : RBDI_BOTH);
+        if (form != RBDI_FORM_SLIDES) y = rbdi_b_dot_add(y, c->T, S.omega);
+        *(rbdi_batch *)&x->v_row[k] = rbdi_b_power(c->D, S, S_halves);
+        *(rbdi_batch *)&x->v_column[k] = y;
+    }
+    if (want & RBDI_WANT_Q) {
+        rbdi_batch y = rbdi_b_power(c->F, Phi, form == RBDI_FORM_ANY ? RBDI_BOTH : RBDI_LINEAR);
+        if (form == RBDI_FORM_ANY) y = rbdi_b_dot_add(y, c->T, Psi);
+        *(rbdi_batch *)&x->q_row[k] = rbdi_b_power(c->E, S, S_halves);
+        *(rbdi_batch *)&x->q_column[k] = y;
     }
 }
 
-/* dtau_i/dq_j within a joint. */
-RBDI_INLINE rbd_real rbdi_joint_entry(const rbd_derivatives *d, int i, int j) {
+/* Puts those of dofs j .. end - 1 into the caller's order; the chunk begins with dof first. */
+RBDI_INLINE void rbdi_put_pairs(const rbd_derivatives *d, int i, int j, int end, const rbdi_pairs *pairs,
+                                int first, int want, rbdi_wanted out) {
+    const rbdi_entry *e = d->entry + j, *last = d->entry + end;
+    const ptrdiff_t right = d->entry[i].row, down = d->entry[i].user;
+    for (const rbd_real *x = pairs->M + (j - first); e < last; ++e, ++x) {
+        const ptrdiff_t user = e->user, row = e->row;
+        if (want & RBDI_WANT_V) {
+            (out.by_v + right)[user] = x[RBDI_PAIRS];
+            (out.by_v + down)[row] = x[2 * RBDI_PAIRS];
+        }
+        if (want & RBDI_WANT_Q) {
+            (out.by_q + right)[user] = x[3 * RBDI_PAIRS];
+            (out.by_q + down)[row] = x[4 * RBDI_PAIRS];
+        }
+        if (want & RBDI_WANT_M) (out.M + right)[user] = (out.M + down)[row] = *x;
+    }
+}
+/* With mimic joints: adds them, G' (.) G. */
+RBDI_INLINE void rbdi_add_pair(rbd_real *out, ptrdiff_t right, ptrdiff_t down, int both, rbd_real g,
+                               rbd_real x, rbd_real y) {
+    out[right] = out[right] + x * g;
+    if (both) out[down] = out[down] + y * g;
+}
+RBDI_PART void rbdi_add_pairs(const rbd_derivatives *d, int i, int j, int end, const rbdi_pairs *x, int first,
+                              rbdi_wanted out) {
+    const rbdi_entry *e = d->entry;
+    for (; j < end; ++j) {
+        const int k = j - first, both = j > i;
+        const ptrdiff_t right = e[i].row + e[j].user, down = e[i].user + e[j].row;
+        const rbd_real g = rbdi_ratio(d->model, e[i].source) * rbdi_ratio(d->model, e[j].source);
+        if (out.by_v) rbdi_add_pair(out.by_v, right, down, both, g, x->v_row[k], x->v_column[k]);
+        if (out.by_q) rbdi_add_pair(out.by_q, right, down, both, g, x->q_row[k], x->q_column[k]);
+        if (out.M) rbdi_add_pair(out.M, right, down, both, g, x->M[k], x->M[k]);
+    }
+}
+
+/* All entries of dof i, of this form, with its subtree. */
+RBDI_INLINE void rbdi_entries_of(const rbd_derivatives *d, int i, int form, int want, rbdi_wanted out) {
+    const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S)), U = rbdi_load_motion(RBDI_OF(d, i, U)),
+                      Phi = rbdi_load_motion(RBDI_OF(d, i, Phi));
+    const rbdi_v3 Psi = rbdi_load_vec(RBDI_OF(d, i, Psi));
+    const int end = d->entry[i].end;
+    int from = i;
+    for (int first = i / RBDI_BATCH * RBDI_BATCH; first < end; from = first += RBDI_PAIRS) {
+        const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
+        const rbdi_columns *c = &d->columns[first / RBDI_BATCH];
+        rbdi_pairs x;
+        for (int k = 0; k < to - first; k += RBDI_BATCH, ++c)
+            rbdi_pairs_of(c, form, want, S, U, Psi, Phi, k, &x);
+        if (d->model->nmimic)
+            rbdi_add_pairs(d, i, from, to, &x, first, out);
+        else
+            rbdi_put_pairs(d, i, from, to, &x, first, want, out);
+    }
+}
+RBDI_INLINE void rbdi_entries_by_form(const rbd_derivatives *d, int i, int want, rbdi_wanted out) {
+    switch (d->entry[i].form) {
+    case RBDI_FORM_ANY: rbdi_entries_of(d, i, RBDI_FORM_ANY, want, out); break;
+    case RBDI_FORM_SLIDES: rbdi_entries_of(d, i, RBDI_FORM_SLIDES, want, out); break;
+    default: rbdi_entries_of(d, i, RBDI_FORM_ROOT, want, out); break;
+    }
+}
+
+/* dtau_i/dq_j for dofs i before j of one block. */
+RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
     const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
     const rbdi_motion Phi = rbdi_load_motion(RBDI_OF(d, j, Phi));
     return rbdi_dot(rbdi_load_vec(RBDI_OF(d, i, T)), rbdi_load_vec(RBDI_OF(d, j, Psi))) +
            rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
 }
-
-/* Puts row i and column i, of its subtree, into the caller's matrix. */
-RBDI_INLINE void rbdi_put_rows(const rbd_model *m, const rbd_derivatives *d, int i, int row, int column,
-                               rbd_real *out) {
-    const ptrdiff_t nv = m->nv, at = d->entry[i].user;
-    const rbd_real *x = rbdi_row(d, row), *y = rbdi_row(d, column);
-    rbd_real *right = out + at * nv, *down = out + at;
-    if (m->nmimic) {
-        const rbd_real k = rbdi_ratio(m, d->entry[i].source);
-        for (int j = i; j < d->entry[i].end; ++j) {
-            const rbd_real g = k * rbdi_ratio(m, d->entry[j].source);
-            const ptrdiff_t to = d->entry[j].user;
-            right[to] = right[to] + x[j] * g;
-            if (j > i) down[to * nv] = down[to * nv] + y[j] * g;
-        }
-        return;
-    }
-    for (int j = i; j < d->entry[i].end; ++j) {
-        right[d->entry[j].user] = x[j];
-        down[d->entry[j].user * nv] = y[j];
+RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
+        for (int i = r->first; r->block && i < r->end; ++i)
+            for (int j = i + 1; j < r->end; ++j)
+                by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
+}
+/* Rotors, on the diagonal of M. */
+RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
+    for (int k = 0; k < d->n; ++k) {
+        const rbdi_entry *e = &d->entry[k];
+        const rbd_real g = rbdi_ratio(d->model, e->source);
+        M[e->row + e->user] = M[e->row + e->user] + g * g * d->model->dof[e->source].armature;
     }
 }
 
-/* All entries: those of the derivatives by q and v, and of M, that are wanted. */
+/* out = 0, unless every entry will be written. */
+RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
+    int k = 0;
+    if (!m->nmimic && m->nh == m->nv * (m->nv + 1) / 2) return;
+#if RBDI_BATCH > 1
+    for (const rbdi_batch zero = {0}; k + 4 * RBDI_BATCH <= m->nv * m->nv; k += 4 * RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)&out[k];
+        __asm__("" : "+r"(p)); /* as in rbdi_clear */
+        p[0] = p[1] = p[2] = p[3] = zero;
+    }
+#endif
+    rbdi_clear(out + k, m->nv * m->nv - k);
+}
+
+/* All entries of the matrices that are wanted. */
 RBDI_INLINE void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q,
                                   rbd_real *by_v, rbd_real *M) {
-    const int need = (by_q ? RBDI_NEED_Q : 0) | (by_v ? RBDI_NEED_V : 0), size = m->nv * m->nv;
-    if (by_q) rbdi_clear(by_q, size);
-    if (by_v) rbdi_clear(by_v, size);
-    if (M) rbdi_clear(M, size);
-    for (int i = 0; i < d->n; ++i) {
-        rbdi_rows(d, i, M != NULL, need);
-        if (M) {
-            rbd_real *own = rbdi_row(d, RBDI_ROW_M) + i;
-            *own = *own + m->dof[d->entry[i].source].armature;
-            rbdi_put_rows(m, d, i, RBDI_ROW_M, RBDI_ROW_M, M);
-        }
-        if (by_v) rbdi_put_rows(m, d, i, RBDI_ROW_V, RBDI_COLUMN_V, by_v);
-        if (!by_q) continue;
-        for (int j = i + 1; j < d->entry[i].joint; ++j)
-            rbdi_row(d, RBDI_ROW_Q)[j] = rbdi_joint_entry(d, i, j);
-        rbdi_put_rows(m, d, i, RBDI_ROW_Q, RBDI_COLUMN_Q, by_q);
-    }
+    const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
+    rbdi_wanted out;
+    out.by_q = by_q, out.by_v = by_v, out.M = M;
+    if (by_q) rbdi_clear_matrix(m, by_q);
+    if (by_v) rbdi_clear_matrix(m, by_v);
+    if (M) rbdi_clear_matrix(m, M);
+    if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+        for (int i = 0; i < d->n; ++i) rbdi_entries_by_form(d, i, RBDI_WANT_Q | RBDI_WANT_V, out);
+    else
+        for (int i = 0; i < d->n; ++i) rbdi_entries_by_form(d, i, want, out);
+    if (by_q) rbdi_put_block_entries(d, by_q);
+    if (M) rbdi_add_armature(d, M);
 }
 
 /* ---- memory [memory code] ---- */
@@ -844,6 +926,17 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
     for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
 }
 
+/* Whether dof k of a link only slides. */
+RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k - l->first >= 3
+                                 : l->kind == RBDI_SCREW && !(l->rho > 0);
+}
+
+RBDI_INLINE int rbdi_form_of(const rbd_model *m, const rbdi_link *l, int k) {
+    if (rbdi_slides(m, l, k)) return RBDI_FORM_SLIDES;
+    return l->parent < 0 && l->kind != RBDI_SCREW ? RBDI_FORM_ROOT : RBDI_FORM_ANY;
+}
+
 /* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
@@ -857,10 +950,9 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
     rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
     for (int k = l->first; k <= last; ++k) {
-        const int slides = l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->first + k - l->first >= 3;
-        const int axis = l->kind == RBDI_SCREW;
-        const rbd_const rest[3] = {l->subtree_mass, axis ? l->rho : RBD_C(!slides),
-                                   axis ? l->kappa : RBD_C(slides)};
+        const int slides = rbdi_slides(m, l, k), screw = l->kind == RBDI_SCREW;
+        const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
+                                   screw ? l->kappa : RBD_C(slides)};
         rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
     }
 }
@@ -883,13 +975,16 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
-    rbdi_run *r = &d->run[d->runs - 1];
+    rbdi_run *r = &d->run[d->runs > 0 ? d->runs - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
         e->user = (int16_t)rbdi_source(m, e->source);
         e->end = l->end;
         e->joint = (int16_t)(l->first + n);
+        e->at = k / RBDI_BATCH * RBDI_COLUMN * RBDI_BATCH + k % RBDI_BATCH;
+        e->row = e->user * m->nv;
+        e->form = (int16_t)rbdi_form_of(m, l, k);
     }
     rbdi_init_constants(m, d, i);
     if (d->runs == 0 || block || r->block || parent != l->first - 1 || l->parent < 0) {
@@ -930,7 +1025,6 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->batches = (d->n + RBDI_BATCH - 1) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
-    d->rows = (rbd_real *)rbdi_take(&p, RBDI_ROWS * padded, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
@@ -979,24 +1073,22 @@ RBDI_INLINE rbdi_v3 rbdi_offset_of(const rbd_model *m, const rbd_derivatives *d,
     return rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
 }
 
-/* The centre of mass from there, of the bodies as described; 0 without mass. */
-RBDI_PART rbdi_v3 rbdi_common_com(const rbd_model *m, const rbd_derivatives *d) {
+/* The centre of mass from there, of the bodies as described; 0 without mass. Writes over T. */
+RBDI_PART rbdi_v3 rbdi_common_com(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0(), h = rbdi_vec0();
     if (!(d->mass > 0)) return h;
     for (int b = 0; b < d->batches; ++b) {
-        const rbdi_columns *c = &d->columns[b];
+        rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
-        rbdi_set_row(d, 0, b,
-                     c->ex.x * k->all_hx + c->ey.x * k->all_hy + c->ez.x * k->all_hz + c->x.x * k->all_m);
-        rbdi_set_row(d, 1, b,
-                     c->ex.y * k->all_hx + c->ey.y * k->all_hy + c->ez.y * k->all_hz + c->x.y * k->all_m);
-        rbdi_set_row(d, 2, b,
-                     c->ex.z * k->all_hx + c->ey.z * k->all_hy + c->ez.z * k->all_hz + c->x.z * k->all_m);
+        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
+        c->T = rbdi_b_vec(ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m,
+                          ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m,
+                          ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m);
     }
     for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
         offset = rbdi_offset_of(m, d, r, offset);
         for (int k = r->first; k < r->end; ++k) {
-            const rbdi_v3 own = rbdi_vec(rbdi_row(d, 0)[k], rbdi_row(d, 1)[k], rbdi_row(d, 2)[k]);
+            const rbdi_v3 own = rbdi_load_vec(RBDI_OF(d, k, T));
             h = rbdi_add(
                 h, rbdi_add(own, rbdi_scale(rbdi_set(rbdi_constants_of(d, k)[16 * RBDI_BATCH]), offset)));
         }
