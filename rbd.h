@@ -4731,6 +4731,17 @@ static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
     return det > 0;
 }
 
+/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
+   pivots. */
+static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
+    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
+           yz, c;
+    if (!(a > 0) || !(b > 0)) return 0;
+    yz = A[4] - l * A[2];
+    c = A[5] + e - k * A[2] - yz * yz / b;
+    return c > 0;
+}
+
 static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
                                           const char *field) {
     rbd_finding *f = &report->error;
@@ -4865,17 +4876,6 @@ static int rbdi_parallel(const double a[3], const double b[3]) {
 }
 
 static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
-
-/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
-   pivots. */
-static int rbdi_semidefinite(const double A[6], double size) {
-    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
-           yz, c;
-    if (!(a > 0) || !(b > 0)) return 0;
-    yz = A[4] - l * A[2];
-    c = A[5] + e - k * A[2] - yz * yz / b;
-    return c > 0;
-}
 
 static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
     if (report->warnings < RBD_MAX_WARNINGS) {

@@ -15,10 +15,11 @@
        rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
-     [memory] [momentum] [coriolis] [inverse dynamics]
+     [memory] [momentum] [coriolis] [inverse dynamics] [identification]
      --- stop here if you only use it ---
      [layout]
      [common frame] [entries] [memory code] [momentum code] [coriolis code] [inverse dynamics code]
+     [identification code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
@@ -83,6 +84,11 @@
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
 #define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
 #define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+#define rbd_regressor RBDI_SYMBOL(rbd_regressor)
+#define rbd_energy_regressors RBDI_SYMBOL(rbd_energy_regressors)
+#define rbd_body_parameters RBDI_SYMBOL(rbd_body_parameters)
+#define rbd_set_parameters RBDI_SYMBOL(rbd_set_parameters)
+#define rbd_check_parameters RBDI_SYMBOL(rbd_check_parameters)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
@@ -148,6 +154,34 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            rbd_real *dg_dq);
 
+/* ---- regressors and inertial parameters [identification] ----
+   The ten parameters pi of a body: m, m c (3), and xx xy xz yy yz zz of the inertia about the link's origin,
+   not the centre of mass; link axes. Torques and energies are linear in them (Atkeson, An and Hollerbach
+   1986). */
+
+/* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
+   one after the other. Columns of bodies that no joint moves are zero. */
+RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 const rbd_real *a, rbd_real *Y);
+
+/* Energy regressors, 10 nb each, for rbd_energy's figures: kinetic = Y_kinetic pi + sum of armature v^2 / 2,
+   potential = Y_potential pi. Either may be NULL; v may be NULL if Y_kinetic is. */
+RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential);
+
+/* The parameters of a body of the model, as it was described. Errors: RBD_ERR_NULL, _INDEX. */
+RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
+
+/* Sets mass, com and inertia of a row of a description to these parameters. Without mass com becomes 0.
+   Errors: RBD_ERR_NULL. */
+RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
+
+/* Whether a body can have these parameters: RBD_OK if some distribution of mass does, else RBD_ERR_MASS
+   (negative, or not a number), _COM (moment without mass) or _INERTIA (the second moment of mass about the
+   centre of mass, tr(I)/2 - I, has a negative principal value beyond rounding). Errors: RBD_ERR_NULL.
+   Traversaro et al. (2016); Wensing, Kim and Slotine (2018). */
+RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
@@ -173,6 +207,7 @@ typedef struct rbdi_entry {
     int16_t end;    /* end of its subtree */
     int16_t joint;  /* end of the dofs of its link */
     int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
+    int16_t parent; /* the dof before it towards the root, -1 = none */
     int16_t form;   /* what is known of its motion: RBDI_FORM_... */
     int32_t at;     /* where its lane of the first component is, in scalars */
     int32_t row;    /* where the caller's row starts in a square matrix */
@@ -715,14 +750,20 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
     }
 }
 
-/* The layer's sweep: v, a, gravity and f_ext are read as far as need asks for them. */
-RBDI_INLINE void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                             const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+/* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
+RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                    const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
     rbdi_poses(m, d);
     rbdi_motion_columns(d);
     if (need) rbdi_velocities(m, d, v, need & RBDI_NEED_CORIOLIS);
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, a, gravity);
+}
+
+/* All of it: then masses, momenta and wrenches, their sums, and the columns of forces. */
+RBDI_INLINE void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+    rbdi_common_motion(m, d, q, v, a, gravity, need);
     for (int b = 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
@@ -879,18 +920,21 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* out = 0, unless every entry will be written. */
-RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
+/* x = 0: rbdi_clear four batches at a time. */
+RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
     int k = 0;
-    if (!m->nmimic && m->nh == m->nv * (m->nv + 1) / 2) return;
 #if RBDI_BATCH > 1
-    for (const rbdi_batch zero = {0}; k + 4 * RBDI_BATCH <= m->nv * m->nv; k += 4 * RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)&out[k];
-        __asm__("" : "+r"(p)); /* as in rbdi_clear */
+    for (const rbdi_batch zero = {0}; k + 4 * RBDI_BATCH <= n; k += 4 * RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)&x[k];
+        __asm__("" : "+r"(p)); /* as there */
         p[0] = p[1] = p[2] = p[3] = zero;
     }
 #endif
-    rbdi_clear(out + k, m->nv * m->nv - k);
+    rbdi_clear(x + k, n - k);
+}
+/* The same unless every entry will be written. */
+RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
+    if (m->nmimic || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
 }
 
 /* All entries of the matrices that are wanted. */
@@ -982,6 +1026,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->user = (int16_t)rbdi_source(m, e->source);
         e->end = l->end;
         e->joint = (int16_t)(l->first + n);
+        e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->at = k / RBDI_BATCH * RBDI_COLUMN * RBDI_BATCH + k % RBDI_BATCH;
         e->row = e->user * m->nv;
         e->form = (int16_t)rbdi_form_of(m, l, k);
@@ -1182,6 +1227,188 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL, RBDI_NEED_Q);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL);
     return RBD_OK;
+}
+
+/* ---- regressors and inertial parameters [identification code] ---- */
+
+/* A body as described: its axes in the common frame (columns of R), origin, and its link's motion there. */
+typedef struct rbdi_body {
+    rbdi_mat R;
+    rbdi_v3 x;
+    rbdi_motion V, A;
+} rbdi_body;
+
+RBDI_INLINE rbdi_body rbdi_common_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *u,
+                                       int need) {
+    const int last = rbdi_last_dof(m, u->link);
+    const rbdi_pose X = rbdi_common_pose(m, d, u->link);
+    rbdi_body b;
+    b.R = rbdi_transpose(rbdi_mul_mat(rbdi_mat_c(u->E), X.E));
+    b.x = rbdi_add(X.r, rbdi_mul_t(X.E, rbdi_vec_c(u->r)));
+    b.V = b.A = rbdi_motion0();
+    if (need)
+        b.V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)), rbdi_load_motion(RBDI_OF(d, last, dV)));
+    if (need & RBDI_NEED_WRENCH)
+        b.A = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Ap)), rbdi_load_motion(RBDI_OF(d, last, dA)));
+    return b;
+}
+
+/* Wrenches of unit parameters, in the common frame: rows of moments and forces, of which the last six are
+   zero: with acc of the body's origin and body axes e, m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega
+   e); inertia: I omega_dot + omega x I omega, in body axes. */
+typedef struct rbdi_unit_wrenches {
+    rbd_real K[6][10];
+} rbdi_unit_wrenches;
+
+RBDI_INLINE void rbdi_put_unit(rbdi_unit_wrenches *u, int column, rbdi_v3 n, rbdi_v3 f) {
+    u->K[0][column] = n.x, u->K[1][column] = n.y, u->K[2][column] = n.z;
+    u->K[3][column] = f.x, u->K[4][column] = f.y, u->K[5][column] = f.z;
+}
+
+RBDI_PART void rbdi_body_wrenches(const rbdi_body *b, rbdi_unit_wrenches *u) {
+    const rbdi_mat R = b->R, Omega = rbdi_omega(b->V.omega, b->A.omega);
+    const rbdi_v3 e[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy), rbdi_vec(R.xz, R.yz, R.zz)};
+    const rbdi_v3 w = rbdi_mul_t(R, b->V.omega), p = rbdi_mul_t(R, b->A.omega);
+    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, b->x)));
+    const rbdi_v3 inertia[6] = {rbdi_vec(p.x, w.x * w.z, -(w.x * w.y)),
+                                rbdi_vec(p.y - w.x * w.z, p.x + w.y * w.z, w.x * w.x - w.y * w.y),
+                                rbdi_vec(p.z + w.x * w.y, w.z * w.z - w.x * w.x, p.x - w.y * w.z),
+                                rbdi_vec(-(w.y * w.z), p.y, w.x * w.y),
+                                rbdi_vec(w.y * w.y - w.z * w.z, p.z - w.x * w.y, p.y + w.x * w.z),
+                                rbdi_vec(w.y * w.z, -(w.x * w.z), p.z)};
+    rbdi_put_unit(u, 0, rbdi_cross(b->x, acc), acc);
+    for (int k = 0; k < 3; ++k) {
+        const rbdi_v3 f = rbdi_mul(Omega, e[k]);
+        rbdi_put_unit(u, 1 + k, rbdi_add(rbdi_cross(e[k], acc), rbdi_cross(b->x, f)), f);
+    }
+    for (int k = 0; k < 6; ++k) rbdi_put_unit(u, 4 + k, rbdi_mul(R, inertia[k]), rbdi_vec0());
+}
+
+#if RBDI_BATCH <= 8
+#define RBDI_TEN RBDI_BATCH /* of ten figures so many go together */
+typedef rbdi_batch rbdi_ten;
+#else
+#define RBDI_TEN 1
+typedef rbd_real rbdi_ten;
+#endif
+
+/* y = S' K, ten figures; the last batch goes over what the one before has done. */
+RBDI_INLINE void rbdi_regress(const rbdi_unit_wrenches *u, rbdi_motion S, rbd_real *y) {
+    for (int k = 0; k < 10; k += RBDI_TEN) {
+        const int at = k + RBDI_TEN <= 10 ? k : 10 - RBDI_TEN;
+        rbdi_ten sum = *(const rbdi_ten *)&u->K[0][at] * S.omega.x +
+                       *(const rbdi_ten *)&u->K[1][at] * S.omega.y +
+                       *(const rbdi_ten *)&u->K[2][at] * S.omega.z;
+        if (at < 4)
+            sum = sum + *(const rbdi_ten *)&u->K[3][at] * S.v.x + *(const rbdi_ten *)&u->K[4][at] * S.v.y +
+                  *(const rbdi_ten *)&u->K[5][at] * S.v.z;
+        *(rbdi_ten *)&y[at] = sum;
+    }
+}
+
+RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 const rbd_real *a, rbd_real *Y) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
+    const ptrdiff_t columns = m ? 10 * m->nb : 0;
+    if (status) return status;
+    rbdi_common_motion(m, d, q, v, a, d->work->gravity, RBDI_NEED_WRENCH);
+    rbdi_clear_all(Y, m->nv * 10 * m->nb);
+    for (int i = 0; i < m->nb; ++i) {
+        const rbdi_frame *u = &m->frame[i];
+        rbdi_unit_wrenches K;
+        rbdi_body b;
+        if (u->link < 0) continue;
+        b = rbdi_common_body(m, d, u, RBDI_NEED_WRENCH);
+        rbdi_body_wrenches(&b, &K);
+        for (int k = rbdi_last_dof(m, u->link); k >= 0; k = d->entry[k].parent) {
+            rbd_real *y = Y + d->entry[k].user * columns + 10 * i, own[10];
+            const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, k, S));
+            rbdi_regress(&K, S, m->nmimic ? own : y);
+            if (m->nmimic) rbdi_add_column(y, 1, rbdi_ratio(m, d->entry[k].source), own, 10);
+        }
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
+    const int need = Y_kinetic ? RBDI_NEED_V : 0;
+    if (status) return status;
+    rbdi_common_motion(m, d, q, v, NULL, d->work->gravity, need);
+    if (Y_kinetic) rbdi_clear(Y_kinetic, 10 * m->nb);
+    if (Y_potential) rbdi_clear(Y_potential, 10 * m->nb);
+    for (int i = 0; i < m->nb; ++i) {
+        const rbdi_frame *u = &m->frame[i];
+        const rbd_const half = RBD_C(0.5);
+        int root = u->link;
+        rbdi_body b;
+        if (root < 0) continue;
+        while (m->link[root].parent >= 0) root = m->link[root].parent;
+        b = rbdi_common_body(m, d, u, need);
+        if (Y_kinetic) { /* the frame moves: its velocity is that which the world has, reversed */
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp));
+            const rbdi_v3 w = rbdi_mul_t(b.R, b.V.omega),
+                          c = rbdi_mul_t(b.R, rbdi_add(rbdi_sub(b.V.v, world.v), rbdi_cross(b.V.omega, b.x)));
+            rbd_real *y = Y_kinetic + 10 * i;
+            y[0] = rbdi_dot(c, c) * half;
+            rbdi_store(rbdi_cross(c, w), y + 1);
+            y[4] = w.x * w.x * half, y[5] = w.x * w.y, y[6] = w.x * w.z;
+            y[7] = w.y * w.y * half, y[8] = w.y * w.z, y[9] = w.z * w.z * half;
+        }
+        if (Y_potential) {
+            const rbdi_v3 up = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
+            Y_potential[10 * i] = rbdi_dot(up, rbdi_add(rbdi_place_of(m, d, root), b.x));
+            rbdi_store(rbdi_mul_t(b.R, up), Y_potential + 10 * i + 1);
+        }
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
+    const rbdi_frame *u;
+    rbd_const m_, x, y, z;
+    if (!m || !pi) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    u = &m->frame[body];
+    m_ = u->mass, x = u->com.x, y = u->com.y, z = u->com.z;
+    pi[0] = m_, pi[1] = m_ * x, pi[2] = m_ * y, pi[3] = m_ * z;
+    pi[4] = u->I.xx + m_ * (y * y + z * z), pi[5] = u->I.xy - m_ * x * y, pi[6] = u->I.xz - m_ * x * z;
+    pi[7] = u->I.yy + m_ * (x * x + z * z), pi[8] = u->I.yz - m_ * y * z;
+    pi[9] = u->I.zz + m_ * (x * x + y * y);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
+    double c[3], mass;
+    if (!body || !pi) return RBD_ERR_NULL;
+    mass = (double)pi[0];
+    for (int k = 0; k < 3; ++k) c[k] = mass > 0 || mass < 0 ? (double)pi[1 + k] / mass : 0;
+    body->mass = mass;
+    for (int k = 0; k < 3; ++k) body->com[k] = c[k];
+    body->inertia[0] = (double)pi[4] - mass * (c[1] * c[1] + c[2] * c[2]);
+    body->inertia[1] = (double)pi[5] + mass * c[0] * c[1];
+    body->inertia[2] = (double)pi[6] + mass * c[0] * c[2];
+    body->inertia[3] = (double)pi[7] - mass * (c[0] * c[0] + c[2] * c[2]);
+    body->inertia[4] = (double)pi[8] + mass * c[1] * c[2];
+    body->inertia[5] = (double)pi[9] - mass * (c[0] * c[0] + c[1] * c[1]);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
+    rbd_body b;
+    double trace, size = 0, Sigma[6]; /* trace: about the centre of mass; size: of the figures as given */
+    if (!pi) return RBD_ERR_NULL;
+    if (!(pi[0] >= 0 && pi[0] - pi[0] <= 0)) return RBD_ERR_MASS;
+    for (int k = 1; k < 4; ++k)
+        if (!(pi[k] - pi[k] <= 0) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+    for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
+    if (size <= 0) return RBD_OK;
+    rbd_set_parameters(&b, pi);
+    trace = b.inertia[0] + b.inertia[3] + b.inertia[5];
+    for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - b.inertia[k];
+    size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
+    return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
 }
 
 #if RBDI_GCC

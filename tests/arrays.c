@@ -118,7 +118,10 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
     const int nv = rbd_nv(m);
     rbd_real *q = numbers(rbd_nq(m)), *v = numbers(nv), *f = numbers(6 * nb), *by_q = numbers(nv * nv),
              *by_v = numbers(nv * nv), *M = numbers(nv * nv), *A = numbers(6 * nv), *J = numbers(3 * nv),
-             *x = numbers(6);
+             *x = numbers(6), *Y = numbers(nv * 10 * nb), *kinetic = numbers(10 * nb),
+             *potential = numbers(10 * nb);
+    CLAIM(rbd_regressor(m, d, q, v, v, Y) == RBD_OK);
+    CLAIM(rbd_energy_regressors(m, d, q, v, kinetic, potential) == RBD_OK);
     CLAIM(rbd_rnea_derivatives(m, d, q, v, v, f, by_q, by_v, M) == RBD_OK);
     CLAIM(rbd_gravity_derivatives(m, d, q, by_q) == RBD_OK);
     CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);

@@ -342,6 +342,9 @@ static void check_derivatives(void) {
             judge("C v = c - g", lane, isfinite(c[i]) ? fabs(c[i]) / size : HUGE_VAL, CANCELLED);
         }
     }
+    static rbd_real Y[MAX_V * 10 * MAX_B];
+    RUN(rbd_regressor(model, d, q, v, a, Y));
+    COMPARE("regressor", Y, Y, 10 * nv * reference->nb, DIRECT);
     free(memory);
 }
 

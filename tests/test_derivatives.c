@@ -29,6 +29,25 @@ static rbd_derivatives *derivatives_of(const robot *r) {
 
 /* ---- against the references ---- */
 
+static void parameters(const robot *r, double *pi) {
+    for (int b = 0; b < r->nb; b++) ck_assert_int_eq(rbd_body_parameters(r->m, b, pi + 10 * b), RBD_OK);
+}
+
+static void check_regressors(const robot *r, rbd_derivatives *d, const ref_control_state *s, int number) {
+    const int nv = r->nv, n = 10 * r->nb;
+    static double Y[MAX_V * 10 * MAX_BODIES];
+    double kinetic[10 * MAX_BODIES], potential[10 * MAX_BODIES];
+    RUN(rbd_regressor(r->m, d, s->q, s->v, s->vdot, Y));
+    if (s->Y) expect_close("regressor", r, number, Y, s->Y, nv * n, REFERENCE);
+    RUN(rbd_energy_regressors(r->m, d, s->q, s->v, kinetic, potential));
+    expect_close("kinetic regressor", r, number, kinetic, s->Y_kinetic, n, REFERENCE);
+    expect_close("potential regressor", r, number, potential, s->Y_potential, n, REFERENCE);
+    RUN(rbd_energy_regressors(r->m, d, s->q, s->v, Y, NULL));
+    expect_close("kinetic regressor alone", r, number, Y, kinetic, n, 0);
+    RUN(rbd_energy_regressors(r->m, d, s->q, NULL, NULL, Y));
+    expect_close("potential regressor alone", r, number, Y, potential, n, 0);
+}
+
 static void check_control(const robot *r, const ref_control_state *s, int number) {
     const int nv = r->nv;
     rbd_derivatives *d = derivatives_of(r);
@@ -47,6 +66,7 @@ static void check_control(const robot *r, const ref_control_state *s, int number
     expect_close("momentum bias", r, number, out, s->A_h_dot_v, 6, REFERENCE);
     RUN(rbd_com_jacobian(r->m, d, s->q, M));
     expect_close("com jacobian", r, number, M, s->J_com, 3 * nv, REFERENCE);
+    check_regressors(r, d, s, number);
     free(d_memory);
 }
 
@@ -239,6 +259,103 @@ static void check_momentum(const robot *r, const state *s, int number) {
 START_TEST(momentum_is_that_of_the_bodies) { for_random_trees(100, check_momentum); }
 END_TEST
 
+/* tau = Y pi + armature a, and the energies likewise. */
+static void check_identification(const robot *r, const state *s, int number) {
+    const int nv = r->nv, n = 10 * r->nb;
+    static double Y[MAX_V * 10 * MAX_BODIES];
+    double pi[10 * MAX_BODIES], found[MAX_V], expected[MAX_V], kinetic, potential, none[MAX_V] = {0},
+                                                                                   q[MAX_V];
+    const double rest[3] = {0, 0, 0};
+    rbd_derivatives *d = derivatives_of(r);
+    parameters(r, pi);
+    RUN(rbd_regressor(r->m, d, s->q, s->v, s->a, Y));
+    multiply(Y, pi, nv, n, found);
+    RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, NULL, expected));
+    for (int b = 0, k = 0; b < r->nb; b++) /* of those that do not mimic */
+        for (int j = 0; j < tb_nv(&r->bodies[b]); j++, k++) found[k] += r->bodies[b].armature[j] * s->a[k];
+    for (int b = 0; b < r->nb; b++)
+        if (r->bodies[b].mimic) {
+            int source = 0;
+            rbd_joint_info info;
+            while (!r->bodies[source].joint || strcmp(r->bodies[source].joint, r->bodies[b].mimic)) source++;
+            RUN(rbd_joint(r->m, source, &info));
+            found[info.iv] += r->bodies[b].armature[0] * s->a[info.iv] * r->bodies[b].mimic_ratio *
+                              r->bodies[b].mimic_ratio;
+        }
+    expect_close("Y pi", r, number, found, expected, nv, 1e-12);
+    RUN(rbd_energy_regressors(r->m, d, s->q, s->v, Y, Y + n));
+    RUN(rbd_kinematics(r->m, r->w, s->q, s->v, NULL));
+    RUN(rbd_energy(r->m, r->w, &kinetic, &potential));
+    kinetic -= dot(Y, pi, n); /* what is left is the rotors' */
+    RUN(rbd_set_gravity(r->w, rest));
+    RUN(rbd_rnea(r->m, r->w, s->q, none, s->v, NULL, expected));
+    RUN(rbd_regressor(r->m, d, s->q, none, s->v, Y + 2 * n));
+    multiply(Y + 2 * n, pi, nv, n, q);
+    for (int i = 0; i < nv; i++) kinetic -= (expected[i] - q[i]) * s->v[i] / 2;
+    expect_small("Y_kinetic pi", r, number, kinetic / (1 + dot(Y, pi, n)), 1e-12);
+    expect_close("Y_potential pi", r, number, (const double[]){dot(Y + n, pi, n)}, &potential, 1, 1e-11);
+    free(d_memory);
+}
+
+START_TEST(torques_and_energies_are_linear_in_the_parameters) { for_random_trees(100, check_identification); }
+END_TEST
+
+/* ---- inertial parameters ---- */
+
+START_TEST(parameters_and_back) {
+    uint64_t seed = 5;
+    for (int number = 0; number < 100; number++) {
+        rbd_body body[1], again = {.parent = -1};
+        double pi[10];
+        random_joint(&seed, body, 0, RBD_FLOATING);
+        random_mass(&seed, body);
+        struct robot one = BUILD(body), *r = &one;
+        RUN(rbd_body_parameters(r->m, 0, pi));
+        RUN(rbd_check_parameters(pi));
+        RUN(rbd_set_parameters(&again, pi));
+        expect_close("mass", r, number, &again.mass, &body->mass, 1, 1e-15);
+        expect_close("com", r, number, again.com, body->com, 3, 1e-14);
+        expect_close("inertia", r, number, again.inertia, body->inertia, 6, 1e-13);
+        robot_free(r);
+    }
+}
+END_TEST
+
+static int status_of(double m, double x, double y, double z, double xx, double xy, double xz, double yy,
+                     double yz, double zz) {
+    const double pi[10] = {m, x, y, z, xx, xy, xz, yy, yz, zz};
+    return rbd_check_parameters(pi);
+}
+
+START_TEST(what_no_body_can_have_is_refused) {
+    ck_assert_int_eq(rbd_check_parameters(NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(status_of(0, 0, 0, 0, 0, 0, 0, 0, 0, 0), RBD_OK);
+    ck_assert_int_eq(status_of(1, 0, 0, 0, 0, 0, 0, 0, 0, 0), RBD_OK);
+    ck_assert_int_eq(status_of(2, 2e3, 0, 0, 0, 0, 0, 2e6, 0, 2e6), RBD_OK);        /* a far point mass */
+    ck_assert_int_eq(status_of(1, 0, 0, 0.1, 0.01, 0, 0, 0.01, 0, 0), RBD_OK);      /* a near one */
+    ck_assert_int_eq(status_of(1, 0, 0, 0, 1, 0, 0, 1, 0, 2), RBD_OK);              /* a disc */
+    ck_assert_int_eq(status_of(1, 0, 0, 0, 1, 0, 0, 1, 0, 2.001), RBD_ERR_INERTIA); /* more than that */
+    ck_assert_int_eq(status_of(1, 0, 0, 0, 1, 0.6, 0, 1, 0, 1), RBD_ERR_INERTIA);   /* 1.6 > 1 + 0.4 */
+    ck_assert_int_eq(status_of(1, 0, 0, 0, 1, 0.49, 0, 1, 0, 1), RBD_OK);
+    ck_assert_int_eq(status_of(1, 0, 0, 0.1, 0.009, 0, 0, 0.009, 0, 0),
+                     RBD_ERR_INERTIA); /* less than m c^2 */
+    ck_assert_int_eq(status_of(-1, 0, 0, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_MASS);
+    ck_assert_int_eq(status_of(NAN, 0, 0, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_MASS);
+    ck_assert_int_eq(status_of(HUGE_VAL, 0, 0, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_MASS);
+    ck_assert_int_eq(status_of(0, 0, 1, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_COM);
+    ck_assert_int_eq(status_of(1, 0, 0, NAN, 1, 0, 0, 1, 0, 1), RBD_ERR_COM);
+    for (int k = 4; k < 10; k++) {
+        double pi[10] = {1, 0, 0, 0, 1, 0, 0, 1, 0, 1};
+        pi[k] = NAN;
+        ck_assert_int_eq(rbd_check_parameters(pi), RBD_ERR_INERTIA);
+        pi[k] = HUGE_VAL;
+        ck_assert_int_eq(rbd_check_parameters(pi), RBD_ERR_INERTIA);
+        pi[k] = -1;
+        ck_assert_int_eq(rbd_check_parameters(pi), RBD_ERR_INERTIA);
+    }
+}
+END_TEST
+
 /* ---- identities ---- */
 
 /* A base that can be moved anywhere: translations change nothing, exactly. */
@@ -266,7 +383,7 @@ static void travel(rbd_joint_type type, int position, int velocity) {
         random_mass(&seed, &bodies[i]);
         bodies[i].parent = i - 1;
     }
-    robot robot = BUILD(bodies), *r = &robot;
+    struct robot one = BUILD(bodies), *r = &one;
     const int number = (int)type, nv = r->nv;
     double near_q[MAX_M], near_v[MAX_M], far_q[MAX_M], far_v[MAX_M];
     state s;
@@ -331,6 +448,19 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, v, none, x));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, none, x));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, q, none));
+    EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, none, v, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, q, none, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, q, v, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, q, v, v, none));
+    EXPECT(RBD_ERR_NULL, rbd_regressor(NULL, d, q, v, v, x));
+    EXPECT(RBD_ERR_NULL, rbd_energy_regressors(r.m, d, none, v, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_energy_regressors(r.m, d, q, none, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_body_parameters(NULL, 0, x));
+    EXPECT(RBD_ERR_NULL, rbd_body_parameters(r.m, 0, none));
+    EXPECT(RBD_ERR_INDEX, rbd_body_parameters(r.m, -1, x));
+    EXPECT(RBD_ERR_INDEX, rbd_body_parameters(r.m, r.nb, x));
+    EXPECT(RBD_ERR_NULL, rbd_set_parameters(NULL, x));
+    EXPECT(RBD_ERR_NULL, rbd_set_parameters(&(rbd_body){.parent = -1}, none));
     free(memory);
     robot_free(&r);
     robot_free(&o);
@@ -375,6 +505,9 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, gravity_derivatives_match_differences);
     tcase_add_test(c, coriolis_matrix_is_one);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
+    tcase_add_test(c, torques_and_energies_are_linear_in_the_parameters);
+    tcase_add_test(c, parameters_and_back);
+    tcase_add_test(c, what_no_body_can_have_is_refused);
     tcase_add_test(c, place_of_a_floating_base_does_not_matter);
     tcase_add_test(c, distance_and_speed_of_the_root_cost_no_digits);
     tcase_add_test(c, bad_arguments_are_refused);

@@ -202,6 +202,15 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
          6 * nv);
     BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, other, plain), h, 6);
     BOTH(rbd_com_jacobian(f->m, d, q, J), rbd_com_jacobian(r->m, e, q, plain), J, 3 * nv);
+    double *Y = numbers(nv * 10 * r->nb), *kinetic = numbers(10 * r->nb), *potential = numbers(10 * r->nb);
+    static double same[MAX_V * 10 * MAX_BODIES];
+    RUN(rbd_regressor(f->m, d, q, v, a, Y));
+    RUN(rbd_regressor(r->m, e, q, v, a, same));
+    expect_same("rbd_regressor", r, number, Y, same, nv * 10 * r->nb);
+    BOTH(rbd_energy_regressors(f->m, d, q, v, kinetic, potential),
+         rbd_energy_regressors(r->m, e, q, v, plain, NULL), kinetic, 10 * r->nb);
+    BOTH(rbd_energy_regressors(f->m, d, q, v, kinetic, potential),
+         rbd_energy_regressors(r->m, e, q, v, NULL, plain), potential, 10 * r->nb);
     free(memory);
 }
 
