@@ -24,7 +24,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
-     [rnea] [crba] [aba] [cholesky] [pivots] [forward dynamics code]
+     [rnea] [crba] [aba] [hybrid] [cholesky] [pivots] [forward dynamics code]
      [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
@@ -80,6 +80,7 @@
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
      RBD_NO_POINTS    section [points]; goes with kinematics
+     RBD_NO_HYBRID    hybrid; goes with aba
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
                       mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
@@ -289,6 +290,7 @@ extern "C" {
 #define rbd_packed_size RBDI_SYMBOL(rbd_packed_size)
 #define rbd_packed_index RBDI_SYMBOL(rbd_packed_index)
 #define rbd_aba RBDI_SYMBOL(rbd_aba)
+#define rbd_hybrid RBDI_SYMBOL(rbd_hybrid)
 #define rbd_fd_cholesky RBDI_SYMBOL(rbd_fd_cholesky)
 #define rbd_cholesky_factor RBDI_SYMBOL(rbd_cholesky_factor)
 #define rbd_cholesky_factor_packed RBDI_SYMBOL(rbd_cholesky_factor_packed)
@@ -577,6 +579,18 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
    mimic joints goes by rbd_fd_cholesky. Also RBD_ERR_SINGULAR. */
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+#endif
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
+   wanted; M a + c = tau + sum J' f_ext. Articulated bodies, RBDA section 9.2; any dofs, also some of a
+   joint. All joints but a floating base given is the inverse dynamics of a robot that stands on nothing (its
+   base's torque the wrench that it feels, 0 in flight) and goes by composite bodies.
+   given   nv flags: not 0 where a is given, 0 where tau is
+   a, tau  in: what is given; out: all. Not the same array.
+   Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
+RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
 #endif
 
 #ifndef RBDI_NO_FD_CHOLESKY
@@ -1833,6 +1847,32 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     return X;
 }
 
+/* IA c, and that of a composite body: its I = tr(Sigma) - Sigma, H = [h]x, M = m. */
+RBDI_INLINE rbdi_force rbdi_abi_times(const rbdi_abi *IA, rbdi_motion c) {
+    rbdi_force F;
+    F.n = rbdi_add(rbdi_mul_sym(IA->I, c.omega), rbdi_mul(IA->H, c.v));
+    F.f = rbdi_add(rbdi_mul_t(IA->H, c.omega), rbdi_mul_sym(IA->M, c.v));
+    return F;
+}
+RBDI_INLINE rbdi_force rbdi_rbi_times(const rbdi_rbi *C, rbd_const m, rbdi_motion c) {
+    const rbd_real trace = C->Sigma.xx + C->Sigma.yy + C->Sigma.zz;
+    rbdi_force F;
+    F.n = rbdi_sub(rbdi_scale(trace, c.omega), rbdi_mul_sym(C->Sigma, c.omega));
+    F.n = rbdi_add(F.n, rbdi_cross(C->h, c.v));
+    F.f = rbdi_sub(rbdi_scale(rbdi_set(m), c.v), rbdi_cross(C->h, c.omega));
+    return F;
+}
+RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
+    const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
+    rbdi_abi IA = rbdi_abi_zero();
+    IA.I.xx = trace - C.Sigma.xx, IA.I.xy = -C.Sigma.xy, IA.I.xz = -C.Sigma.xz;
+    IA.I.yy = trace - C.Sigma.yy, IA.I.yz = -C.Sigma.yz, IA.I.zz = trace - C.Sigma.zz;
+    IA.H.xy = -C.h.z, IA.H.xz = C.h.y, IA.H.yz = -C.h.x;
+    IA.H.yx = C.h.z, IA.H.zx = -C.h.y, IA.H.zy = C.h.x;
+    IA.M.xx = IA.M.yy = IA.M.zz = rbdi_set(m);
+    return IA;
+}
+
 /* Row k of [I H; H' M]. */
 RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
     A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
@@ -2114,6 +2154,9 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
+}
+RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
@@ -2607,6 +2650,13 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi
     return rbdi_rbi_shift(X->r, m, C);
 }
 
+/* C plus the link's own body. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
+    C.Sigma = rbdi_sym_add(C.Sigma, rbdi_sym_c(l->Sigma));
+    C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
+    return C;
+}
+
 /* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
    [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
 RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
@@ -2627,6 +2677,17 @@ RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
     default: F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass); break;
     }
     return F;
+}
+
+/* The same along the axis of a one-axis link: C S. */
+RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C) {
+    rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, 2);
+    if (slides) {
+        rbdi_force slide = rbdi_rbi_column(C, l->subtree_mass, 5);
+        own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
+        own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
+    }
+    return own;
 }
 
 #ifdef RBD_SPECIALISE
@@ -2719,12 +2780,7 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbdi_entries e = rbdi_crba_column(m, iv, depth, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-    rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, 2);
-    if (l->kind == RBDI_SCREW) {
-        rbdi_force slide = rbdi_rbi_column(C, l->subtree_mass, 5);
-        own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
-        own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
-    }
+    const rbdi_force own = rbdi_rbi_axis(l, l->kind == RBDI_SCREW, C);
     rbdi_store_force(&w->F[l->first], stride, own);
     rbdi_crba_put(e, l->first, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature);
     RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
@@ -2749,9 +2805,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
         w->slot[i].C = rbdi_rbi_zero();
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
-        rbdi_rbi C = carried;
-        C.Sigma = rbdi_sym_add(C.Sigma, rbdi_sym_c(l->Sigma));
-        C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
+        rbdi_rbi C = rbdi_rbi_add_link(l, carried);
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
         if (l->kind != RBDI_BLOCK)
             rbdi_crba_entries(m, w, i, C, H, M);
@@ -2938,7 +2992,7 @@ RBDI_INLINE void rbdi_aba_pass1_axis(const rbd_model *m, rbd_work *w, int i, int
     w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(*omega), NULL);
 }
 
-RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
+RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v) {
     rbdi_v3 omega = rbdi_vec0();
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -2957,6 +3011,24 @@ RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v
     }
 }
 
+RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
+    rbdi_aba_velocities(m, w, v);
+}
+
+/* U = IA S. */
+RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_abi *IA) {
+    rbdi_force U;
+    U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
+    U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
+    if (form & RBDI_SLIDES) {
+        U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
+        U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->M.xz, IA->M.yz, IA->M.zz)));
+    }
+    return U;
+}
+
 /* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
    Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
    about z is tau: above. c.omega.z = 0 (omega x z turn). */
@@ -2969,14 +3041,7 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     const rbdi_motion *c = &own->c;
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
-    U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
-    U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
-    if (form & RBDI_SLIDES) {
-        U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
-                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
-        U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
-                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->M.xz, IA->M.yz, IA->M.zz)));
-    }
+    U = rbdi_abi_axis(l, form, IA);
     D = rbdi_along_axis(l, form, U);
     if (full) D = D + dof->armature;
     w->pivot[l->iv] = D;
@@ -3028,27 +3093,31 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
 /* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
    without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
    axes before it still need is kept up: the lower triangle. */
+RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
+                                       rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
+                                       rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
+    const rbdi_dof *dof = &m->dof[l->iv + k];
+    const int s = first + k, end = keep ? 6 : s;
+    rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+    w->pivot[l->iv + k] = D;
+    bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
+        U[i] = A[s][i];
+        bw->U_D[k][i] = U[i] * inverse;
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
+        const int columns = keep ? 6 : i + 1;
+        RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j)
+            A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
+        P[i] = P[i] + U[i] * bw->u_D[k];
+    }
+}
 RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
                                         int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
                                         rbdi_mask *doubt) {
     rbdi_block_work *bw = &w->block[l->block];
-    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
-        const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = first + k, end = keep ? 6 : s;
-        rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-        w->pivot[l->iv + k] = D;
-        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
-        RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
-            U[i] = A[s][i];
-            bw->U_D[k][i] = U[i] * inverse;
-        }
-        RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
-            const int columns = keep ? 6 : i + 1;
-            RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j)
-                A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
-            P[i] = P[i] + U[i] * bw->u_D[k];
-        }
-    }
+    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
+        rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
@@ -3111,14 +3180,12 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's; qdd = u/D
-   - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
-RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
-                                      rbd_real *a) {
+/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's, but for
+   c + S qdd: X y. */
+RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
+                                       rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_scratch *own = &w->scratch[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    rbd_real x, qdd;
     if (!(form & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
     y.omega = rbdi_down(l, form, t, y.omega);
     y.v = rbdi_down(l, form, t, y.v);
@@ -3126,7 +3193,22 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
         y.v.x = y.v.x + t.d * y.omega.y;
         y.v.y = y.v.y - t.d * y.omega.x;
     }
-    y = rbdi_motion_add(y, own->c);
+    return y;
+}
+RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link *l, rbdi_motion y) {
+    const rbdi_pose *X = &w->block[l->block].X;
+    y.v = rbdi_mul(X->E, rbdi_add(y.v, rbdi_cross(y.omega, X->r)));
+    y.omega = rbdi_mul(X->E, y.omega);
+    return y;
+}
+
+/* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
+                                      rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_scratch *own = &w->scratch[i];
+    rbd_real x, qdd;
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
     if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
         a[l->iv] = x - y.omega.z;
@@ -3149,9 +3231,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    y.v = rbdi_mul(bw->X.E, rbdi_add(y.v, rbdi_cross(y.omega, bw->X.r)));
-    y.omega = rbdi_mul(bw->X.E, y.omega);
-    rbdi_motion_to_array(rbdi_motion_add(y, w->scratch[i].c), all);
+    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
             rbd_real x = bw->u_D[k];
@@ -3186,6 +3266,291 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
             y = rbdi_aba_down_block(m, w, i, y, a);
         else
             RBDI_BY_FORM(form, l, y = rbdi_aba_down(m, w, i, form, y, a));
+        if (l->slot >= 0) w->slot[l->slot].y = y;
+    }
+}
+
+/* ---- hybrid dynamics [hybrid] ----
+   RBDA section 9.2. Where a joint's acceleration is given it is held: it transmits all. Like [aba], but for
+   such joints in pass 2 Ia = IA, pa = pA + IA (c + S qdd), and in pass 3 y = X y_p + c + S qdd, tau = S' (IA
+   y + pA) = U' y + S' pA, of which U and S' pA wait in U_D and u_D. The pivots are those of M without the
+   rows and columns of what is held.
+
+   Where that is all but joints on the world, what hangs on these is a rigid body as to their motion, and
+   section 9.3's way is shorter: [rnea] with their accelerations 0, which leaves M_bb y = tau_b - tau0_b, and
+   tau = tau0 + S' C X y of the others, C the composite bodies. */
+
+typedef struct rbdi_given {
+    const unsigned char *dof; /* nv flags: held */
+    const rbd_real *a;
+} rbdi_given;
+
+/* Whether any dof of a link is held. */
+RBDI_INLINE int rbdi_any_held(const rbd_model *m, const rbdi_link *l, const rbdi_given *given) {
+    int held = 0;
+    for (int k = 0; k < rbdi_link_dofs(m, l); ++k) held |= given->dof[l->iv + k];
+    return held;
+}
+
+/* Pass 2, one-axis link that is held: U and S' pA for pass 3; c becomes c + S qdd. */
+RBDI_INLINE rbdi_motion rbdi_hold(const rbd_model *m, rbd_work *w, int i, int form, rbd_real a, rbdi_force U,
+                                  rbdi_force pA) {
+    const rbdi_link *l = &m->link[i];
+    rbdi_scratch *own = &w->scratch[i];
+    const int slides = form & RBDI_SLIDES;
+    own->U_D = U;
+    own->u_D = rbdi_along_axis(l, form, pA);
+    if (form & RBDI_ARMATURE) own->u_D = own->u_D + a * m->dof[l->iv].armature;
+    own->c.omega.z = own->c.omega.z + (slides ? a * l->rho : a);
+    if (slides) own->c.v.z = own->c.v.z + a * l->kappa;
+    return own->c;
+}
+
+/* Pass 2, one-axis link: as rbdi_aba_up. What is held leaves no row of zeros: all of IA is moved. */
+RBDI_INLINE void rbdi_hybrid_up(const rbd_model *m, rbd_work *w, int i, int form, const rbdi_given *given,
+                                const rbd_real *tau, rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    *IA = rbdi_abi_add_link(l, form, *IA);
+    if (given->dof[l->iv]) {
+        const rbdi_motion c = rbdi_hold(m, w, i, form, given->a[l->iv], rbdi_abi_axis(l, form, IA), *pA);
+        *pA = rbdi_force_add(*pA, rbdi_abi_times(IA, c));
+    } else {
+        rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
+    }
+    if (form & RBDI_ROOT) return;
+    *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
+    *pA = rbdi_force_up(l, form, t, *pA);
+}
+
+/* Pass 2, block link; any of its axes may be held. */
+RBDI_PART void rbdi_hybrid_up_block(const rbd_model *m, rbd_work *w, int i, const rbdi_given *given,
+                                    const rbd_real *tau, rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbdi_block_work *bw = &w->block[l->block];
+    rbd_real A[6][6], P[6];
+    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
+    rbdi_store_force(P, 1, *pA);
+    for (int k = b->n - 1; k >= 0; --k) {
+        const int s = b->first + k;
+        const rbd_real a = given->a[l->iv + k];
+        if (!given->dof[l->iv + k]) {
+            rbdi_aba_release_axis(m, w, l, bw, b->first, k, 1, tau, A, P, doubt);
+            continue;
+        }
+        bw->u_D[k] = P[s] + a * m->dof[l->iv + k].armature;
+        for (int j = 0; j < 6; ++j) {
+            bw->U_D[k][j] = A[s][j];
+            P[j] = P[j] + A[s][j] * a;
+        }
+    }
+    if (l->parent < 0) return;
+    *IA = rbdi_abi_from_array(A);
+    *pA = rbdi_force_add(rbdi_load_force(P, 1), rbdi_abi_times(IA, w->scratch[i].c));
+    *pA = rbdi_force_up_block(&bw->X, *pA);
+    *IA = rbdi_abi_up_block(&bw->X, *IA);
+}
+
+RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbdi_given *given,
+                                      const rbd_real *tau) {
+    rbdi_abi IA = rbdi_abi_zero();
+    rbdi_force pA = rbdi_force0();
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
+        pA = rbdi_force_add(pA, w->scratch[i].f);
+        if (l->kind == RBDI_BLOCK)
+            rbdi_hybrid_up_block(m, w, i, given, tau, &IA, &pA, &doubt);
+        else
+            RBDI_BY_FORM(form, l, rbdi_hybrid_up(m, w, i, form, given, tau, &IA, &pA, &doubt));
+        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent >= 0) {
+            rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
+            slot->I = rbdi_abi_add(slot->I, IA);
+            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, pA);
+        }
+        IA = rbdi_abi_zero();
+        pA = rbdi_force0();
+    }
+    return doubt;
+}
+
+/* Pass 3: as rbdi_aba_down. */
+RBDI_INLINE rbdi_motion rbdi_hybrid_down(const rbd_model *m, const rbd_work *w, int i, int form,
+                                         const rbdi_given *given, rbdi_motion y, rbd_real *a, rbd_real *tau) {
+    const int iv = m->link[i].iv;
+    const rbdi_force U = w->scratch[i].U_D;
+    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form, y, a);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), w->scratch[i].c);
+    tau[iv] = w->scratch[i].u_D + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
+    return y;
+}
+RBDI_PART rbdi_motion rbdi_hybrid_down_block(const rbd_model *m, const rbd_work *w, int i,
+                                             const rbdi_given *given, rbdi_motion y, rbd_real *a,
+                                             rbd_real *tau) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block_work *bw = &w->block[l->block];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real all[6];
+    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
+    for (int k = 0; k < b->n; ++k) {
+        const int held = given->dof[l->iv + k];
+        rbd_real *y_s = &all[b->first + k], f = rbdi_zero();
+        if (held) *y_s = *y_s + a[l->iv + k];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+            f = f + bw->U_D[k][j] * all[j];
+        if (held) {
+            tau[l->iv + k] = bw->u_D[k] + f;
+        } else {
+            a[l->iv + k] = bw->u_D[k] - f;
+            *y_s = *y_s + a[l->iv + k];
+        }
+    }
+    return rbdi_motion_from_array(all);
+}
+
+RBDI_PART void rbdi_hybrid_pass3(const rbd_model *m, rbd_work *w, const rbdi_given *given, rbd_real *a,
+                                 rbd_real *tau) {
+    rbdi_motion world = rbdi_motion0(), y;
+    world.v = rbdi_world_state(w->gravity).acc;
+    y = world;
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent < 0)
+            y = world;
+        else if (l->parent != i - 1)
+            y = w->slot[m->link[l->parent].slot].y;
+        if (l->kind == RBDI_BLOCK)
+            y = rbdi_hybrid_down_block(m, w, i, given, y, a, tau);
+        else
+            RBDI_BY_FORM(form, l, y = rbdi_hybrid_down(m, w, i, form, given, y, a, tau));
+        if (l->slot >= 0) w->slot[l->slot].y = y;
+    }
+}
+
+/* All but joints on the world held: what the composite body C of a root gives way to tau - tau0, as a motion
+   y beyond that of rnea, kept in its scratch c. */
+RBDI_INLINE rbdi_motion rbdi_rigid_root(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C,
+                                        const rbd_real *tau0, const rbd_real *tau, rbd_real *a,
+                                        rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_dof *dof = &m->dof[l->iv];
+    const rbdi_force U = rbdi_rbi_axis(l, l->flags & RBDI_SLIDES, C);
+    const rbd_real D = rbdi_along_axis(l, l->flags, U) + dof->armature,
+                   inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+    rbdi_motion y = rbdi_motion0();
+    w->pivot[l->iv] = D;
+    w->scratch[i].U_D.n = rbdi_scale(inverse, U.n);
+    w->scratch[i].U_D.f = rbdi_scale(inverse, U.f);
+    a[l->iv] = (tau[l->iv] - tau0[l->iv]) * inverse;
+    y.omega.z = a[l->iv] * l->rho;
+    y.v.z = a[l->iv] * l->kappa;
+    return y;
+}
+RBDI_PART rbdi_motion rbdi_rigid_root_block(const rbd_model *m, rbd_work *w, const rbdi_link *l,
+                                            const rbdi_given *given, rbdi_rbi C, const rbd_real *tau0,
+                                            rbd_real *a, rbd_real *tau, rbdi_mask *doubt) {
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const unsigned char *held = &given->dof[l->iv];
+    rbdi_block_work *bw = &w->block[l->block];
+    rbd_real A[6][6], P[6], y[6];
+    rbdi_abi_to_array(rbdi_abi_of_rbi(C, l->subtree_mass), A);
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
+        P[k] = y[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) P[b->first + k] = tau0[l->iv + k];
+    if (!rbdi_any_held(m, l, given) && rbdi_free_base(l, b)) {
+        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
+    } else {
+        for (int k = 0; k < b->n; ++k)
+            for (int j = 0; j < 6; ++j) bw->U_D[k][j] = A[b->first + k][j];
+        for (int k = b->n - 1; k >= 0; --k)
+            if (!held[k]) rbdi_aba_release_axis(m, w, l, bw, b->first, k, 1, tau, A, P, doubt);
+    }
+    for (int k = 0; k < b->n; ++k) {
+        rbd_real *y_s = &y[b->first + k];
+        if (held[k]) continue;
+        *y_s = bw->u_D[k];
+        for (int j = 0; j < b->first + k; ++j) *y_s = *y_s - bw->U_D[k][j] * y[j];
+        a[l->iv + k] = *y_s;
+    }
+    for (int k = 0; k < b->n; ++k) {
+        if (!held[k]) continue;
+        tau[l->iv + k] = tau0[l->iv + k];
+        for (int j = 0; j < 6; ++j) tau[l->iv + k] = tau[l->iv + k] + bw->U_D[k][j] * y[j];
+    }
+    return rbdi_motion_from_array(y);
+}
+
+/* Composite bodies, and of held joints U = C S, leaves to root; a root's motion as soon as its C is known. */
+RBDI_INLINE rbdi_rbi rbdi_rigid_up(const rbd_model *m, rbd_work *w, int i, int form, rbdi_rbi C) {
+    const rbdi_link *l = &m->link[i];
+    w->scratch[i].U_D = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
+    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
+}
+RBDI_PART rbdi_rbi rbdi_rigid_up_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, rbdi_rbi C) {
+    const rbdi_block *b = rbdi_block_of(m, l);
+    for (int k = 0; k < b->n; ++k)
+        rbdi_store_force(w->block[l->block].U_D[k], 1, rbdi_rbi_column(C, l->subtree_mass, b->first + k));
+    return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
+}
+RBDI_PART rbdi_mask rbdi_rigid_up_all(const rbd_model *m, rbd_work *w, const rbdi_given *given,
+                                      const rbd_real *tau0, rbd_real *a, rbd_real *tau) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_rbi C = rbdi_rbi_zero();
+    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
+        w->slot[i].C = C;
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        C = rbdi_rbi_add_link(l, C);
+        if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
+        if (l->parent < 0) {
+            w->scratch[i].c = rbdi_motion0();
+            if (l->kind == RBDI_BLOCK)
+                w->scratch[i].c = rbdi_rigid_root_block(m, w, l, given, C, tau0, a, tau, &doubt);
+            else if (!given->dof[l->iv])
+                w->scratch[i].c = rbdi_rigid_root(m, w, i, C, tau0, tau, a, &doubt);
+            else
+                tau[l->iv] = tau0[l->iv];
+        } else if (l->kind == RBDI_BLOCK) {
+            C = rbdi_rigid_up_block(m, w, l, C);
+        } else {
+            RBDI_BY_FORM(form, l, C = rbdi_rigid_up(m, w, i, form, C));
+        }
+        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent >= 0)
+            w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
+        C = rbdi_rbi_zero();
+    }
+    return doubt;
+}
+
+/* What y costs the held joints behind the roots: tau = tau0 + U' y. */
+RBDI_INLINE rbdi_motion rbdi_rigid_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
+                                        const rbd_real *tau0, rbd_real *tau) {
+    const int iv = m->link[i].iv;
+    const rbdi_force U = w->scratch[i].U_D;
+    y = rbdi_aba_carry(m, w, i, form, y);
+    tau[iv] = tau0[iv] + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
+    return y;
+}
+RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_real *tau0, rbd_real *tau) {
+    rbdi_motion y = rbdi_motion0();
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent >= 0 && l->parent != i - 1) y = w->slot[m->link[l->parent].slot].y;
+        if (l->parent < 0) {
+            y = w->scratch[i].c;
+        } else if (l->kind == RBDI_BLOCK) {
+            y = rbdi_aba_carry_block(w, l, y);
+            for (int k = 0; k < rbdi_block_of(m, l)->n; ++k) {
+                const rbdi_force U = rbdi_load_force(w->block[l->block].U_D[k], 1);
+                tau[l->iv + k] = tau0[l->iv + k] + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
+            }
+        } else {
+            RBDI_BY_FORM(form, l, y = rbdi_rigid_down(m, w, i, form, y, tau0, tau));
+        }
         if (l->slot >= 0) w->slot[l->slot].y = y;
     }
 }
@@ -3564,7 +3929,7 @@ static void rbdi_gross_links(const rbd_model *m, rbd_work *w) {
 
 #ifndef RBD_NO_ABA
 /* A becomes P' A P, P = 1 - S V' with V = U/D; returns S' A S. */
-static rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6]) {
+RBDI_INLINE rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6]) {
     rbd_real a[6], e = rbdi_zero();
     for (int i = 0; i < 6; ++i) {
         a[i] = rbdi_zero();
@@ -3576,14 +3941,15 @@ static rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_r
     return e;
 }
 
-/* Axis k of a link's joint, and U/D of pass 2. Where U_z/D = 1 it is not stored; of a free base U/D is there
-   for the axes before k only, the others are gone. */
-static void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6], rbd_real V[6]) {
+/* Axis k of a link's joint, and U/D of pass 2. Where U_z/D = 1 it is not stored; of a free base of which
+   nothing is held U/D is there for the axes before k only, the others are gone. */
+RBDI_INLINE void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, int held, rbd_real S[6],
+                              rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
     for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
     if (l->kind == RBDI_BLOCK) {
         const rbdi_block *b = rbdi_block_of(m, l);
-        const int s = b->first + k, stored = rbdi_free_base(l, b) ? s : 6;
+        const int s = b->first + k, stored = !held && rbdi_free_base(l, b) ? s : 6;
         S[s] = rbdi_set(RBD_C(1));
         for (int j = 0; j < 6; ++j) V[j] = j < stored ? w->block[l->block].U_D[k][j] : S[j];
         return;
@@ -3610,7 +3976,7 @@ static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, r
    to zero, rounds by what it is the difference of; about that axis a twist does that is no right angle. A
    shift by r rounds by r^2 M. Constants and angles hold to a rounding, which tells where all else vanishes:
    as its square. */
-static rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K) {
+RBDI_INLINE rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K) {
     const rbdi_link *l = &m->link[i];
     const int block = l->kind == RBDI_BLOCK;
     const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
@@ -3635,7 +4001,7 @@ static void rbdi_gross_note(rbdi_scratch *to, rbdi_abi IA) {
 
 /* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of
    the bound, to judge the pivots. */
-static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
+RBDI_INLINE void rbdi_judge_links(const rbd_model *m, rbd_work *w, const rbdi_given *given, int bound) {
     rbdi_abi X = rbdi_abi_zero();
     for (int i = 0; i < m->nslot; ++i) w->slot[i].I = X;
     for (int i = m->nl - 1; i >= 0; --i) {
@@ -3648,7 +4014,8 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
         rbdi_abi_to_array(X, A);
         for (int k = (l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1) - 1; k >= 0; --k) {
             rbd_real S[6], V[6], e;
-            rbdi_axis_of(m, w, i, k, S, V);
+            if (given && given->dof[l->iv + k]) continue;
+            rbdi_axis_of(m, w, i, k, given ? rbdi_any_held(m, l, given) : 0, S, V);
             e = rbdi_give_way(A, S, V);
             if (bound) rbdi_judge(m, w, l->iv + k, e);
         }
@@ -3664,12 +4031,23 @@ static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
     }
 }
 
+static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
+    rbdi_judge_links(m, w, NULL, bound);
+}
+
 /* Judges the pivots of the last call of aba. */
 RBDI_COLD void rbdi_aba_judge(const rbd_model *m, rbd_work *w) {
     rbdi_gross_links(m, w);
     rbdi_judge_sweep(m, w, 0);
     rbdi_judge_sweep(m, w, 1);
 }
+#ifndef RBD_NO_HYBRID
+/* The same of hybrid dynamics. */
+RBDI_COLD void rbdi_hybrid_judge(const rbd_model *m, rbd_work *w, const rbdi_given *given) {
+    rbdi_gross_links(m, w);
+    for (int bound = 0; bound < 2; ++bound) rbdi_judge_links(m, w, given, bound);
+}
+#endif
 #endif
 
 /* Adds S' K S of the links' own inertias to M, for each dof. */
@@ -3752,6 +4130,106 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, 1, NULL, a, m->nv);
+}
+#endif
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* Which joints have a dof that is not held: 0 none, 1 only some on the world, 2 others as well. */
+static int rbdi_reach(const rbd_model *m, const unsigned char *given) {
+    int reach = 0;
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        for (int k = 0; k < rbdi_link_dofs(m, l); ++k)
+            if (!given[l->iv + k] && reach < 2) reach = l->parent < 0 ? 1 : 2;
+    }
+    return reach;
+}
+
+/* Judges, where any pivot is in doubt; a and tau become 0 where one is not sound. */
+static rbd_status rbdi_hybrid_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, const rbd_real *L,
+                                     const rbdi_given *given, rbd_real *a, rbd_real *tau) {
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+#ifdef RBD_SPECIALISE
+    (void)L;
+    for (int k = 0; k < m->nv; ++k) rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
+#else
+    if (L)
+        rbdi_factor_judge(m, w, L);
+    else
+        rbdi_hybrid_judge(m, w, given);
+#endif
+    for (int k = 0; k < m->nv; ++k)
+        if (given->dof[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* none: sound */
+    rbdi_verdict(m, w, tau, m->nv);
+    w->singular = -1;
+    return rbdi_verdict(m, w, a, m->nv);
+}
+
+#ifndef RBDI_NO_FD_CHOLESKY
+/* With mimic joints: the rows and columns of M of held dofs become those of the unit matrix, its scale
+   aside, and a of the others solves M a = tau - c, c with the given a in it. */
+static rbd_status rbdi_hybrid_mimic(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbdi_given *given, const rbd_real *f_ext, rbd_real *a,
+                                    rbd_real *tau) {
+    rbdi_mask doubt;
+    const rbd_real *vx = rbdi_expand_v(m, v, w->vx);
+    rbd_crba_packed(m, w, q, w->H);
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real *h = &w->H[m->dof[k].row + m->dof[k].depth];
+        if (given->dof[k]) *h = rbdi_set(RBD_C(1) + m->dof[k].scale);
+        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda) {
+            --h;
+            if (given->dof[k] || given->dof[i]) *h = rbdi_zero();
+        }
+        if (!given->dof[k]) a[k] = rbdi_zero();
+    }
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_rnea(m, w, vx, rbdi_expand_v(m, a, w->ax), f_ext, w->tx);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int k = 0; k < m->nv; ++k) w->bias[k] = given->dof[k] ? rbdi_zero() : tau[k] - w->bias[k];
+    rbdi_solve(m, w->H, w->bias);
+    for (int k = 0; k < m->nv; ++k)
+        if (!given->dof[k]) a[k] = w->bias[k];
+    rbdi_rnea(m, w, vx, rbdi_expand_v(m, a, w->ax), f_ext, w->tx);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int k = 0; k < m->nv; ++k)
+        if (given->dof[k]) tau[k] = w->bias[k];
+    return rbdi_hybrid_status(m, w, doubt, w->H, given, a, tau);
+}
+#endif
+
+RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+    const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
+    rbdi_given held;
+    rbdi_mask doubt;
+    int reach;
+    if (status) return status;
+    held.dof = given, held.a = a;
+#ifndef RBDI_NO_FD_CHOLESKY
+    if (m->nmimic) return rbdi_hybrid_mimic(m, w, q, v, &held, f_ext, a, tau);
+#endif
+    rbdi_joints(m, w, q);
+    reach = rbdi_reach(m, given);
+    w->singular = -1;
+    if (reach == 0) {
+        rbdi_rnea(m, w, v, a, f_ext, tau);
+        return RBD_OK;
+    }
+    if (reach == 1) {
+        for (int k = 0; k < m->nv; ++k)
+            if (!given[k]) a[k] = rbdi_zero();
+        rbdi_rnea(m, w, v, a, f_ext, w->bias);
+        doubt = rbdi_rigid_up_all(m, w, &held, w->bias, a, tau);
+        rbdi_rigid_down_all(m, w, w->bias, tau);
+    } else {
+        rbdi_aba_velocities(m, w, v);
+        rbdi_external(m, w, f_ext);
+        doubt = rbdi_hybrid_pass2(m, w, &held, tau);
+        rbdi_hybrid_pass3(m, w, &held, a, tau);
+    }
+    return rbdi_hybrid_status(m, w, doubt, NULL, &held, a, tau);
 }
 #endif
 

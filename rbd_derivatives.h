@@ -406,9 +406,6 @@ RBDI_INLINE void rbdi_store_motion(rbd_real *a, rbdi_motion V) {
     rbdi_store_vec(a, V.omega), rbdi_store_vec(a + 3 * RBDI_BATCH, V.v);
 }
 
-RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
-}
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
 }

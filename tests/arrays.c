@@ -60,6 +60,11 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     CLAIM(rbd_passive(m, w, v, out) == RBD_OK);
     (void)rbd_aba(m, w, q, v, v, f, out); /* may be singular */
     (void)rbd_fd_cholesky(m, w, q, v, v, f, out);
+    for (int way = 0; way < 2; way++) { /* every second dof; all but those on the world */
+        unsigned char *given = own_array((size_t)nv);
+        for (int k = 0; k < nv; k++) given[k] = way ? m->link[0].iv != k : k % 2 == 0;
+        (void)rbd_hybrid(m, w, q, v, given, f, out, numbers(nv));
+    }
     CLAIM(rbd_crba(m, w, q, M) == RBD_OK);
     CLAIM(rbd_crba_packed(m, w, q, H) == RBD_OK);
     (void)rbd_cholesky_factor_packed(m, w, H);

@@ -182,6 +182,31 @@ static void check_forward(void) {
 START_TEST(forward_dynamics_match_the_reference) { for_models(check_forward); }
 END_TEST
 
+/* Of every second dof, then of all but those on the world, the reference's acceleration, of the others its
+   torque: both come back. */
+static void check_hybrid(void) {
+    static rbd_real x[MAX_V], torque[MAX_V];
+    const int nv = reference->nv;
+    RUN(rbd_rnea(model, work, q, v, a, f_ext, torque));
+    for (int way = 0; way < 2; way++) {
+        unsigned char given[MAX_V];
+        for (int k = 0; k < nv; k++) {
+            given[k] = way ? k % 2 == 0 : reference->bodies[rbd_dof_body(model, k)].parent >= 0;
+            EACH_LANE put(given[k] ? &found[k] : &x[k], lane, 7);
+            if (given[k])
+                x[k] = a[k];
+            else
+                found[k] = torque[k];
+        }
+        RUN(rbd_hybrid(model, work, q, v, given, f_ext, x, found));
+        COMPARE("hybrid, a", x, vdot, nv, INVERSE(lane_state[lane]->cond_M));
+        COMPARE("hybrid, tau", found, tau_rnea_ext, nv, INVERSE(lane_state[lane]->cond_M));
+    }
+}
+
+START_TEST(hybrid_dynamics_match_the_reference) { for_models(check_hybrid); }
+END_TEST
+
 /* M times its inverse, in the scalar's own precision. */
 static void compare_with_one(const char *what, int lane, const rbd_real *M, const rbd_real *inverse) {
     static rbd_real one;
@@ -694,6 +719,7 @@ static TCase *scalar_tests(void) {
     tcase_set_timeout(c, 60);
     tcase_add_test(c, inverse_dynamics_and_mass_matrix_match_the_reference);
     tcase_add_test(c, forward_dynamics_match_the_reference);
+    tcase_add_test(c, hybrid_dynamics_match_the_reference);
     tcase_add_test(c, minverse_and_many_solutions_match_the_reference);
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);

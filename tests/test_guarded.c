@@ -101,6 +101,20 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
     BOTH(rbd_aba(f->m, f->w, q, v, tau, f_ext, x), rbd_aba(r->m, r->w, q, v, tau, f_ext, plain), x, nv);
     BOTH(rbd_fd_cholesky(f->m, f->w, q, v, tau, f_ext, x),
          rbd_fd_cholesky(r->m, r->w, q, v, tau, f_ext, plain), x, nv);
+    for (int way = 0; way < 2; way++) { /* a base alone free; every second dof */
+        unsigned char *given = fenced((size_t)nv);
+        double *fa = numbers(nv), *ft = numbers(nv), pa[MAX_V];
+        for (int k = 0; k < nv; k++)
+            given[k] = way ? k % 2 == 0 : r->bodies[rbd_dof_body(r->m, k)].parent >= 0;
+        memcpy(fa, s->a, (size_t)nv * sizeof *fa);
+        memcpy(pa, s->a, (size_t)nv * sizeof *pa);
+        memcpy(ft, s->tau, (size_t)nv * sizeof *ft);
+        BOTH(
+            rbd_hybrid(f->m, f->w, q, v, given, f_ext, fa, ft),
+            rbd_hybrid(r->m, r->w, q, v, given, f_ext, pa, memcpy(plain, s->tau, (size_t)nv * sizeof *plain)),
+            ft, nv);
+        expect_same("hybrid, a", r, number, fa, pa, nv);
+    }
     BOTH(rbd_passive(f->m, f->w, v, x), rbd_passive(r->m, r->w, v, plain), x, nv);
     BOTH(rbd_cholesky_factor_packed(f->m, f->w, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
     BOTH(rbd_cholesky_factor(f->m, f->w, M, H), rbd_cholesky_factor(r->m, r->w, M, plain), H, nh);
