@@ -73,6 +73,13 @@ static rbd_status run_gravity_derivatives(const state *s, double *out) {
     return rbd_gravity_derivatives(s->m, s->d, s->q, out);
 }
 
+static rbd_status run_regressor(const state *s, double *out) {
+    return rbd_regressor(s->m, s->d, s->q, s->v, s->a, out);
+}
+static rbd_status run_energy_regressors(const state *s, double *out) {
+    return rbd_energy_regressors(s->m, s->d, s->q, s->v, out, out + 10 * rbd_nb(s->m));
+}
+
 /* clang-format off */
 static const algorithm algorithms[] = {
     {"id", "inverse dynamics (RNEA)", TAKES_V | TAKES_A, {{"tau", ONE, DOFS}}, run_id},
@@ -97,6 +104,9 @@ static const algorithm algorithms[] = {
     {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A,
      {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
     {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
+    {"regressor", "of inverse dynamics", TAKES_V | TAKES_A, {{"Y", DOFS, PARAMETERS}}, run_regressor},
+    {"energy_regressors", "of both energies", TAKES_V,
+     {{"Y_kinetic", ONE, PARAMETERS}, {"Y_potential", ONE, PARAMETERS}}, run_energy_regressors},
 };
 /* clang-format on */
 enum { ALGORITHMS = sizeof algorithms / sizeof *algorithms };
@@ -111,7 +121,8 @@ const algorithm *find_algorithm(const char *name) {
 }
 
 void print_algorithms(void) {
-    static const char *const parts[] = {"", ".XYZ", ".ROW", ".DOF", "p.LINK.x ..., R.LINK.xx ..."};
+    static const char *const parts[] = {"",     ".XYZ",      ".ROW",
+                                        ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ..."};
     printf("  %-19s  %-27s  %-7s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
@@ -179,6 +190,14 @@ static void add_poses(columns *c, const rbd_model *m) {
     }
 }
 
+/* A link without a name is called by its joint. */
+static void add_parameters(columns *c, const rbd_model *m) {
+    static const char *const ten[] = {"m", "mx", "my", "mz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+    for (int b = 0; b < rbd_nb(m); b++)
+        for (int k = 0; k < 10; k++)
+            add_name(c, rbd_body_name(m, b) ? rbd_body_name(m, b) : rbd_joint_name(m, b), ten[k], "");
+}
+
 static void add_axis(columns *c, const rbd_model *m, axis a) {
     static const char *const six[] = {"wx", "wy", "wz", "vx", "vy", "vz"}, *const xyz[] = {"x", "y", "z"};
     switch (a) {
@@ -190,6 +209,7 @@ static void add_axis(columns *c, const rbd_model *m, axis a) {
         for (int k = 0; k < 6; k++) add_name(c, six[k], "", "");
         break;
     case DOFS: add_dofs(c, m, ""); break;
+    case PARAMETERS: add_parameters(c, m); break;
     case POSES: add_poses(c, m); break;
     }
 }

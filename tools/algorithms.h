@@ -18,8 +18,8 @@ typedef struct state {
 } state;
 
 /* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
-   freedom, the links' poses. */
-typedef enum axis { ONE, XYZ, SIX, DOFS, POSES } axis;
+   freedom, the links' inertial parameters, their poses. */
+typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, POSES } axis;
 
 typedef struct output {
     const char *name; /* NULL: no more */

@@ -228,6 +228,13 @@ static void check_points(const ref_model *model, const ref_control_state *s) {
     }
 }
 
+static void check_regressors(const ref_model *model, const ref_control_state *s) {
+    const double *const torque[] = {s->Y}, *const energy[] = {s->Y_kinetic, s->Y_potential};
+    const int nb = model->nb, lengths[] = {10 * model->nv * nb}, tens[] = {10 * nb, 10 * nb};
+    if (s->Y) check_one(model, s, "regressor", torque, lengths, 1, 1e-11);
+    check_one(model, s, "energy_regressors", energy, tens, 2, 1e-11);
+}
+
 START_TEST(rbd_eval_gives_the_control_results) {
     const ref_control *control = find_control(robots[_i]);
     ref_model model = *control->model;
@@ -235,6 +242,7 @@ START_TEST(rbd_eval_gives_the_control_results) {
     for (int k = 0; k < STATES; k++) {
         check_matrices(&model, &control->states[k]);
         check_points(&model, &control->states[k]);
+        check_regressors(&model, &control->states[k]);
     }
 }
 END_TEST
