@@ -80,6 +80,13 @@ static rbd_status run_energy_regressors(const state *s, double *out) {
     return rbd_energy_regressors(s->m, s->d, s->q, s->v, out, out + 10 * rbd_nb(s->m));
 }
 
+static rbd_status run_hybrid(const state *s, double *out) {
+    const int nv = rbd_nv(s->m);
+    memcpy(out, s->a, (size_t)nv * sizeof *out);
+    memcpy(out + nv, s->tau, (size_t)nv * sizeof *out);
+    return rbd_hybrid(s->m, s->w, s->q, s->v, s->given, NULL, out, out + nv);
+}
+
 /* clang-format off */
 static const algorithm algorithms[] = {
     {"id", "inverse dynamics (RNEA)", TAKES_V | TAKES_A, {{"tau", ONE, DOFS}}, run_id},
@@ -87,6 +94,8 @@ static const algorithm algorithms[] = {
     {"minv", "its inverse", 0, {{"Minv", DOFS, DOFS}}, run_minv},
     {"fd", "forward dynamics (ABA)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd},
     {"fd_cholesky", "forward dynamics (Cholesky)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd_cholesky},
+    {"hybrid", "some a given, other tau", TAKES_V | TAKES_A | TAKES_TAU | TAKES_GIVEN,
+     {{"a", ONE, DOFS}, {"tau", ONE, DOFS}}, run_hybrid},
     {"bias", "inverse dynamics, a = 0", TAKES_V, {{"tau", ONE, DOFS}}, run_bias},
     {"gravity", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
     {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
@@ -123,13 +132,13 @@ const algorithm *find_algorithm(const char *name) {
 void print_algorithms(void) {
     static const char *const parts[] = {"",     ".XYZ",      ".ROW",
                                         ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ..."};
-    printf("  %-19s  %-27s  %-7s  %s\n", "name", "what", "takes", "gives");
+    printf("  %-19s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
-        char takes[16];
+        char takes[20];
         snprintf(takes, sizeof takes, "q%s%s%s", a->takes & TAKES_V ? " v" : "",
                  a->takes & TAKES_A ? " a" : "", a->takes & TAKES_TAU ? " tau" : "");
-        printf("  %-19s  %-27s  %-7s ", a->name, a->what, takes);
+        printf("  %-19s  %-27s  %-9s ", a->name, a->what, takes);
         for (const output *o = a->gives; o->name; o++)
             printf("%s%s%s%s", o == a->gives ? " " : ", ", o->name, parts[o->rows], parts[o->columns]);
         printf("\n");
@@ -212,6 +221,17 @@ static void add_axis(columns *c, const rbd_model *m, axis a) {
     case PARAMETERS: add_parameters(c, m); break;
     case POSES: add_poses(c, m); break;
     }
+}
+
+int mark_dofs(const rbd_model *m, const char *name, unsigned char *marks) {
+    const int joint = rbd_joint_index(m, name);
+    columns dofs = {0};
+    int found = -1;
+    add_dofs(&dofs, m, "");
+    for (int i = 0; i < dofs.n; i++)
+        if (rbd_dof_body(m, i) == joint || strcmp(dofs.name[i], name) == 0) marks[i] = 1, found = 0;
+    free_columns(&dofs);
+    return found;
 }
 
 void add_inputs(columns *c, const rbd_model *m, const algorithm *a) {

@@ -12,9 +12,10 @@ typedef struct state {
     rbd_work *w;
     rbd_derivatives *d;
     double *q, *v, *a, *tau;
-    void *memory; /* of w and d */
+    void *memory; /* of w, d and given */
     int body;     /* where the algorithm is one of a point */
     double point[3];
+    unsigned char *given; /* dofs whose acceleration hybrid dynamics takes */
 } state;
 
 /* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
@@ -26,7 +27,7 @@ typedef struct output {
     axis rows, columns;
 } output;
 
-enum { TAKES_V = 1, TAKES_A = 2, TAKES_TAU = 4, TAKES_POINT = 8 }; /* beside q */
+enum { TAKES_V = 1, TAKES_A = 2, TAKES_TAU = 4, TAKES_POINT = 8, TAKES_GIVEN = 16 }; /* beside q */
 
 typedef struct algorithm {
     const char *name, *what;
@@ -48,7 +49,11 @@ typedef struct columns {
 void free_columns(columns *c);
 void add_inputs(columns *c, const rbd_model *m, const algorithm *a);
 void add_outputs(columns *c, const rbd_model *m, const algorithm *a);
-void add_dofs(columns *c, const rbd_model *m,
-              const char *before); /* before: "a", or "" for their bare names */
+/* Names of the degrees of freedom, with "a." before, or what else is given; "" for the bare names. */
+void add_dofs(columns *c, const rbd_model *m, const char *before);
+
+/* Marks the degree of freedom of this name, or all those of the joint of this name. Returns 0, or -1 if there
+   is none. */
+int mark_dofs(const rbd_model *m, const char *name, unsigned char *marks);
 
 #endif

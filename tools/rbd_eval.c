@@ -37,6 +37,9 @@ static const char help_columns[] =
     "  --algorithm NAME    one of these; rnea, crba and aba are id, mm and fd\n"
     "  --body LINK         that has the point of jacobian and point\n"
     "  --point X,Y,Z       in the link's axes, m (0,0,0)\n"
+    "  --given DOF         its a is given in hybrid, of all others tau; a joint's name for all of its; may "
+    "stand\n"
+    "                      several times\n"
     "  --layout            only print the names that the algorithm takes and gives\n";
 static const char help_end[] =
     "\n"
@@ -119,6 +122,7 @@ static int evaluate(csv *table, const algorithm *a, state *s, const columns *in,
     s->q = x;
     s->v = s->a = s->tau = x + rbd_nq(s->m);
     if (a->takes & TAKES_V) s->a = s->tau = s->v + nv;
+    if (a->takes & TAKES_A) s->tau = s->a + nv;
     while (status == 0 && (status = csv_read(table)) > 0) {
         rbd_status result;
         if (table->n != width)
@@ -162,7 +166,8 @@ typedef struct options {
     const char *model, *body;
     const algorithm *algorithm;
     double point[3];
-    int layout;
+    const char **given; /* ngiven */
+    int ngiven, layout;
     settings settings;
 } options;
 
@@ -174,6 +179,8 @@ static int read_own(options *o, char **argv, int *i) {
     }
     if (option_is(argv[*i], "--model")) return (o->model = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--body")) return (o->body = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (option_is(argv[*i], "--given"))
+        return (o->given[o->ngiven++] = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--point"))
         return (value = option_value(argv, i)) ? read_vector("--point", value, o->point) : EXIT_USAGE;
     if (!option_is(argv[*i], "--algorithm")) return -1;
@@ -216,19 +223,27 @@ static void print_layout(const columns *in, const columns *out) {
     for (int i = 0; i < out->n; i++) printf("gives %s\n", out->name[i]);
 }
 
+static int report_name(const char *option, const char *what, const char *name) {
+    fprintf(stderr, "%s: %s: the robot has no %s '%s'\n", program, option, what, name);
+    return EXIT_BAD;
+}
+
 /* Everything of a state but its numbers. Returns 0, or EXIT_BAD after a message. */
 static int prepare(state *s, const options *o, const rbd_model *m) {
     const size_t size = rbd_work_size(m), more = rbd_derivatives_size(m);
-    unsigned char *memory = allocate(size + more, 1);
+    unsigned char *memory = allocate(size + more + (size_t)rbd_nv(m), 1);
     s->m = m;
     s->memory = memory;
     rbd_work_init(m, memory, size, &s->w);
     rbd_derivatives_init(m, s->w, memory + size, more, &s->d);
+    s->given = memory + size + more;
     memcpy(s->point, o->point, sizeof s->point);
     s->body = o->body ? rbd_body_index(m, o->body) : -1;
-    if (!o->body || s->body >= 0) return 0;
-    fprintf(stderr, "%s: --body: the robot has no link '%s'\n", program, o->body);
-    return EXIT_BAD;
+    if (o->body && s->body < 0) return report_name("--body", "link", o->body);
+    for (int i = 0; i < o->ngiven; i++)
+        if (mark_dofs(m, o->given[i], s->given) != 0)
+            return report_name("--given", "degree of freedom", o->given[i]);
+    return 0;
 }
 
 static int run_on(const options *o, const robot *r) {
@@ -268,8 +283,10 @@ int main(int argc, char **argv) {
     options o = {0};
     int status;
     o.settings = settings_new(argc);
+    o.given = allocate((size_t)argc, sizeof *o.given);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
     settings_free(&o.settings);
+    free(o.given);
     return status;
 }

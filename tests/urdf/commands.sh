@@ -422,6 +422,20 @@ printf 'q.rail,q.hinge\n5,0\n' |
 J.vy.rail,J.vy.hinge,J.vz.rail,J.vz.hinge ] || fail "names of a Jacobian"
 [ "$(sed -n 2p out)" = 0,0,0,-1,0,0,1,2,0,0,0,0 ] || { fail "the Jacobian of a hanging pole"; cat out; }
 
+# degrees of freedom whose acceleration is given, by name or by joint
+expect 1 "rbd-eval: --given: the robot has no degree of freedom 'root.w'" \
+    "$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given root.w
+"$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --layout >layout || fail "hybrid"
+{
+    sed -n 's/^takes //p' layout | paste -sd, -
+    sed -n 's/^takes //p' layout | sed 's/.*qw/1/; t; s/.*/0/' | paste -sd, -
+} >table
+"$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given root <table >a.csv || fail "--given a joint"
+"$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given root.wx --given root.wy --given=root.wz \
+    --given root.vx --given root.vy --given root.vz <table >b.csv || fail "--given six names"
+cmp a.csv b.csv || fail "a joint's name is not all of its"
+[ "$(sed -n 2p a.csv | cut -d, -f1-6)" = 0,0,0,0,0,0 ] || fail "the given accelerations are not what was given"
+
 # names of a floating base
 "$rbd_eval" --model hyq.urdf --floating --algorithm fd --layout >layout || fail "--layout"
 [ "$(sed -n 's/^takes q.root.//p' layout | paste -sd' ' -)" = "x y z qx qy qz qw" ] || fail "coordinates of root"

@@ -63,12 +63,13 @@ static names names_taken(const char *command) {
     return taken;
 }
 
-/* The value of column i among those taken: they stand in the order of q, v, then a or tau. */
+/* The value of column i among those taken: they stand in the order of q, v, a, tau, or some of these. */
 static double value(const ref_model *model, const ref_state *s, const char *name, int i) {
     if (i < model->nq) return s->q[i];
     i -= model->nq;
     if (i < model->nv) return s->v[i];
-    return name[0] == 'a' ? s->vdot[i - model->nv] : s->tau[i - model->nv];
+    i -= model->nv;
+    return name[0] == 'a' ? s->vdot[i] : s->tau[i % model->nv];
 }
 
 /* Writes the table to a file: the columns from the last to the first, and one that nobody asked for. */
@@ -235,6 +236,22 @@ static void check_regressors(const ref_model *model, const ref_control_state *s)
     check_one(model, s, "energy_regressors", energy, tens, 2, 1e-11);
 }
 
+static void check_hybrid(const ref_model *model, const ref_control_state *s) {
+    static const char *const six[] = {".wx", ".wy", ".wz", ".vx", ".vy", ".vz"};
+    const double *const expected[] = {s->hybrid_a, s->hybrid_tau};
+    const int nv = model->nv, lengths[] = {nv, nv};
+    char algorithm[1500] = "hybrid";
+    for (int b = 0; b < model->nb; b++)
+        for (int k = 0; k < model->body_nv[b]; k++) {
+            const int floats = model->bodies[b].type == RBD_FLOATING;
+            const size_t length = strlen(algorithm);
+            if (s->hybrid_given[model->body_iv[b] + k])
+                snprintf(algorithm + length, sizeof algorithm - length, " --given %s%s",
+                         floats ? "root" : model->bodies[b].joint, floats ? six[k] : "");
+        }
+    check_one(model, s, algorithm, expected, lengths, 2, fmax(1e-11, 1e-15 * s->cond_M));
+}
+
 START_TEST(rbd_eval_gives_the_control_results) {
     const ref_control *control = find_control(robots[_i]);
     ref_model model = *control->model;
@@ -243,6 +260,7 @@ START_TEST(rbd_eval_gives_the_control_results) {
         check_matrices(&model, &control->states[k]);
         check_points(&model, &control->states[k]);
         check_regressors(&model, &control->states[k]);
+        check_hybrid(&model, &control->states[k]);
     }
 }
 END_TEST
