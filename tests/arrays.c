@@ -125,6 +125,8 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
              *by_v = numbers(nv * nv), *M = numbers(nv * nv), *A = numbers(6 * nv), *J = numbers(3 * nv),
              *x = numbers(6), *Y = numbers(nv * 10 * nb), *kinetic = numbers(10 * nb),
              *potential = numbers(10 * nb);
+    CLAIM(rbd_integrate_derivatives(m, v, (rbd_real)0.1, by_q, by_v) == RBD_OK);
+    CLAIM(rbd_difference_derivatives(m, q, q, by_q, by_v) == RBD_OK);
     CLAIM(rbd_regressor(m, d, q, v, v, Y) == RBD_OK);
     CLAIM(rbd_energy_regressors(m, d, q, v, kinetic, potential) == RBD_OK);
     CLAIM(rbd_rnea_derivatives(m, d, q, v, v, f, by_q, by_v, M) == RBD_OK);

@@ -367,9 +367,20 @@ static void check_derivatives(void) {
             judge("C v = c - g", lane, isfinite(c[i]) ? fabs(c[i]) / size : HUGE_VAL, CANCELLED);
         }
     }
-    static rbd_real Y[MAX_V * 10 * MAX_B];
+    static rbd_real Y[MAX_V * 10 * MAX_B], next[MAX_Q];
     RUN(rbd_regressor(model, d, q, v, a, Y));
     COMPARE("regressor", Y, Y, 10 * nv * reference->nb, DIRECT);
+    RUN(rbd_integrate(model, q, v, v[0], next));
+    RUN(rbd_integrate_derivatives(model, v, v[0], found, by_v));
+    RUN(rbd_difference_derivatives(model, q, next, by_v, M)); /* of which the product with found is 0 */
+    EACH_LANE for (int i = 0; i < nv * nv; i++) {
+        double sum = get(by_v[i], lane), size = 1;
+        for (int k = 0; k < nv; k++) {
+            const double x = get(M[i / nv * nv + k] * found[k * nv + i % nv], lane);
+            sum += x, size = fmax(size, fabs(x));
+        }
+        judge("difference undoes integrate", lane, isfinite(sum) ? fabs(sum) / size : HUGE_VAL, 10 * DIRECT);
+    }
     free(memory);
 }
 

@@ -67,6 +67,12 @@ static void check_control(const robot *r, const ref_control_state *s, int number
     RUN(rbd_com_jacobian(r->m, d, s->q, M));
     expect_close("com jacobian", r, number, M, s->J_com, 3 * nv, REFERENCE);
     check_regressors(r, d, s, number);
+    RUN(rbd_integrate_derivatives(r->m, s->integrate_d, 1, by_q, by_v));
+    expect_close("integrate by q", r, number, by_q, s->integrate_d_dq, nv * nv, REFERENCE);
+    expect_close("integrate by d", r, number, by_v, s->integrate_d_dd, nv * nv, REFERENCE);
+    RUN(rbd_difference_derivatives(r->m, s->q, s->difference_q1, by_q, by_v));
+    expect_close("difference by q0", r, number, by_q, s->difference_d_dq0, nv * nv, REFERENCE);
+    expect_close("difference by q1", r, number, by_v, s->difference_d_dq1, nv * nv, REFERENCE);
     free(d_memory);
 }
 
@@ -300,6 +306,70 @@ static void check_identification(const robot *r, const state *s, int number) {
 START_TEST(torques_and_energies_are_linear_in_the_parameters) { for_random_trees(100, check_identification); }
 END_TEST
 
+/* ---- steps ---- */
+
+/* A step along v of any length, and back: by the chain rule, d(q, q (+) d) = d is the same for all d and q. */
+static void check_steps(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double next_q[MAX_M], next_v[MAX_M], back_0[MAX_M], back_1[MAX_M], found[MAX_M], one[MAX_M];
+    double q1[MAX_Q];
+    const double lengths[6] = {0, 1e-9, 1e-4, 0.1, 0.45, 0.9}; /* of turns that come back */
+    for (int i = 0; i < nv * nv; i++) one[i] = i % (nv + 1) == 0;
+    for (int l = 0; l < 6; l++) {
+        const double dt = lengths[l];
+        RUN(rbd_integrate_derivatives(r->m, s->v, dt, next_q, next_v));
+        RUN(rbd_integrate(r->m, s->q, s->v, dt, q1));
+        RUN(rbd_difference_derivatives(r->m, s->q, q1, back_0, back_1));
+        for (int i = 0; i < nv; i++)
+            for (int j = 0; j < nv; j++) {
+                double v = 0, q = back_0[i * nv + j];
+                for (int k = 0; k < nv; k++) {
+                    v += back_1[i * nv + k] * next_v[k * nv + j];
+                    q += back_1[i * nv + k] * next_q[k * nv + j];
+                }
+                found[i * nv + j] = v - (i == j ? dt : 0) + one[i * nv + j];
+                expect_small("difference after integrate, by q", r, number, q, 1e-12);
+            }
+        expect_close("difference after integrate, by v", r, number, found, one, nv * nv, 1e-12);
+    }
+}
+
+START_TEST(steps_come_back) { for_random_trees(40, check_steps); }
+END_TEST
+
+/* Columns of both against differences. */
+static void check_step_columns(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    const double h = 0.02, weight[4] = {4. / 5, -1. / 5, 4. / 105, -1. / 280};
+    static double by_q[MAX_M], by_v[MAX_M], expected_q[MAX_M], expected_v[MAX_M];
+    double q1[MAX_Q], moved[MAX_Q], v[MAX_V], step[MAX_V] = {0}, d[MAX_V];
+    RUN(rbd_integrate_derivatives(r->m, s->v, 0.3, by_q, by_v));
+    RUN(rbd_integrate(r->m, s->q, s->v, 0.3, q1));
+    memset(expected_q, 0, sizeof expected_q);
+    memset(expected_v, 0, sizeof expected_v);
+    for (int k = 0; k < nv; k++)
+        for (int j = -4; j <= 4; j++) {
+            if (j == 0) continue;
+            const double factor = (j > 0 ? 1 : -1) * weight[abs(j) - 1] / h;
+            step[k] = 1;
+            RUN(rbd_integrate(r->m, s->q, step, j * h, moved));
+            step[k] = 0;
+            RUN(rbd_integrate(r->m, moved, s->v, 0.3, moved));
+            RUN(rbd_difference(r->m, q1, moved, d));
+            for (int i = 0; i < nv; i++) expected_q[i * nv + k] += factor * d[i];
+            memcpy(v, s->v, sizeof v);
+            v[k] += j * h;
+            RUN(rbd_integrate(r->m, s->q, v, 0.3, moved));
+            RUN(rbd_difference(r->m, q1, moved, d));
+            for (int i = 0; i < nv; i++) expected_v[i * nv + k] += factor * d[i];
+        }
+    expect_close("integrate by q, differences", r, number, by_q, expected_q, nv * nv, BY_ONE);
+    expect_close("integrate by v, differences", r, number, by_v, expected_v, nv * nv, BY_ONE);
+}
+
+START_TEST(step_derivatives_match_differences) { for_random_trees(40, check_step_columns); }
+END_TEST
+
 /* ---- inertial parameters ---- */
 
 START_TEST(parameters_and_back) {
@@ -455,6 +525,13 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_ERR_NULL, rbd_regressor(NULL, d, q, v, v, x));
     EXPECT(RBD_ERR_NULL, rbd_energy_regressors(r.m, d, none, v, x, x));
     EXPECT(RBD_ERR_NULL, rbd_energy_regressors(r.m, d, q, none, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_integrate_derivatives(NULL, v, 1, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_integrate_derivatives(r.m, none, 1, x, x));
+    EXPECT(RBD_OK, rbd_integrate_derivatives(r.m, v, 1, NULL, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_difference_derivatives(NULL, q, q, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_difference_derivatives(r.m, none, q, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_difference_derivatives(r.m, q, none, x, x));
+    EXPECT(RBD_OK, rbd_difference_derivatives(r.m, q, q, NULL, NULL));
     EXPECT(RBD_ERR_NULL, rbd_body_parameters(NULL, 0, x));
     EXPECT(RBD_ERR_NULL, rbd_body_parameters(r.m, 0, none));
     EXPECT(RBD_ERR_INDEX, rbd_body_parameters(r.m, -1, x));
@@ -506,6 +583,8 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, coriolis_matrix_is_one);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
     tcase_add_test(c, torques_and_energies_are_linear_in_the_parameters);
+    tcase_add_test(c, steps_come_back);
+    tcase_add_test(c, step_derivatives_match_differences);
     tcase_add_test(c, parameters_and_back);
     tcase_add_test(c, what_no_body_can_have_is_refused);
     tcase_add_test(c, place_of_a_floating_base_does_not_matter);

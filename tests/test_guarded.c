@@ -216,6 +216,11 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
          6 * nv);
     BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, other, plain), h, 6);
     BOTH(rbd_com_jacobian(f->m, d, q, J), rbd_com_jacobian(r->m, e, q, plain), J, 3 * nv);
+    const double *next = inputs(s->q, r->nq);
+    BOTH(rbd_integrate_derivatives(f->m, v, 0.1, x, y), rbd_integrate_derivatives(r->m, v, 0.1, plain, other),
+         x, nv * nv);
+    BOTH(rbd_difference_derivatives(f->m, q, next, x, y),
+         rbd_difference_derivatives(r->m, q, next, other, plain), y, nv * nv);
     double *Y = numbers(nv * 10 * r->nb), *kinetic = numbers(10 * r->nb), *potential = numbers(10 * r->nb);
     static double same[MAX_V * 10 * MAX_BODIES];
     RUN(rbd_regressor(f->m, d, q, v, a, Y));
