@@ -15,12 +15,12 @@
        rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
-     [memory] [momentum] [coriolis] [inverse dynamics] [identification]
+     [memory] [momentum] [coriolis] [inverse dynamics] [forward dynamics] [identification]
      [steps]
      --- stop here if you only use it ---
      [layout]
      [common frame] [entries] [memory code] [momentum code] [coriolis code] [inverse dynamics code]
-     [identification code] [steps code]
+     [forward dynamics code] [identification code] [steps code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
@@ -85,6 +85,7 @@
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
 #define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
 #define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+#define rbd_fd_derivatives RBDI_SYMBOL(rbd_fd_derivatives)
 #define rbd_regressor RBDI_SYMBOL(rbd_regressor)
 #define rbd_integrate_derivatives RBDI_SYMBOL(rbd_integrate_derivatives)
 #define rbd_difference_derivatives RBDI_SYMBOL(rbd_difference_derivatives)
@@ -156,6 +157,18 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
 /* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            rbd_real *dg_dq);
+
+/* ---- derivatives of forward dynamics [forward dynamics] ---- */
+
+#ifndef RBDI_NO_FD_CHOLESKY
+/* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
+   da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx = -M^-1
+   dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be tau. Also
+   RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
+RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
+#endif
 
 /* ---- regressors and inertial parameters [identification] ----
    The ten parameters pi of a body: m, m c (3), and xx xy xz yy yz zz of the inertia about the link's origin,
@@ -237,6 +250,7 @@ struct rbd_derivatives {
     int n, batches, runs;  /* dofs, those of mimic joints too */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
+    rbd_real *a;       /* n: acceleration of forward dynamics */
     rbdi_entry *entry; /* n */
     rbdi_run *run;     /* runs */
     int16_t *origin;   /* nl: the root link whose tree has its origin in this link, else -1 */
@@ -255,7 +269,8 @@ struct rbd_derivatives {
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
      (size_t)(padded) * (RBDI_COLUMN * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
-     (size_t)(n) * sizeof(rbdi_entry) + (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)))
+     (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
+     (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
    (compile-time bounds; rbd_derivatives_size is exact, and less). */
@@ -1084,6 +1099,7 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->batches = (d->n + RBDI_BATCH - 1) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
+    d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
@@ -1242,6 +1258,36 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     rbdi_put_entries(m, d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
+
+/* ---- derivatives of forward dynamics [forward dynamics code] ---- */
+
+#ifndef RBDI_NO_FD_CHOLESKY
+/* X = -M^-1 X for X nv x nv, 0 in the lanes of a singular system. */
+RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, rbd_status status, rbd_real *X) {
+    if (!X) return;
+    rbd_cholesky_solve_many(m, w, w->H, m->nv, X, X);
+    for (int k = 0; k < m->nv * m->nv; ++k) X[k] = -X[k];
+    if (status) (void)rbdi_verdict(m, w, X, m->nv * m->nv);
+}
+
+RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
+    rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
+    if (status) return status;
+    status = rbd_fd_cholesky(m, d->work, q, v, tau, f_ext, d->a);
+    for (int k = 0; a && k < m->nv; ++k) a[k] = d->a[k];
+    if (da_dq || da_dv) {
+        rbdi_common(m, d, q, v, d->a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_Q);
+        rbdi_put_entries(m, d, da_dq, da_dv, NULL);
+    }
+    rbdi_solve_columns(m, d->work, status, da_dq);
+    rbdi_solve_columns(m, d->work, status, da_dv);
+    if (Minv) rbdi_inverse(m, d->work->H, Minv);
+    if (Minv && status) (void)rbdi_verdict(m, d->work, Minv, m->nv * m->nv);
+    return status;
+}
+#endif
 
 /* ---- regressors and inertial parameters [identification code] ---- */
 

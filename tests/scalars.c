@@ -355,6 +355,10 @@ static void check_derivatives(void) {
     COMPARE("dtau/dq", found, dtau_dq, nv * nv, DIRECT);
     COMPARE("dtau/dv", by_v, dtau_dv, nv * nv, CANCELLED);
     COMPARE("M of the derivatives", M, M, nv * nv, DIRECT);
+    RUN(rbd_fd_derivatives(model, d, q, v, tau, NULL, NULL, found, by_v, M));
+    COMPARE("da/dq", found, dqdd_dq, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
+    COMPARE("da/dv", by_v, dqdd_dv, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
+    COMPARE("da/dtau", M, Minv, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
     RUN(rbd_momentum_matrix(model, d, q, NULL, found, NULL));
     COMPARE("momentum matrix", found, A_h, 6 * nv, DIRECT);
     RUN(rbd_coriolis(model, d, q, v, M));

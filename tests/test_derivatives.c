@@ -92,6 +92,39 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
 START_TEST(derivatives_match_the_reference) { for_reference_states(check_reference); }
 END_TEST
 
+static void expect_forward(const robot *r, const double *q, const double *v, const double *tau,
+                           const double *f_ext, int number, const double *const expected[4],
+                           double condition) {
+    const char *const what[4] = {"a", "da/dq", "da/dv", "da/dtau"};
+    static double x[4][MAX_M];
+    rbd_derivatives *d = derivatives_of(r);
+    memset(x, 0xff, sizeof x); /* as double: NaN */
+    RUN(rbd_fd_derivatives(r->m, d, q, v, tau, f_ext, x[0], x[1], x[2], x[3]));
+    for (int k = 0; k < 4; k++)
+        expect_close(what[k], r, number, x[k], expected[k], k == 0 ? r->nv : r->nv * r->nv,
+                     inverse_bound(condition));
+    free(d_memory);
+}
+
+static void check_forward_control(const robot *r, const ref_control_state *s, int number) {
+    const double *const plain[4] = {s->qdd, s->dqdd_dq, s->dqdd_dv, s->Minv};
+    const double *const pushed[4] = {s->qdd_ext, s->dqdd_dq_ext, s->dqdd_dv_ext, s->Minv};
+    expect_forward(r, s->q, s->v, s->tau, NULL, number, plain, s->cond_M);
+    expect_forward(r, s->q, s->v, s->tau, s->f_ext, number, pushed, s->cond_M);
+}
+
+START_TEST(forward_derivatives_match_the_control_data) { for_control_states(check_forward_control); }
+END_TEST
+
+static void check_forward_reference(const robot *r, const ref_model *model, const ref_state *s, int number) {
+    const double *const expected[4] = {s->qdd, s->dqdd_dq, s->dqdd_dv, s->Minv};
+    (void)model;
+    expect_forward(r, s->q, s->v, s->tau, NULL, number, expected, s->cond_M);
+}
+
+START_TEST(forward_derivatives_match_the_reference) { for_reference_states(check_forward_reference); }
+END_TEST
+
 /* ---- on random trees of every joint type, with mimic joints, rotors and several roots ---- */
 
 /* d/dt at 0 of a function of the configuration q moved by t step: differences of order 8. */
@@ -163,6 +196,50 @@ static void check_derivatives(const robot *r, const state *s, int number) {
 }
 
 START_TEST(derivatives_match_differences_on_random_trees) { for_random_trees(150, check_derivatives); }
+END_TEST
+
+/* M da/dx = -dtau/dx at the a of aba; each alone gives what it gives with the others, and a may be tau. Where the
+   system is singular, all is zero. */
+static void check_forward(const robot *r, const state *s, int number) {
+    const int nv = r->nv;
+    static double x[3][MAX_M], by[2][MAX_M], product[MAX_M], M[MAX_M], alone[MAX_M];
+    double a[MAX_V], own[MAX_V], aba[MAX_V];
+    tb_real expected[TB_MAX_DOFS];
+    rbd_derivatives *d = derivatives_of(r);
+    const tb_real condition =
+        tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
+    const int regular = condition > 0 && condition < 1e10L;
+    memcpy(own, s->tau, sizeof own);
+    const rbd_status status = rbd_fd_derivatives(r->m, d, s->q, s->v, s->tau, s->f_ext, a, x[0], x[1], x[2]);
+    ck_assert(status == RBD_OK || (status == RBD_ERR_SINGULAR && !regular));
+    for (int k = 0; k < 3; k++) {
+        double *const to[3] = {k == 0 ? alone : NULL, k == 1 ? alone : NULL, k == 2 ? alone : NULL};
+        ck_assert_int_eq(rbd_fd_derivatives(r->m, d, s->q, s->v, s->tau, s->f_ext, NULL, to[0], to[1], to[2]),
+                         status);
+        expect_close("fd_derivatives, one of them", r, number, alone, x[k], nv * nv, 0);
+        if (status) ck_assert_msg(largest(x[k], nv * nv) == 0, "%s: not zero", r->name);
+    }
+    ck_assert_int_eq(rbd_fd_derivatives(r->m, d, s->q, s->v, own, s->f_ext, own, NULL, NULL, NULL), status);
+    expect_close("fd_derivatives, a = tau", r, number, own, a, nv, 0);
+    if (regular) {
+        const double bound = inverse_bound((double)condition);
+        RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, aba));
+        expect_close("a of the derivatives", r, number, a, aba, nv, bound);
+        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, a, s->f_ext, by[0], by[1], M));
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; j < nv * nv; j++) {
+                product[j] = 0;
+                for (int i = 0; i < nv; i++) product[j] -= M[j / nv * nv + i] * x[k][i * nv + j % nv];
+            }
+            expect_close("-M da/dx = dtau/dx", r, number, product, by[k], nv * nv, bound);
+        }
+        RUN(rbd_minverse(r->m, r->w, s->q, product));
+        expect_close("da/dtau = M^-1", r, number, x[2], product, nv * nv, bound);
+    }
+    free(d_memory);
+}
+
+START_TEST(forward_derivatives_on_random_trees) { for_random_trees(150, check_forward); }
 END_TEST
 
 static void check_gravity(const robot *r, const state *s, int number) {
@@ -512,6 +589,13 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_OK, rbd_rnea_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL));
     EXPECT(RBD_ERR_WORK, rbd_rnea_derivatives(o.m, d, q, v, v, NULL, x, x, NULL));
     EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(NULL, d, q, v, v, NULL, x, x, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, NULL, q, v, v, NULL, x, x, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, d, none, v, v, NULL, x, x, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, d, q, none, v, NULL, x, x, x, x));
+    EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, d, q, v, none, NULL, x, x, x, x));
+    EXPECT(RBD_ERR_WORK, rbd_fd_derivatives(o.m, d, q, v, v, NULL, x, x, x, x));
+    EXPECT(RBD_OK, rbd_fd_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL, NULL));
     EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, q, none));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, none, v, x, NULL));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, none, x, x));
@@ -579,6 +663,9 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, results_match_the_control_data);
     tcase_add_test(c, derivatives_match_the_reference);
     tcase_add_test(c, derivatives_match_differences_on_random_trees);
+    tcase_add_test(c, forward_derivatives_match_the_control_data);
+    tcase_add_test(c, forward_derivatives_match_the_reference);
+    tcase_add_test(c, forward_derivatives_on_random_trees);
     tcase_add_test(c, gravity_derivatives_match_differences);
     tcase_add_test(c, coriolis_matrix_is_one);
     tcase_add_test(c, momentum_is_that_of_the_bodies);

@@ -211,6 +211,8 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
     BOTH(rbd_rnea_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
          rbd_rnea_derivatives(r->m, e, q, v, a, f_ext, other, plain, NULL), y, nv * nv);
     BOTH(rbd_gravity_derivatives(f->m, d, q, x), rbd_gravity_derivatives(r->m, e, q, plain), x, nv * nv);
+    BOTH(rbd_fd_derivatives(f->m, d, q, v, v, f_ext, numbers(nv), x, y, M),
+         rbd_fd_derivatives(r->m, e, q, v, v, f_ext, NULL, plain, NULL, NULL), x, nv * nv);
     BOTH(rbd_coriolis(f->m, d, q, v, x), rbd_coriolis(r->m, e, q, v, plain), x, nv * nv);
     BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, plain, other), A,
          6 * nv);
