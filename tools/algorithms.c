@@ -73,6 +73,10 @@ static rbd_status run_gravity_derivatives(const state *s, double *out) {
     return rbd_gravity_derivatives(s->m, s->d, s->q, out);
 }
 
+static rbd_status run_integrate_derivatives(const state *s, double *out) {
+    return rbd_integrate_derivatives(s->m, s->v, 1, out, out + rbd_nv(s->m) * rbd_nv(s->m));
+}
+
 static rbd_status run_regressor(const state *s, double *out) {
     return rbd_regressor(s->m, s->d, s->q, s->v, s->a, out);
 }
@@ -113,6 +117,8 @@ static const algorithm algorithms[] = {
     {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A,
      {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
     {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
+    {"integrate_derivatives", "of the step v from q", TAKES_V,
+     {{"dnext_dq", DOFS, DOFS}, {"dnext_dv", DOFS, DOFS}}, run_integrate_derivatives},
     {"regressor", "of inverse dynamics", TAKES_V | TAKES_A, {{"Y", DOFS, PARAMETERS}}, run_regressor},
     {"energy_regressors", "of both energies", TAKES_V,
      {{"Y_kinetic", ONE, PARAMETERS}, {"Y_potential", ONE, PARAMETERS}}, run_energy_regressors},
@@ -132,13 +138,13 @@ const algorithm *find_algorithm(const char *name) {
 void print_algorithms(void) {
     static const char *const parts[] = {"",     ".XYZ",      ".ROW",
                                         ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ..."};
-    printf("  %-19s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
+    printf("  %-21s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
         char takes[20];
         snprintf(takes, sizeof takes, "q%s%s%s", a->takes & TAKES_V ? " v" : "",
                  a->takes & TAKES_A ? " a" : "", a->takes & TAKES_TAU ? " tau" : "");
-        printf("  %-19s  %-27s  %-9s ", a->name, a->what, takes);
+        printf("  %-21s  %-27s  %-9s ", a->name, a->what, takes);
         for (const output *o = a->gives; o->name; o++)
             printf("%s%s%s%s", o == a->gives ? " " : ", ", o->name, parts[o->rows], parts[o->columns]);
         printf("\n");

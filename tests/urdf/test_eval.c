@@ -229,6 +229,14 @@ static void check_points(const ref_model *model, const ref_control_state *s) {
     }
 }
 
+static void check_steps(const ref_model *model, const ref_control_state *s) {
+    const double *const expected[] = {s->integrate_d_dq, s->integrate_d_dd};
+    const int square = model->nv * model->nv, lengths[] = {square, square};
+    ref_control_state step = *s;
+    step.v = s->integrate_d;
+    check_one(model, &step, "integrate_derivatives", expected, lengths, 2, 1e-11);
+}
+
 static void check_regressors(const ref_model *model, const ref_control_state *s) {
     const double *const torque[] = {s->Y}, *const energy[] = {s->Y_kinetic, s->Y_potential};
     const int nb = model->nb, lengths[] = {10 * model->nv * nb}, tens[] = {10 * nb, 10 * nb};
@@ -260,6 +268,7 @@ START_TEST(rbd_eval_gives_the_control_results) {
         check_matrices(&model, &control->states[k]);
         check_points(&model, &control->states[k]);
         check_regressors(&model, &control->states[k]);
+        check_steps(&model, &control->states[k]);
         check_hybrid(&model, &control->states[k]);
     }
 }
