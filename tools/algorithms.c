@@ -69,6 +69,11 @@ static rbd_status run_id_derivatives(const state *s, double *out) {
     const int nv = rbd_nv(s->m);
     return rbd_rnea_derivatives(s->m, s->d, s->q, s->v, s->a, NULL, out, out + nv * nv, NULL);
 }
+static rbd_status run_fd_derivatives(const state *s, double *out) {
+    const int square = rbd_nv(s->m) * rbd_nv(s->m);
+    return rbd_fd_derivatives(s->m, s->d, s->q, s->v, s->tau, NULL, NULL, out, out + square,
+                              out + 2 * square);
+}
 static rbd_status run_gravity_derivatives(const state *s, double *out) {
     return rbd_gravity_derivatives(s->m, s->d, s->q, out);
 }
@@ -116,6 +121,8 @@ static const algorithm algorithms[] = {
     {"momentum_matrix", "centroidal", 0, {{"A", SIX, DOFS}}, run_momentum_matrix},
     {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A,
      {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
+    {"fd_derivatives", "of forward dynamics", TAKES_V | TAKES_TAU,
+     {{"da_dq", DOFS, DOFS}, {"da_dv", DOFS, DOFS}, {"Minv", DOFS, DOFS}}, run_fd_derivatives},
     {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
     {"integrate_derivatives", "of the step v from q", TAKES_V,
      {{"dnext_dq", DOFS, DOFS}, {"dnext_dv", DOFS, DOFS}}, run_integrate_derivatives},

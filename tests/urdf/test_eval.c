@@ -198,17 +198,21 @@ static void check_matrices(const ref_model *model, const ref_control_state *s) {
     const int nv = model->nv, square = nv * nv;
     const struct {
         const char *algorithm;
-        const double *expected[2];
-        int lengths[2], inverse;
+        const double *expected[3];
+        int lengths[3], inverse;
     } rows[] = {{"minv", {s->Minv}, {square}, 1},
                 {"coriolis", {s->C}, {square}, 0},
                 {"com_jacobian", {s->J_com}, {3 * nv}, 0},
                 {"momentum", {s->h, s->h_dot}, {6, 6}, 0},
                 {"momentum_matrix", {s->A_h}, {6 * nv}, 0},
-                {"id_derivatives", {s->dtau_dq, s->dtau_dv}, {square, square}, 0}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        check_one(model, s, rows[i].algorithm, rows[i].expected, rows[i].lengths, rows[i].expected[1] ? 2 : 1,
+                {"id_derivatives", {s->dtau_dq, s->dtau_dv}, {square, square}, 0},
+                {"fd_derivatives", {s->dqdd_dq, s->dqdd_dv, s->Minv}, {square, square, square}, 1}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        int count = 0;
+        while (count < 3 && rows[i].expected[count]) count++;
+        check_one(model, s, rows[i].algorithm, rows[i].expected, rows[i].lengths, count,
                   rows[i].inverse ? fmax(1e-11, 1e-15 * s->cond_M) : 1e-11);
+    }
 }
 
 static void check_points(const ref_model *model, const ref_control_state *s) {
