@@ -258,13 +258,7 @@ struct rbd_constraints {
    the others: else the set is infeasible. lambda of least norm: projected across the null vectors ([least
    norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
 
-#if RBDI_GCC
-#pragma GCC push_options
-#ifdef __OPTIMIZE__
-#pragma GCC optimize( \
-    "no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
-#endif
-#endif
+RBDI_CODE_BEGIN
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY || defined RBD_NO_KINEMATICS || \
     defined RBD_NO_MANIFOLD
@@ -918,9 +912,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     return RBD_OK;
 }
 
-#if RBDI_GCC
-#pragma GCC pop_options
-#endif
+RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 

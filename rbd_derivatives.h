@@ -285,13 +285,7 @@ RBDI_EXTERN_C_END
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
-#if RBDI_GCC /* as rbd.h's [compiler] */
-#pragma GCC push_options
-#ifdef __OPTIMIZE__
-#pragma GCC optimize( \
-    "no-tree-slp-vectorize,no-tree-vectorize,no-tree-loop-distribute-patterns,fp-contract=fast")
-#endif
-#endif
+RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_NINE _Pragma("GCC unroll 9")
 #else
@@ -1603,9 +1597,7 @@ RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real
 }
 #endif
 
-#if RBDI_GCC
-#pragma GCC pop_options
-#endif
+RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
