@@ -2563,15 +2563,9 @@ RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, c
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
 
-/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
-RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
-                         const rbd_real *f_ext, rbd_real *tau) {
-    const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_state s = world;
+/* Torques from the wrenches that move the links. */
+RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
-    rbdi_external(m, w, f_ext);
     RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
@@ -2586,6 +2580,17 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
         else
             w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
     }
+}
+
+/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
+RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
+                         const rbd_real *f_ext, rbd_real *tau) {
+    const rbdi_state world = rbdi_world_state(w->gravity);
+    rbdi_state s = world;
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, a, tau);
 }
 
 #ifndef RBD_NO_RNEA

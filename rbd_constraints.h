@@ -20,7 +20,8 @@
      [description] [set] [calls]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [call code] [set code]
+     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [call code] [weights] [assembly]
+     [set code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1 are
@@ -93,6 +94,8 @@ extern "C" {
 #define rbd_constraint_jacobian RBDI_SYMBOL(rbd_constraint_jacobian)
 #define rbd_constrained_fd RBDI_SYMBOL(rbd_constrained_fd)
 #define rbd_impact RBDI_SYMBOL(rbd_impact)
+#define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
+#define rbd_assemble RBDI_SYMBOL(rbd_assemble)
 
 /* ---- description [description] ---- */
 
@@ -160,8 +163,8 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. All of them call rbd_kinematics, with the acceleration zero: its results before
-   are gone. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
+   an input of the same shape. What rbd_kinematics left in the work is
+   gone after each of them. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
@@ -185,6 +188,30 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
+/* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have motors. Of
+   all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight lambda^2; if there
+   is none, the one that comes nearest (least squares): tau has there what is missing. lambda must be checked by
+   the caller: a foot may be asked to pull.
+   a          nv, wanted; that J a + gamma = 0 is the caller's care
+   actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
+   weight     rows, above 0; NULL: 1
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
+RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
+                                      rbd_real *lambda);
+
+/* Closes loops, or puts feet in their places: q_near with e = 0 nearest to q, in the sum of weight d^2, d =
+   rbd_difference(q, q_near); and v_near with J v_near = 0 there nearest to v. By Newton's method, from q: far from
+   any solution it may find none, or one that is not the nearest.
+   q_near   another array than q
+   v        may be NULL, v_near then too
+   weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if e does not vanish, in the row
+   rbd_infeasible_row most. */
+RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
@@ -202,36 +229,44 @@ typedef struct rbdi_constraint {
     int16_t axis[6];   /* of each row: 0 .. 5 */
 } rbdi_constraint;
 
-/* The rows that a dof may have entries in: whole batches from row first on; what lies beside them is zero. */
+/* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
 typedef struct rbdi_span {
-    int16_t first, n;
+    int16_t first, end, n;
 } rbdi_span;
 
 struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
-    int n, rows, stride;         /* stride: of the rows, padded to batches */
+    int n, rows, stride, height; /* stride: of rows, padded; height: of paths to the root, padded */
     int infeasible;              /* row, -1 = none */
     rbdi_constraint *constraint; /* n */
     rbdi_span *span;             /* nv */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
     rbd_real *D;             /* rows x stride: J M^-1 J', then its factor; above the diagonal null vectors */
+    rbd_real *H;             /* nv x height: rows of M, then L and 1/D */
     rbd_real *x;             /* nv */
     rbd_real *b, *lambda;    /* stride each: right-hand side, solution */
     rbd_real *u, *gamma, *e; /* rows each: J v, gamma, position error */
     rbd_real *target;        /* rows: wanted J a */
     rbd_real *inverse;       /* rows: of the pivots, 0 where a row depends on those behind it */
     rbd_real *diagonal;      /* rows: of J M^-1 J' */
+    rbdi_v3 world;           /* acceleration of the world */
 };
 
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, height) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + \
-     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 1) + (size_t)(rows) * ((size_t)(stride) + 6) + \
-                         2 * (size_t)(stride)))
+     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + (size_t)(height) + 1) + \
+                         (size_t)(rows) * ((size_t)(stride) + 6) + 2 * (size_t)(stride)))
+#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
+#define RBDI_ROW_SURPLUS 0
+#else
+#define RBDI_ROW_SURPLUS (RBDI_CHUNK - 1) /* paths are padded to whole batches, rows twice */
+#endif
 
 /* Bytes that suffice for any set that holds this many axes. */
-#define RBD_CONSTRAINTS_SIZE(nv, rows) RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_CHUNK)
+#define RBD_CONSTRAINTS_SIZE(nv, rows) \
+    RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + 2 * RBDI_ROW_SURPLUS, (nv) + RBDI_ROW_SURPLUS)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
@@ -276,13 +311,28 @@ RBD_NO_MANIFOLD undefined"
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_RANK 1e-12
 #define RBDI_FEASIBLE 1e-6
+#define RBDI_SHORT_STEP 1e-12
+#define RBDI_CLOSED 1e-9
+
 #elif RBDI_KIND(RBD_CONST) == 2
 #define RBDI_RANK 1e-5f
 #define RBDI_FEASIBLE 1e-2f
+#define RBDI_SHORT_STEP 1e-5f
+#define RBDI_CLOSED 1e-4f
+
 #else
 #define RBDI_RANK RBD_C(1e-26)
 #define RBDI_FEASIBLE RBD_C(1e-12)
+#define RBDI_SHORT_STEP RBD_C(1e-24)
+#define RBDI_CLOSED RBD_C(1e-12)
+
 #endif
+
+/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be below
+   RBDI_CLOSED. */
+#define RBDI_LONGEST_STEP RBD_C(0.5)
+#define RBDI_NEARING_STEPS 100
+#define RBDI_CLOSING_STEPS 3
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -292,18 +342,20 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-static rbdi_station rbdi_station_of(const rbd_work *w, const rbdi_constraint *c, int side) {
-    const rbdi_v3 x = rbdi_vec_c(c->p[side]);
-    const rbdi_mat R = rbdi_mat_c(c->R[side]);
+/* The world accelerates upward by -gravity if the links do. */
+RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_constraint *on, int side) {
+    const rbdi_v3 x = rbdi_vec_c(on->p[side]);
+    const rbdi_mat R = rbdi_mat_c(on->R[side]);
     const rbdi_kin *k;
     rbdi_station s;
-    if (c->link[side] < 0) {
+    if (on->link[side] < 0) {
         s.R = R;
         s.p = x;
-        s.omega = s.v = s.omega_dot = s.acc = rbdi_vec0();
+        s.omega = s.v = s.omega_dot = rbdi_vec0();
+        s.acc = c->world;
         return s;
     }
-    k = &w->kin[c->link[side]];
+    k = &c->w->kin[on->link[side]];
     s.R = rbdi_mul_mat(k->R, R);
     s.p = rbdi_add(k->p, rbdi_mul(k->R, x));
     s.omega = rbdi_mul(k->R, k->state.omega);
@@ -347,25 +399,32 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
 }
 
 /* The components of (angular; linear) that a constraint holds, world axes to those of frame 2. */
-static void rbdi_held(const rbdi_constraint *k, rbdi_mat axes, rbdi_v3 angular, rbdi_v3 linear,
-                      rbd_real *out) {
+RBDI_INLINE void rbdi_held(const rbdi_constraint *k, rbdi_mat axes, rbdi_v3 angular, rbdi_v3 linear,
+                           rbd_real *out) {
     rbd_real all[6];
     rbdi_store(rbdi_mul_t(axes, angular), all);
     rbdi_store(rbdi_mul_t(axes, linear), all + 3);
     for (int r = 0; r < k->rows; ++r) out[r] = all[k->axis[r]];
 }
 
-/* J v, gamma and, if wanted, e of a constraint. */
-static void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k, const rbdi_station *one,
-                                   const rbdi_station *two, int error) {
-    const rbdi_v3 s = rbdi_sub(one->p, two->p), w2 = two->omega, spin = rbdi_sub(one->omega, w2);
-    const rbdi_v3 u = rbdi_sub(rbdi_sub(one->v, two->v), rbdi_cross(w2, s));
-    rbdi_v3 a = rbdi_add(two->acc, rbdi_cross(two->omega_dot, s));
-    a = rbdi_add(a, rbdi_cross(w2, rbdi_add(rbdi_cross(w2, s), rbdi_add(u, u))));
-    rbdi_held(k, two->R, spin, u, &c->u[k->row]);
-    rbdi_held(k, two->R, rbdi_sub(rbdi_sub(one->omega_dot, two->omega_dot), rbdi_cross(w2, spin)),
-              rbdi_sub(one->acc, a), &c->gamma[k->row]);
-    if (error) {
+enum { RBDI_WANT_V = 1, RBDI_WANT_E = 2 }; /* J v, e */
+
+/* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
+RBDI_INLINE void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k, const rbdi_station *one,
+                                        const rbdi_station *two, int want) {
+    const rbdi_v3 s = rbdi_sub(one->p, two->p), w2 = two->omega;
+    rbdi_v3 u = one->v, spin = one->omega, a = rbdi_sub(one->acc, two->acc), alpha = one->omega_dot;
+    if (k->link[1] >= 0) {
+        const rbdi_v3 ws = rbdi_cross(w2, s);
+        u = rbdi_sub(rbdi_sub(u, two->v), ws);
+        spin = rbdi_sub(spin, w2);
+        alpha = rbdi_sub(rbdi_sub(alpha, two->omega_dot), rbdi_cross(w2, spin));
+        a = rbdi_sub(a, rbdi_cross(two->omega_dot, s));
+        a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
+    }
+    rbdi_held(k, two->R, alpha, a, &c->gamma[k->row]);
+    if (want & RBDI_WANT_V) rbdi_held(k, two->R, spin, u, &c->u[k->row]);
+    if (want & RBDI_WANT_E) {
         rbdi_v3 turn = rbdi_vec0();
         if (k->angular) turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(two->R), one->R));
         rbdi_held(k, two->R, rbdi_mul(two->R, turn), s, &c->e[k->row]);
@@ -374,34 +433,60 @@ static void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k,
 
 /* ---- rows [rows] ---- */
 
+#define RBDI_SIX_ROWS (RBDI_BATCH > 8 ? RBDI_BATCH : 8) /* the rows of a constraint, padded to batches */
+
+/* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear ones. */
+typedef struct rbdi_axes_held {
+    rbd_real x[6][RBDI_SIX_ROWS];
+} rbdi_axes_held;
+
+RBDI_INLINE void rbdi_set_axes(const rbdi_constraint *k, rbdi_mat R, rbdi_axes_held *h) {
+    const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy),
+                             rbdi_vec(R.xz, R.yz, R.zz)};
+    for (int i = 0; i < 6; ++i) rbdi_clear(h->x[i], RBDI_SIX_ROWS);
+    for (int r = 0; r < k->rows; ++r) {
+        const rbdi_v3 e = axis[k->axis[r] % 3];
+        const int first = k->axis[r] < 3 ? 0 : 3;
+        h->x[first][r] = e.x, h->x[first + 1][r] = e.y, h->x[first + 2][r] = e.z;
+    }
+}
+
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
-static void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                   rbdi_mat axes, int dof, int sign, rbdi_v3 angular, rbdi_v3 linear) {
-    const rbd_real ratio = sign > 0 ? rbdi_ratio(m, dof) : -rbdi_ratio(m, dof);
-    rbd_real *y = &c->Y[rbdi_source(m, dof) * c->stride + k->row], held[6];
-    rbdi_held(k, axes, angular, linear, held);
-    for (int r = 0; r < k->rows; ++r) y[r] = y[r] + held[r] * ratio;
+RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
+                                        rbdi_v3 linear) {
+    rbd_real *y = &c->Y[rbdi_source(m, dof) * c->stride + k->row];
+    if (sign < 0 || dof >= m->nv) {
+        const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
+        angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
+    }
+    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
+        rbdi_batch sum = *(const rbdi_batch *)&y[r];
+        sum = sum + *(const rbdi_batch *)&h->x[3][r] * linear.x +
+              *(const rbdi_batch *)&h->x[4][r] * linear.y + *(const rbdi_batch *)&h->x[5][r] * linear.z;
+        if (k->angular)
+            sum = sum + *(const rbdi_batch *)&h->x[0][r] * angular.x +
+                  *(const rbdi_batch *)&h->x[1][r] * angular.y + *(const rbdi_batch *)&h->x[2][r] * angular.z;
+        *(rbdi_batch *)&y[r] = sum;
+    }
 }
 
 /* The columns of the dofs of a link that carries the point p. */
-static void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                 rbdi_mat axes, rbdi_v3 p, int link, int sign) {
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                      const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_mat R = c->w->kin[link].R;
-    const rbdi_v3 arm = rbdi_sub(p, c->w->kin[link].p);
-    const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy),
-                             rbdi_vec(R.xz, R.yz, R.zz)};
-    if (l->kind != RBDI_BLOCK) {
-        const rbdi_v3 angular = rbdi_scale(rbdi_set(l->rho), axis[2]);
-        const rbdi_v3 slide = rbdi_scale(rbdi_set(l->kappa), axis[2]);
-        rbdi_constraint_column(m, c, k, axes, l->iv, sign, angular,
-                               rbdi_add(slide, rbdi_cross(angular, arm)));
-        return;
-    }
-    for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s) {
-        const rbdi_v3 turn = s < 3 ? axis[s] : rbdi_vec0();
-        rbdi_constraint_column(m, c, k, axes, l->iv + j, sign, turn,
-                               s < 3 ? rbdi_cross(turn, arm) : axis[s - 3]);
+    const rbdi_v3 arm = rbdi_sub(p, c->w->kin[link].p), z = rbdi_vec(R.xz, R.yz, R.zz), o = rbdi_vec0();
+    if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
+        rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
+    } else if (l->kind == RBDI_SCREW) {
+        const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
+        rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
+    } else {
+        const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy), z};
+        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s)
+            rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
+                                   s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
     }
 }
 
@@ -411,54 +496,108 @@ static void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const r
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Y = J', with J v, gamma and e (where there is a kp, or all). */
-static rbd_status rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                       const rbd_real *v, int errors) {
-    const rbd_status status = rbd_kinematics(m, c->w, q, v, NULL);
-    if (status) return status;
+/* Motion of all links at a = 0, into the work, where rbd_kinematics has its own; with the wrenches that it
+   takes, gravity being an acceleration of the world. What only depends on q is there already. */
+RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, const rbd_real *v,
+                                       rbdi_c3 gravity, int wrench) {
+    rbd_work *w = c->w;
+    const rbdi_state world = rbdi_world_state(gravity);
+    rbdi_state s = world;
+    c->world = world.acc;
+    w->have_kinematics = 0;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, v, w->zero, s, wrench);
+        w->kin[i].state = s;
+        rbdi_kin_link(m, w, i, v);
+    }
+}
+
+/* Y = J', gamma, and what else is wanted, of the constraints. */
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, int want) {
     for (int k = 0; k < m->nv; ++k) rbdi_clear(&c->Y[k * c->stride + c->span[k].first], c->span[k].n);
     for (int i = 0; i < c->n; ++i) {
         const rbdi_constraint *k = &c->constraint[i];
-        const rbdi_station one = rbdi_station_of(c->w, k, 0), two = rbdi_station_of(c->w, k, 1);
-        rbdi_constraint_motion(c, k, &one, &two, errors || k->kp > 0);
-        RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, two.R, one.p, link, sign);
+        const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
+        rbdi_axes_held h;
+        rbdi_set_axes(k, two.R, &h);
+        rbdi_constraint_motion(c, k, &one, &two,
+                               want | (k->kd > 0 ? RBDI_WANT_V : 0) | (k->kp > 0 ? RBDI_WANT_E : 0));
+        RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, one.p, link, sign);
     }
-    return RBD_OK;
 }
 
 /* ---- solution [solution] ---- */
 
-/* x = L^-T x and Y = L^-T Y, z = D^-1 x; then b = target - Y'z. RBDA table 6.5, on lanes of rows. */
-static void rbdi_sweep_up(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+/* y -= k x, n scalars rounded up to batches. */
+RBDI_INLINE void rbdi_subtract_batches(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
+    for (int j = 0; j < n; j += RBDI_BATCH)
+        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
+}
+
+/* M = L'DL as in rbd.h, and by the same steps x = L^-T x, Y = L^-T Y, rows being lanes; then z = D^-1 x in
+   place of x and b = target - Y'z. The rows of M and L are padded to batches here. */
+static rbdi_mask rbdi_eliminate(const rbd_model *m, rbd_constraints *c) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int r = 0; r < c->rows; ++r) c->b[r] = c->target[r];
     for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row], *y = &c->Y[k * c->stride], x = c->x[k];
-        const rbdi_span s = c->span[k];
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            c->x[i] = c->x[i] - l[t] * x;
-            rbdi_subtract(&c->Y[i * c->stride + s.first], l[t], &y[s.first], s.n);
+        const int first = c->span[k].first, n = c->span[k].n, d = m->dof[k].depth;
+        rbd_real *h = &c->H[k * c->height], *y = &c->Y[k * c->stride + first], x = c->x[k];
+        const rbd_real inverse = rbdi_pivot_inverse(h[d], m->dof[k].scale, &doubt);
+        c->w->pivot[k] = h[d];
+        h[d] = inverse;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            const rbd_real l = h[t] * inverse;
+            rbdi_subtract_batches(&c->H[i * c->height], l, h, t + 1);
+            rbdi_subtract_batches(&c->Y[i * c->stride + first], l, y, n);
+            c->x[i] = c->x[i] - l * x;
+            h[t] = l;
         }
-        c->x[k] = x * l[m->dof[k].depth];
-        rbdi_subtract(&c->b[s.first], c->x[k], &y[s.first], s.n);
+        c->x[k] = x * inverse;
+        rbdi_subtract_batches(&c->b[first], c->x[k], y, n);
     }
+    return doubt;
+}
+
+/* The packed rows of a matrix to padded ones, in batches where what is behind the row is the matrix's too; and
+   back. */
+static void rbdi_pad_rows(const rbd_model *m, const rbd_constraints *c, const rbd_real *H) {
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *from = &H[m->dof[k].row];
+        rbd_real *to = &c->H[k * c->height];
+        const int n = m->dof[k].depth + 1, fits = m->dof[k].row + n + RBDI_BATCH <= m->nh;
+        int t = 0;
+        for (; fits && t < n; t += RBDI_BATCH) *(rbdi_batch *)&to[t] = *(const rbdi_batch *)&from[t];
+        for (; t < n; ++t) to[t] = from[t];
+    }
+}
+static void rbdi_pack_rows(const rbd_model *m, const rbd_constraints *c, rbd_real *H) {
+    for (int k = 0; k < m->nv; ++k)
+        for (int t = 0; t <= m->dof[k].depth; ++t) H[m->dof[k].row + t] = c->H[k * c->height + t];
 }
 
 /* Lower triangle of Delta = Y' D^-1 Y. */
-static void rbdi_delta(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_delta(const rbd_model *m, rbd_constraints *c) {
     rbdi_clear(c->D, c->rows * c->stride);
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &c->Y[k * c->stride], inverse = L[m->dof[k].row + m->dof[k].depth];
+        const rbd_real *y = &c->Y[k * c->stride], inverse = c->H[k * c->height + m->dof[k].depth];
         const rbdi_span s = c->span[k];
-        for (int r = s.first; r < s.first + s.n && r < c->rows; ++r)
-            rbdi_subtract(&c->D[r * c->stride + s.first], -(y[r] * inverse), &y[s.first],
-                          (r - s.first) / RBDI_BATCH * RBDI_BATCH + RBDI_BATCH);
+        for (int r = s.first; r < s.end; ++r)
+            rbdi_subtract_batches(&c->D[r * c->stride + s.first], -(y[r] * inverse), &y[s.first],
+                                  r + 1 - s.first);
     }
 }
 
 /* sum of x_k y_k */
-static rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
+RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
     rbd_real sum = rbdi_zero();
-    for (int k = 0; k < n; ++k) sum = sum + x[k] * y[k];
+    int k = 0;
+#if RBDI_BATCH > 1
+    rbdi_batch lanes = {0};
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
+        lanes = lanes + *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k];
+    for (int j = 0; k > 0 && j < RBDI_BATCH; ++j) sum = sum + lanes[j];
+#endif
+    for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
 }
 
@@ -489,7 +628,7 @@ static void rbdi_delta_factor(rbd_constraints *c) {
         c->inverse[i] = inverse;
         for (int t = i - 1; t >= 0; --t) {
             const rbd_real x = h[t] * inverse;
-            rbdi_subtract(&c->D[t * c->stride], x, h, t / RBDI_BATCH * RBDI_BATCH + RBDI_BATCH);
+            rbdi_subtract_batches(&c->D[t * c->stride], x, h, t + 1);
             c->b[t] = c->b[t] - x * c->b[i];
             h[t] = x;
         }
@@ -503,9 +642,9 @@ static void rbdi_delta_solve(rbd_constraints *c) {
 }
 
 /* x = L^-1 (z + D^-1 Y lambda). */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c) {
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
+        const rbd_real *l = &c->H[k * c->height];
         const rbdi_span s = c->span[k];
         const int d = m->dof[k].depth;
         rbd_real x =
@@ -529,7 +668,7 @@ static rbdi_mask rbdi_dropped(const rbd_constraints *c, int j) {
 static rbd_real rbdi_demand(const rbd_model *m, const rbd_constraints *c, int j) {
     rbd_real sum = rbdi_abs(c->target[j]);
     for (int k = 0; k < m->nv; ++k)
-        if (j >= c->span[k].first && j < c->span[k].first + c->span[k].n)
+        if (j >= c->span[k].first && j < c->span[k].end)
             sum = sum + rbdi_abs(c->Y[k * c->stride + j] * c->x[k]);
     return sum;
 }
@@ -538,7 +677,7 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 
 /* What J v, gamma and e of a constraint are differences of: the bodies' own motion, the same for both maybe. */
 static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c->w, k, 0), two = rbdi_station_of(c->w, k, 1);
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v);
     const rbd_real a = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot) + rbdi_sum_abs(one.acc) +
@@ -596,23 +735,42 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* M x = x + J' lambda, J x = target: Y is J', H the mass matrix, packed. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbd_real *H, rbd_real *out,
-                                         rbd_real *lambda) {
-    const rbdi_mask doubt = rbdi_factor(m, c->w, H);
-    rbd_status status;
-    rbdi_sweep_up(m, c, H);
-    rbdi_delta(m, c, H);
+/* lambda from L, D, L^-T J' and b; with it x. */
+static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c) {
+    rbdi_delta(m, c);
     rbdi_delta_factor(c);
     rbdi_delta_solve(c);
     rbdi_least_norm(m, c);
-    rbdi_sweep_down(m, c, H);
+    rbdi_sweep_down(m, c);
+}
+
+/* M x = x + J' lambda, J x = target: Y is J', the work's H the mass matrix. */
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbd_real *out,
+                                         rbd_real *lambda) {
+    rbd_status status;
+    rbdi_mask doubt;
+    rbdi_pad_rows(m, c, c->w->H);
+    doubt = rbdi_eliminate(m, c);
+    rbdi_multipliers(m, c);
+    if (rbdi_any(doubt)) rbdi_pack_rows(m, c, c->w->H);
     for (int k = 0; k < m->nv; ++k) out[k] = c->x[k];
-    status = rbdi_status_of(m, c->w, doubt, 0, H, out, m->nv);
+    status = rbdi_status_of(m, c->w, doubt, 0, c->w->H, out, m->nv);
     if (status) rbdi_clear(c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+}
+
+/* r - gamma, by Baumgarte. */
+static void rbdi_stabilise(rbd_constraints *c) {
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_constraint *k = &c->constraint[i];
+        for (int r = k->row; r < k->row + k->rows; ++r) {
+            c->target[r] = -c->gamma[r];
+            if (k->kd > 0) c->target[r] = c->target[r] - c->u[r] * k->kd;
+            if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
+        }
+    }
 }
 
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
@@ -622,31 +780,36 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
     rbd_work *w;
     if (status) return status;
     w = c->w;
-    rbdi_constraint_rows(m, c, q, v, 0);
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_constraint *k = &c->constraint[i];
-        for (int r = k->row; r < k->row + k->rows; ++r) {
-            c->target[r] = -(c->gamma[r] + c->u[r] * k->kd);
-            if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
-        }
-    }
     rbd_crba_packed(m, w, q, w->H);
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->gravity, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
-    return rbdi_constrained_solve(m, c, w->H, a, lambda);
+    rbdi_constraint_rows(m, c, 0);
+    rbdi_stabilise(c);
+    return rbdi_constrained_solve(m, c, a, lambda);
+}
+
+/* The rows at a state, without gravity. */
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                    const rbd_real *v, int want) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
+    rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, none, 0);
+    rbdi_constraint_rows(m, c, want);
 }
 
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
-    rbdi_constraint_rows(m, c, q, v, 0);
+    rbdi_constraint_rows_at(m, c, q, v, RBDI_WANT_V);
     for (int r = 0; r < c->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
     rbd_crba_packed(m, c->w, q, c->w->H);
     rbdi_clear(c->x, m->nv);
     for (int k = 0; k < m->nv; ++k) c->w->bias[k] = v[k];
-    status = rbdi_constrained_solve(m, c, c->w->H, v_plus, impulse);
+    status = rbdi_constrained_solve(m, c, v_plus, impulse);
     if (status == RBD_OK || status == RBD_ERR_INFEASIBLE)
         for (int k = 0; k < m->nv; ++k) v_plus[k] = v_plus[k] + c->w->bias[k];
     return status;
@@ -656,13 +819,133 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
                                            const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
-    rbdi_constraint_rows(m, c, q, v, e != NULL);
+    rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_WANT_E : 0);
     for (int r = 0; r < c->rows; ++r) {
         for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];
         if (e) e[r] = c->e[r];
     }
     return RBD_OK;
+}
+
+/* ---- weights [weights] ----
+   With a diagonal matrix D in place of M the same steps solve other problems: L = 1, so that H holds 1/D only.
+   Least squares: x + D^-1 J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
+
+/* n weights are above 0; NULL: all are 1. */
+static int rbdi_weights_fit(const rbd_const *weight, int n) {
+    for (int k = 0; weight && k < n; ++k)
+        if (!(weight[k] > 0)) return 0;
+    return 1;
+}
+
+static void rbdi_set_weight(const rbd_model *m, rbd_constraints *c, int k, rbd_const inverse) {
+    rbdi_clear(&c->H[k * c->height], m->dof[k].depth);
+    c->H[k * c->height + m->dof[k].depth] = rbdi_set(inverse);
+}
+
+/* x += D^-1 J' lambda, of least norm, J x = target. */
+static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
+    for (int r = 0; r < c->rows; ++r) c->b[r] = c->target[r];
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_span s = c->span[k];
+        rbdi_subtract_batches(&c->b[s.first], c->x[k], &c->Y[k * c->stride + s.first], s.n);
+    }
+    rbdi_multipliers(m, c);
+}
+
+/* Without a motor: what is not said to have one; by default floating joints at a root. */
+static int rbdi_is_passive(const rbd_model *m, const int *actuated, int k) {
+    const rbdi_frame *u = &m->frame[m->dof[k].body];
+    return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
+}
+
+RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
+                                      rbd_real *lambda) {
+    const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    if (status) return status;
+    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_GAIN;
+    rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
+    rbdi_constraint_rows_at(m, c, q, NULL, 0);
+    for (int r = 0; r < c->rows; ++r)
+        c->u[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+    for (int k = 0; k < m->nv; ++k) {
+        const int passive = rbdi_is_passive(m, actuated, k);
+        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
+        tau[k] = c->x[k];
+        c->x[k] = passive ? -tau[k] : rbdi_zero();
+        rbdi_set_weight(m, c, k, passive ? RBD_C(1) : RBD_C(0));
+    }
+    rbdi_clear(c->target, c->rows);
+    rbdi_weighted_solve(m, c);
+    for (int k = 0; k < m->nv; ++k)
+        tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * c->u[r];
+    c->infeasible = -1; /* least squares always have a solution */
+    return RBD_OK;
+}
+
+/* ---- assembly [assembly] ----
+   Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
+   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the linear
+   picture may be trusted; the last ones only close. */
+
+/* Largest magnitude of n numbers. */
+static rbd_real rbdi_largest(const rbd_real *x, int n) {
+    rbd_real largest = rbdi_zero();
+    for (int k = 0; k < n; ++k) {
+        const rbd_real y = rbdi_abs(x[k]);
+        largest = rbdi_select(rbdi_less(largest, y), y, largest);
+    }
+    return largest;
+}
+
+/* Takes one step; returns its length. */
+static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   rbd_real *q_near, int close) {
+    const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
+    rbd_real length, k;
+    rbd_difference(m, q, q_near, c->x);
+    for (int i = 0; i < m->nv; ++i) c->x[i] = close ? rbdi_zero() : -c->x[i];
+    for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
+    rbdi_weighted_solve(m, c);
+    length = rbdi_largest(c->x, m->nv);
+    k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
+    rbd_integrate(m, q_near, c->x, k, q_near);
+    return length;
+}
+
+RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near) {
+    const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
+    rbd_real open;
+    if (status) return status;
+    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
+    for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
+    for (int k = 0; k < m->nv; ++k) rbdi_set_weight(m, c, k, weight ? RBD_C(1) / weight[k] : RBD_C(1));
+    for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
+        rbd_real length;
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_WANT_E);
+        length = rbdi_assembly_step(m, c, q, q_near, close);
+        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
+            ++close;
+    }
+    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_WANT_E);
+    if (v) {
+        for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
+        rbdi_clear(c->target, c->rows);
+        rbdi_weighted_solve(m, c);
+        for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
+    }
+    c->infeasible = -1;
+    open = rbdi_set(RBDI_CLOSED);
+    for (int r = 0; r < c->rows; ++r) {
+        const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
+        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+    }
+    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
 RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
@@ -760,14 +1043,24 @@ static int rbdi_held_axes(const rbd_constraint *k) {
     return n;
 }
 
-/* Of this many rows; padded to batches. */
-static int rbdi_row_stride(int rows) { return (rows + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
+static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
+
+/* Rows from one dof to the next: a batch may begin at any row. */
+static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + RBDI_BATCH - 1); }
+
+/* The longest path to the root. */
+static int rbdi_path_height(const rbd_model *m) {
+    int height = 0;
+    for (int k = 0; k < m->nv; ++k)
+        if (height < m->dof[k].depth + 1) height = m->dof[k].depth + 1;
+    return rbdi_whole_batches(height);
+}
 
 RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows = 0;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_path_height(m));
 }
 
 /* The link that carries a body, -1 = world; NULL frames are the world's. */
@@ -846,8 +1139,8 @@ static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, const r
         for (int j = 0; j < dofs; ++j)
             for (int i = rbdi_source(m, l->iv + j); i >= 0; i = m->dof[i].lambda) {
                 rbdi_span *s = &c->span[i];
-                if (s->n == 0) s->first = k->row;
-                s->n = (int16_t)(k->row + k->rows - s->first);
+                if (s->end == 0) s->first = k->row;
+                s->end = (int16_t)(k->row + k->rows);
             }
     }
 }
@@ -880,10 +1173,12 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     p = rbdi_aligned(memory);
     c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->n = n, c->rows = rows, c->stride = rbdi_row_stride(rows), c->infeasible = -1;
+    c->w = w, c->n = n, c->rows = rows, c->infeasible = -1;
+    c->stride = rbdi_row_stride(rows), c->height = rbdi_path_height(m);
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * c->stride, sizeof(rbd_real));
+    c->H = (rbd_real *)rbdi_take(&p, m->nv * c->height, sizeof(rbd_real));
     c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
     c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->b = (rbd_real *)rbdi_take(&p, c->stride, sizeof(rbd_real));
@@ -894,16 +1189,14 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->target = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].n = 0;
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
     for (int i = 0, row = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         rbdi_span_constraint(m, c, &c->constraint[i]);
     }
-    for (int k = 0; k < m->nv; ++k) {
-        rbdi_span *s = &c->span[k];
-        s->n = (int16_t)rbdi_row_stride(s->n);
-        if (s->first + s->n > c->stride) s->first = (int16_t)(c->stride - s->n);
-    }
+    for (int k = 0; k < m->nv; ++k)
+        c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
+    rbdi_clear(c->H, m->nv * c->height);
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->b, c->stride);
     rbdi_clear(c->lambda, c->stride);

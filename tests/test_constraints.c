@@ -539,6 +539,224 @@ START_TEST(ball_bounces) {
 }
 END_TEST
 
+/* ---- inverse dynamics with contacts ---- */
+
+/* What M a + c - J'lambda - tau leaves, of the dofs. */
+static void check_balance(const robot *r, int number, const ref_control_state *s, const double *a,
+                          const double *tau, const double *J, const double *lambda, int rows) {
+    double left[MAX_V];
+    multiply(s->M, a, r->nv, r->nv, left);
+    for (int i = 0; i < r->nv; i++) {
+        left[i] += s->c[i] - tau[i];
+        for (int row = 0; row < rows; row++) left[i] -= J[row * r->nv + i] * lambda[row];
+    }
+    expect_small("M a + c = tau + J'lambda, inverse", r, number,
+                 largest(left, r->nv) / (1 + largest(lambda, rows)), 1e-11);
+}
+
+static void check_distribution(const robot *r, const ref_control_state *s, int number) {
+    const int nv = r->nv;
+    uint64_t seed = 3 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    double weight[MAX_ROWS], lambda[MAX_ROWS], tau[MAX_V], a[MAX_V], again[MAX_V], J[MAX_ROWS * MAX_V];
+    if (r->bodies[0].type != RBD_FLOATING) return;
+    for (int i = 0; i < nv; i++) tau[i] = i < 6 ? 0 : s->tau[i];
+    for (int j = 0; j < s->nconstraint_sets; j++) {
+        const ref_constraint_set *given = &s->constraint_sets[j];
+        double found[MAX_ROWS], torque[MAX_V], cost[2] = {0, 0};
+        copy_constraints(given, 0, 0, list);
+        set c = set_of(r, list, given->count);
+        RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, tau, NULL, a, lambda));
+        RUN(rbd_constraint_jacobian(r->m, c.c, s->q, s->v, J, NULL, NULL));
+        for (int row = 0; row < c.rows; row++) weight[row] = uniform(&seed, 0.5, 3);
+        RUN(rbd_constrained_id(r->m, c.c, s->q, s->v, a, NULL, NULL, weight, torque, found));
+        check_balance(r, number, s, a, torque, J, found, c.rows);
+        expect_small("torque of a free base", r, number, largest(torque, 6) / (1 + largest(found, c.rows)),
+                     1e-10);
+        for (int row = 0; row < c.rows; row++) {
+            cost[0] += weight[row] * found[row] * found[row];
+            cost[1] += weight[row] * lambda[row] * lambda[row];
+        }
+        ck_assert_double_le(cost[0], cost[1] * (1 + 1e-9));
+        RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, torque, NULL, again, NULL));
+        expect_close("a again", r, number, again, a, nv, fmax(inverse_bound(s->cond_M), 1e-9));
+        free(c.memory);
+    }
+}
+
+START_TEST(forces_are_distributed_at_least_cost) { for_control_states(check_distribution); }
+END_TEST
+
+/* A foot alone gives no moment that there is a lever for: what is missing stands in tau, as small as can be. */
+START_TEST(what_contacts_cannot_give_stands_in_tau) {
+    const ref_control *hyq = control_named("control_hyq");
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const ref_control_state *s = &hyq->states[0];
+    rbd_constraint list[MAX_SET];
+    double tau[MAX_V], lambda[3], J[3 * MAX_V], across[3] = {0};
+    int motors[MAX_V];
+    copy_constraints(&s->constraint_sets[0], 0, 0, list);
+    set c = set_of(&r, list, 1);
+    ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
+    for (int i = 0; i < r.nv; i++) motors[i] = i >= 6;
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, s->q, s->v, s->vdot, NULL, motors, NULL, tau, lambda),
+                     RBD_OK);
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, NULL, NULL), RBD_OK);
+    check_balance(&r, 0, s, s->vdot, tau, J, lambda, 3);
+    ck_assert_double_gt(largest(tau, 6), 1);
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < 6; i++) across[row] += J[row * r.nv + i] * tau[i];
+    expect_small("least squares", &r, 0, largest(across, 3) / largest(tau, 6), 1e-11);
+    for (int i = 0; i < r.nv; i++) motors[i] = 1; /* then no foot is needed */
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, s->q, s->v, s->vdot, s->f_ext, motors, NULL, tau, lambda),
+                     RBD_OK);
+    expect_small("no force", &r, 0, largest(lambda, 3), 0);
+    expect_close("tau of motors everywhere", &r, 0, tau, s->tau_rnea_ext, r.nv, 1e-12);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* ---- assembly ---- */
+
+START_TEST(four_bar_is_closed_nearby) {
+    const rbd_body bodies[3] = {
+        ROD(-1, 0, crank_mass, crank / 2, crank_I),
+        ROD(0, crank, 2 * end_mass, coupler / 2, 2 * end_mass * coupler * coupler / 4),
+        ROD(-1, ground, rocker_mass, rocker / 2, rocker_I)};
+    robot r = BUILD(bodies);
+    uint64_t seed = 8;
+    for (int step = 0; step < 60; step++) {
+        const double theta = step * 0.1, weight[3] = {1, uniform(&seed, 0.3, 3), uniform(&seed, 0.3, 3)};
+        double psi[3], q[3], start[3], v[3], near[3], rate[3], along[3], e[5], J[15], u[5], slope[2] = {0, 0};
+        four_bar(theta, psi);
+        const double X = ground + rocker * cos(psi[0]) - crank * cos(theta),
+                     Z = rocker * sin(psi[0]) - crank * sin(theta);
+        q[0] = theta, q[1] = atan2(Z, X) - theta, q[2] = psi[0];
+        for (int i = 0; i < 3; i++) {
+            start[i] = q[i] + uniform(&seed, -0.1, 0.1);
+            v[i] = uniform(&seed, -2, 2);
+        }
+        const rbd_constraint k = closing(step % 3, 1, coupler, 2, rocker);
+        set c = set_of(&r, &k, 1);
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, start, v, weight, near, rate), RBD_OK);
+        ck_assert_int_eq(rbd_infeasible_row(c.c), -1);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, near, NULL, J, NULL, e), RBD_OK);
+        expect_small("assembled: e", &r, step, largest(e, c.rows), 1e-13);
+        multiply(J, rate, c.rows, 3, u);
+        expect_small("assembled: J v", &r, step, largest(u, c.rows), 1e-13);
+        /* the one direction in which the linkage can move: neither distance has a slope along it */
+        const double other = sin(near[0] + near[1] - near[2]);
+        along[0] = -coupler * rocker * other;
+        along[2] = -coupler * crank * sin(near[1]);
+        along[1] = -along[0] - crank * rocker * sin(near[2] - near[0]);
+        multiply(J, along, c.rows, 3, u);
+        expect_small("direction", &r, step, largest(u, c.rows), 1e-13);
+        for (int i = 0; i < 3; i++) {
+            slope[0] += weight[i] * along[i] * (near[i] - start[i]);
+            slope[1] += weight[i] * along[i] * (rate[i] - v[i]);
+        }
+        expect_small("nearest q", &r, step, fabs(slope[0]), 1e-11);
+        expect_small("nearest v", &r, step, fabs(slope[1]), 1e-12);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* Every set of the reference, from where its robot stands: off the manifold mostly, and with quaternions. */
+static int assembled, beyond;
+
+static void check_assembly(const robot *r, const ref_control_state *s, int number) {
+    rbd_constraint list[MAX_SET];
+    for (int j = 0; j < s->nconstraint_sets; j++) {
+        double q[MAX_Q], v[MAX_V], J[MAX_ROWS * MAX_V], e[MAX_ROWS], u[MAX_ROWS];
+        copy_constraints(&s->constraint_sets[j], 0, 0, list);
+        set c = set_of(r, list, s->constraint_sets[j].count);
+        const rbd_status status = rbd_assemble(r->m, c.c, s->q, s->v, NULL, q, v);
+        RUN(rbd_constraint_jacobian(r->m, c.c, q, v, J, NULL, e));
+        if (status == RBD_ERR_INFEASIBLE) { /* out of reach, most of them */
+            beyond++;
+            ck_assert_int_ge(rbd_infeasible_row(c.c), -1);
+        } else {
+            assembled++;
+            ck_assert_int_eq(status, RBD_OK);
+            expect_small("assembled: e", r, number, largest(e, c.rows), 1e-9);
+            multiply(J, v, c.rows, r->nv, u);
+            expect_small("assembled: J v", r, number, largest(u, c.rows) / (1 + largest(v, r->nv)), 1e-10);
+        }
+        free(c.memory);
+    }
+}
+
+START_TEST(sets_of_the_reference_are_assembled) {
+    assembled = beyond = 0;
+    for_control_states(check_assembly);
+    ck_assert_msg(assembled >= 40, "%d assembled, %d not", assembled, beyond);
+}
+END_TEST
+
+START_TEST(out_of_reach_names_a_row) {
+    const ref_control *iiwa = control_named("control_iiwa");
+    robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
+    const double point[3] = {0, 0, 0}, far[3] = {0, 0, 5};
+    const rbd_constraint k = rbd_point_contact(6, point, far);
+    double q[MAX_Q];
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(rbd_assemble(r.m, c.c, iiwa->states[0].q, NULL, NULL, q, NULL), RBD_ERR_INFEASIBLE);
+    ck_assert_int_eq(rbd_infeasible_row(c.c), 2);
+    for (int i = 0; i < r.nq; i++) ck_assert(isfinite(q[i]));
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* A four-bar linkage under gravity, by Runge and Kutta's fourth order and put back onto the manifold after each
+   step: over ten seconds no energy is lost. */
+START_TEST(linkage_keeps_its_energy) {
+    const rbd_body bodies[3] = {
+        ROD(-1, 0, crank_mass, crank / 2, crank_I),
+        ROD(0, crank, 2 * end_mass, coupler / 2, 2 * end_mass * coupler * coupler / 4),
+        ROD(-1, ground, rocker_mass, rocker / 2, rocker_I)};
+    robot r = BUILD(bodies);
+    const rbd_constraint k = closing(1, 1, coupler, 2, rocker);
+    const double tau[3] = {0, 0, 0}, share[4] = {0, 0.5, 0.5, 1}, weight[4] = {1, 2, 2, 1}, dt = 2e-3;
+    double q[3] = {1, -0.5, 1.2}, v[3] = {9, 0, 0}, near[3], rate[3], energy[3], turned;
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(rbd_assemble(r.m, c.c, q, v, NULL, near, rate), RBD_OK);
+    memcpy(q, near, sizeof q);
+    memcpy(v, rate, sizeof v);
+    turned = q[0];
+    for (int step = 0; step <= 5000; step++) {
+        double kinetic, potential, dq[4][3], dv[4][3];
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, v, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_energy(r.m, r.w, &kinetic, &potential), RBD_OK);
+        energy[step == 0 ? 0 : 1] = kinetic + potential;
+        for (int stage = 0; stage < 4; stage++) {
+            double x[3], a[3];
+            for (int i = 0; i < 3; i++) {
+                x[i] = q[i] + (stage ? share[stage] * dt * dq[stage - 1][i] : 0);
+                dq[stage][i] = v[i] + (stage ? share[stage] * dt * dv[stage - 1][i] : 0);
+            }
+            ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, x, dq[stage], tau, NULL, a, NULL), RBD_OK);
+            memcpy(dv[stage], a, sizeof a);
+        }
+        for (int i = 0; i < 3; i++)
+            for (int stage = 0; stage < 4; stage++) {
+                q[i] += dt / 6 * weight[stage] * dq[stage][i];
+                v[i] += dt / 6 * weight[stage] * dv[stage][i];
+            }
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, v, NULL, near, rate), RBD_OK);
+        memcpy(q, near, sizeof q);
+        memcpy(v, rate, sizeof v);
+    }
+    ck_assert_double_gt(fabs(q[0] - turned), 6.3); /* it went round */
+    expect_small("energy of a linkage", &r, 0, fabs(energy[1] - energy[0]) / fabs(energy[0]), 1e-6);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 /* ---- dependent and contradicting rows ---- */
 
 /* Points close together: their rows differ by a hundredth, and still count. */
@@ -738,6 +956,21 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_impact(r.m, c, q, NULL, 0, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, 0, NULL, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(other.m, c, q, q, 0, x, lambda), RBD_ERR_WORK);
+    const double bad[7] = {1, 1, 0, 1, 1, 1, 1};
+    double near[MAX_Q];
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, NULL, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, NULL, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, NULL, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, NULL, NULL, lambda), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, bad, x, lambda), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_constrained_id(other.m, c, q, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_assemble(r.m, c, NULL, NULL, NULL, near, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, q, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, q, NULL, near, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, near, x), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, q, NULL, NULL, NULL, NULL), RBD_OK);
     robot_free(&other);
@@ -791,6 +1024,12 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, impacts_on_random_trees);
     tcase_add_test(c, momentum_stays_when_two_links_are_caught);
     tcase_add_test(c, ball_bounces);
+    tcase_add_test(c, forces_are_distributed_at_least_cost);
+    tcase_add_test(c, what_contacts_cannot_give_stands_in_tau);
+    tcase_add_test(c, four_bar_is_closed_nearby);
+    tcase_add_test(c, sets_of_the_reference_are_assembled);
+    tcase_add_test(c, out_of_reach_names_a_row);
+    tcase_add_test(c, linkage_keeps_its_energy);
     tcase_add_test(c, close_points_keep_their_rank);
     tcase_add_test(c, contradiction_names_the_row);
     tcase_add_test(c, empty_set_is_forward_dynamics);
