@@ -24,8 +24,8 @@
      [set code]
 
    [conventions] Beyond those of rbd.h:
-     frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1 are
-                  the orientation and origin of frame 1 in the world, its angular velocity and that of its
+     frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
+                  are the orientation and origin of frame 1 in the world, its angular velocity and that of its
                   origin; E = R_2' turns world vectors into the axes of frame 2; s = p_1 - p_2
      position     R = E R_1, r = E s: frame 1 seen from frame 2
      velocity     (E (w_1 - w_2); dr/dt), dr/dt = E (v_1 - v_2 - w_2 x s)
@@ -135,7 +135,8 @@ typedef struct rbd_constraints rbd_constraints; /* constraints that hold togethe
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
    use. Contacts that come and go: a set for each phase; they may share the work.
    list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment; RBD_CONSTRAINTS_SIZE(nv, rows) always suffices, rows: axes held by all
+   memory   size bytes of any alignment; RBD_CONSTRAINTS_SIZE(nv, rows) always suffices, rows: axes held
+            by all
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
@@ -172,11 +173,12 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
                                            const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
-   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is unique and
-   lambda the solution of least norm.
+   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
+   unique and lambda the solution of least norm.
    lambda   rows; may be NULL
    Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other: a and lambda are those of the rows behind it. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other: then a and lambda are those of the rows behind
+   the one that rbd_infeasible_row names. */
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda);
@@ -188,10 +190,10 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
-/* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have motors. Of
-   all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight lambda^2; if there
-   is none, the one that comes nearest (least squares): tau has there what is missing. lambda must be checked by
-   the caller: a foot may be asked to pull.
+/* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
+   motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
+   lambda^2; if there is none, the one that comes nearest (least squares): tau has there what is missing.
+   lambda must be checked by the caller: a foot may be asked to pull.
    a          nv, wanted; that J a + gamma = 0 is the caller's care
    actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
@@ -202,13 +204,13 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
                                       rbd_real *lambda);
 
 /* Closes loops, or puts feet in their places: q_near with e = 0 nearest to q, in the sum of weight d^2, d =
-   rbd_difference(q, q_near); and v_near with J v_near = 0 there nearest to v. By Newton's method, from q: far from
-   any solution it may find none, or one that is not the nearest.
+   rbd_difference(q, q_near); and v_near with J v_near = 0 there nearest to v. By Newton's method, from q: far
+   from any solution it may find none, or one that is not the nearest.
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if e does not vanish, in the row
-   rbd_infeasible_row most. */
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if e does not vanish, in the
+   row rbd_infeasible_row most. */
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
 
@@ -288,8 +290,8 @@ struct rbd_constraints {
    behind the dof are not zero there: its span.
 
    Rank. Delta = L'DL again, from the last row to the first, without pivoting: pivot d_i over Delta_ii is the
-   part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L and
-   its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow from
+   part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L
+   and its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow from
    the others: else the set is infeasible. lambda of least norm: projected across the null vectors ([least
    norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
 
@@ -407,7 +409,7 @@ RBDI_INLINE void rbdi_held(const rbdi_constraint *k, rbdi_mat axes, rbdi_v3 angu
     for (int r = 0; r < k->rows; ++r) out[r] = all[k->axis[r]];
 }
 
-enum { RBDI_WANT_V = 1, RBDI_WANT_E = 2 }; /* J v, e */
+enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
 
 /* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
 RBDI_INLINE void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k, const rbdi_station *one,
@@ -423,8 +425,8 @@ RBDI_INLINE void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constrain
         a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
     }
     rbdi_held(k, two->R, alpha, a, &c->gamma[k->row]);
-    if (want & RBDI_WANT_V) rbdi_held(k, two->R, spin, u, &c->u[k->row]);
-    if (want & RBDI_WANT_E) {
+    if (want & RBDI_HELD_RATES) rbdi_held(k, two->R, spin, u, &c->u[k->row]);
+    if (want & RBDI_HELD_ERRORS) {
         rbdi_v3 turn = rbdi_vec0();
         if (k->angular) turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(two->R), one->R));
         rbdi_held(k, two->R, rbdi_mul(two->R, turn), s, &c->e[k->row]);
@@ -521,7 +523,7 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, int wan
         rbdi_axes_held h;
         rbdi_set_axes(k, two.R, &h);
         rbdi_constraint_motion(c, k, &one, &two,
-                               want | (k->kd > 0 ? RBDI_WANT_V : 0) | (k->kp > 0 ? RBDI_WANT_E : 0));
+                               want | (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0));
         RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, one.p, link, sign);
     }
 }
@@ -804,7 +806,7 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
-    rbdi_constraint_rows_at(m, c, q, v, RBDI_WANT_V);
+    rbdi_constraint_rows_at(m, c, q, v, RBDI_HELD_RATES);
     for (int r = 0; r < c->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
     rbd_crba_packed(m, c->w, q, c->w->H);
     rbdi_clear(c->x, m->nv);
@@ -819,7 +821,7 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
                                            const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
-    rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_WANT_E : 0);
+    rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
     for (int r = 0; r < c->rows; ++r) {
         for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];
@@ -927,12 +929,12 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     for (int k = 0; k < m->nv; ++k) rbdi_set_weight(m, c, k, weight ? RBD_C(1) / weight[k] : RBD_C(1));
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_WANT_E);
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
         length = rbdi_assembly_step(m, c, q, q_near, close);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
             ++close;
     }
-    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_WANT_E);
+    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
         rbdi_clear(c->target, c->rows);
