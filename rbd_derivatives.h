@@ -162,9 +162,9 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
 
 #ifndef RBDI_NO_FD_CHOLESKY
 /* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
-   da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx = -M^-1
-   dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be tau. Also
-   RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
+   da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx =
+   -M^-1 dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be
+   tau. Also RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
 RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
@@ -227,6 +227,7 @@ typedef struct rbdi_run {
     int16_t first, end; /* dofs first .. end - 1, in the solver's order as everywhere here */
     int16_t parent;     /* dof before the first towards the root, -1 = none */
     int16_t block;      /* whether they are those of a block */
+    int16_t free;       /* whether they are the six of a root, and nothing mimics: see rbdi_put_free */
     int16_t link;       /* that has the first */
     int16_t origin;     /* first of a root: end of the dofs up to the common origin's link, else 0 */
 } rbdi_run;
@@ -442,16 +443,21 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Pose of a link in the common frame, x_link = E (x - r): its last dof has it, the axes turned if that dof's
-   own is not z. */
+   own is not z, which is so in planar joints only. */
 RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
-    const int last = rbdi_last_dof(m, link), z = rbdi_dof_axis(m, &m->link[link], last);
+    const rbdi_link *l = &m->link[link];
+    const int last = rbdi_last_dof(m, link);
     const rbd_real *in = RBDI_OF(d, last, ex);
-    rbdi_v3 e[3];
+    rbdi_v3 ex = rbdi_load_vec(in), ey = rbdi_load_vec(in + 3 * RBDI_BATCH),
+            ez = rbdi_load_vec(in + 6 * RBDI_BATCH);
     rbdi_pose X;
-    for (int k = 0; k < 3; ++k) e[(z + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
-    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
-    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
-    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
+    if (rbdi_dof_axis(m, l, last) != 2) {
+        const rbdi_v3 turned = ex;
+        ex = ey, ey = ez, ez = turned;
+    }
+    X.E.xx = ex.x, X.E.xy = ex.y, X.E.xz = ex.z;
+    X.E.yx = ey.x, X.E.yy = ey.y, X.E.yz = ey.z;
+    X.E.zx = ez.x, X.E.zy = ez.y, X.E.zz = ez.z;
     X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
     return X;
 }
@@ -611,10 +617,17 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
+/* What the layer is asked for beyond F, which needs q only. */
+enum {
+    RBDI_NEED_V = 1,       /* D and T, from v */
+    RBDI_NEED_WRENCH = 2,  /* sums of f, from v and a */
+    RBDI_NEED_Q = 4 | 2,   /* E and T */
+    RBDI_NEED_CORIOLIS = 8 /* D and T halved, and U = V x S: B instead of 2 B */
+};
+
 /* Sigma and h of the links. */
-RBDI_INLINE void rbdi_own_inertia(rbdi_columns *c, const rbdi_constants *k) {
+RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    rbdi_sums *s = &c->sum;
     rbdi_b3 h =
         rbdi_b_vec(ex.x * k->hx + ey.x * k->hy + ez.x * k->hz, ex.y * k->hx + ey.y * k->hy + ez.y * k->hz,
                    ex.z * k->hx + ey.z * k->hy + ez.z * k->hz); /* R h_b */
@@ -637,9 +650,7 @@ RBDI_INLINE void rbdi_own_inertia(rbdi_columns *c, const rbdi_constants *k) {
 }
 
 /* X and P of the links. */
-RBDI_INLINE void rbdi_own_momentum(rbdi_columns *c, const rbdi_constants *k) {
-    rbdi_sums *s = &c->sum;
-    const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV);
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
     const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
                   z = rbdi_b_vec(s->xz, s->yz, s->zz);
@@ -653,9 +664,7 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_columns *c, const rbdi_constants *k) {
 }
 
 /* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
-RBDI_INLINE void rbdi_own_wrench(rbdi_columns *c, const rbdi_constants *k) {
-    rbdi_sums *s = &c->sum;
-    const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
+RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, al = A.omega, h = s->h, acc = rbdi_b_cross_add(A.v, w, V.v);
     const rbdi_batch xx = -(w.y * w.y + w.z * w.z), yy = -(w.x * w.x + w.z * w.z),
                      zz = -(w.x * w.x + w.y * w.y);
@@ -668,6 +677,14 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_columns *c, const rbdi_constants *k) {
     s->f.f = rbdi_b_vec(xx * h.x + xy * h.y + xz * h.z + acc.x * k->m,
                         yx * h.x + yy * h.y + yz * h.z + acc.y * k->m,
                         zx * h.x + zy * h.y + zz * h.z + acc.z * k->m);
+}
+
+/* As many of them as need asks for. */
+RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
+    out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
+    out->h = s->h;
+    if (need) out->Xx = s->Xx, out->Xy = s->Xy, out->Xz = s->Xz, out->P = s->P;
+    if (need & RBDI_NEED_WRENCH) out->f = s->f;
 }
 
 /* Subtracts external wrenches from those of the links. */
@@ -689,25 +706,32 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the nine components that x begins with. */
-RBDI_INLINE void rbdi_sum_nine(rbd_derivatives *d, rbd_real *x) {
+/* Sums over subtrees of the first components, n = 3 or 9, from x on. A block has its own in its last dof. */
+RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
-        const rbd_real *last = x + d->entry[r->end - 1].at;
+        const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
+        const rbd_real *last = x + e->at;
         rbd_real sum[9], *out;
-        RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) sum[j] = last[j * RBDI_BATCH];
-        for (int k = r->end - 2; k >= r->first; --k) {
-            out = x + d->entry[k].at;
-            RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = sum[j] =
+        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
+        while (e > first) {
+            out = x + (--e)->at;
+            if (r->block) {
+                RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
+                continue;
+            }
+            RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
         if (r->parent < 0) continue;
         out = x + d->entry[r->parent].at;
-        RBDI_UNROLL_NINE for (int j = 0; j < 9; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
-RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, int nines) {
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
-    for (int k = 0; k < nines; ++k) rbdi_sum_nine(d, x + 9 * k * RBDI_BATCH);
+    rbdi_sum_few(d, x, 9);
+    if (need) rbdi_sum_few(d, x + 9 * RBDI_BATCH, 9);
+    if (need) rbdi_sum_few(d, x + 18 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 9 : 3);
 }
 
 /* I (omega; v) of a subtree. */
@@ -744,33 +768,28 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* What the layer is asked for beyond F, which needs q only. */
-enum {
-    RBDI_NEED_V = 1,       /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,  /* sums of f, from v and a */
-    RBDI_NEED_Q = 4 | 2,   /* E and T */
-    RBDI_NEED_CORIOLIS = 8 /* D and T halved, and U = V x S: B instead of 2 B */
-};
-
 /* Columns of forces of a batch of dofs. */
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
     const rbdi_sums *s = &c->sum;
-    c->F = rbdi_subtree_inertia(s, k, c->S);
+    const rbdi_bmotion S = c->S;
+    const int halved = need & RBDI_NEED_CORIOLIS;
     if (need & (RBDI_NEED_V | 4)) {
-        c->T = rbdi_subtree_B_t(s, c->S);
-        if (!(need & RBDI_NEED_CORIOLIS)) c->T = rbdi_b_add(c->T, c->T);
+        const rbdi_b3 T = rbdi_subtree_B_t(s, S);
+        c->T = halved ? T : rbdi_b_add(T, T);
     }
     if (need & RBDI_NEED_V) {
-        const rbdi_bforce B = rbdi_subtree_B(s, c->S.omega);
-        c->D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
-        if (!(need & RBDI_NEED_CORIOLIS)) c->D = rbdi_b_force_add(c->D, B);
+        const rbdi_bforce B = rbdi_subtree_B(s, S.omega),
+                          D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
+        c->D = halved ? D : rbdi_b_force_add(D, B);
     }
     if (need & 4) {
-        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega);
-        c->E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
-        c->E.n = rbdi_b_cross_add(rbdi_b_cross_add(c->E.n, c->S.omega, s->f.n), c->S.v, s->f.f);
-        c->E.f = rbdi_b_cross_add(c->E.f, c->S.omega, s->f.f);
+        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
+        rbdi_bforce E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
+        E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
+        E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
+        c->E = E;
     }
+    c->F = rbdi_subtree_inertia(s, k, S);
 }
 
 /* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
@@ -783,20 +802,39 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, cons
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, a, gravity);
 }
 
-/* All of it: then masses, momenta and wrenches, their sums, and the columns of forces. */
-RBDI_INLINE void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                             const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
+   columns of forces. */
+RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     rbdi_common_motion(m, d, q, v, a, gravity, need);
     for (int b = 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
-        rbdi_own_inertia(c, k);
-        if (need) rbdi_own_momentum(c, k);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(c, k);
+        rbdi_bmotion V;
+        rbdi_sums s; /* not in place: what lies in memory is read again after every store */
+        rbdi_own_inertia(c, k, &s);
+        if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
+        if (need) rbdi_own_momentum(V, k, &s);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
+        rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
-    rbdi_sum_subtrees(d, need ? 3 : 1);
+    rbdi_sum_subtrees(d, need);
     for (int b = 0; b < d->batches; ++b) rbdi_force_columns(&d->columns[b], &d->constants[b], need);
+}
+
+/* The same for q alone, for C, for the wrench alone, and else for everything. */
+RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                           const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+    const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_Q;
+    if (!need)
+        rbdi_common_of(m, d, q, v, a, gravity, f_ext, 0);
+    else if (need == coriolis)
+        rbdi_common_of(m, d, q, v, a, gravity, f_ext, coriolis);
+    else if (need == RBDI_NEED_WRENCH)
+        rbdi_common_of(m, d, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH);
+    else
+        rbdi_common_of(m, d, q, v, a, gravity, f_ext, all);
 }
 
 /* ---- entries [entries] ----
@@ -921,6 +959,69 @@ RBDI_INLINE void rbdi_entries_by_form(const rbd_derivatives *d, int i, int want,
     }
 }
 
+/* A free root, six dofs that turn about and slide through the origin: half of all entries of a robot that
+   walks. They are as above; what is zero is left out, of the columns dtau/dposition all of it. */
+typedef struct rbdi_free {
+    rbdi_v3 e[3], shift_U[3], Phi[3]; /* of the turns: axes, linear half of Phi; of the shifts: that of U */
+    rbdi_motion U[3];
+} rbdi_free;
+typedef struct rbdi_free_pairs {
+    rbd_real M[6][RBDI_BATCH], v_row[6][RBDI_BATCH], v_column[6][RBDI_BATCH], q_row[6][RBDI_BATCH],
+        q_column[3][RBDI_BATCH];
+} rbdi_free_pairs;
+
+RBDI_INLINE void rbdi_free_rows(rbdi_bforce F, const rbdi_v3 e[3], rbd_real out[6][RBDI_BATCH]) {
+    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
+        *(rbdi_batch *)out[k] = rbdi_b_dot(F.n, e[k]);
+        *(rbdi_batch *)out[3 + k] = rbdi_b_dot(F.f, e[k]);
+    }
+}
+RBDI_INLINE void rbdi_free_pairs_of(const rbdi_columns *c, const rbdi_free *f, int want, rbdi_free_pairs *x) {
+    const rbdi_bforce F = c->F;
+    const rbdi_b3 T = c->T;
+    if (want & RBDI_WANT_M) rbdi_free_rows(F, f->e, x->M);
+    if (want & RBDI_WANT_V) rbdi_free_rows(c->D, f->e, x->v_row);
+    if (want & RBDI_WANT_Q) rbdi_free_rows(c->E, f->e, x->q_row);
+    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
+        if (want & RBDI_WANT_V) {
+            *(rbdi_batch *)x->v_column[k] = rbdi_b_dot_add(rbdi_b_power(F, f->U[k], RBDI_BOTH), T, f->e[k]);
+            *(rbdi_batch *)x->v_column[3 + k] = rbdi_b_dot(F.f, f->shift_U[k]);
+        }
+        if (want & RBDI_WANT_Q) *(rbdi_batch *)x->q_column[k] = rbdi_b_dot(F.f, f->Phi[k]);
+    }
+}
+RBDI_INLINE void rbdi_put_free_pairs(const rbdi_free_pairs *x, int lane, const rbdi_entry *i,
+                                     const rbdi_entry *j, ptrdiff_t nv, int want, rbdi_wanted out) {
+    const ptrdiff_t right = i->row + j->user, down = j->row + i->user;
+    const int own = j->joint == i->joint; /* within the joint: see above */
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
+        if (want & RBDI_WANT_V) (out.by_v + right)[k * nv] = x->v_row[k][lane];
+        if (want & RBDI_WANT_V) (out.by_v + down)[k] = x->v_column[k][lane];
+        if (want & RBDI_WANT_M) (out.M + right)[k * nv] = (out.M + down)[k] = x->M[k][lane];
+    }
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
+        if (want & RBDI_WANT_Q && !own) (out.by_q + right)[k * nv] = x->q_row[k][lane];
+    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k)
+        if (want & RBDI_WANT_Q) (out.by_q + down)[k] = x->q_column[k][lane];
+}
+RBDI_INLINE void rbdi_put_free(const rbd_derivatives *d, int first, int want, rbdi_wanted out) {
+    const rbdi_entry *i = &d->entry[first];
+    const ptrdiff_t nv = d->model->nv;
+    rbdi_free f;
+    for (int k = 0; k < 3; ++k) {
+        f.e[k] = rbdi_load_vec(RBDI_OF(d, first + k, S));
+        f.U[k] = rbdi_load_motion(RBDI_OF(d, first + k, U));
+        f.shift_U[k] = rbdi_load_vec(RBDI_OF(d, first + 3 + k, U.v));
+        f.Phi[k] = rbdi_load_vec(RBDI_OF(d, first + k, Phi.v));
+    }
+    for (int j = first; j < i->end;) {
+        const int at = j - j % RBDI_BATCH, end = at + RBDI_BATCH < i->end ? at + RBDI_BATCH : i->end;
+        rbdi_free_pairs x;
+        rbdi_free_pairs_of(&d->columns[at / RBDI_BATCH], &f, want, &x);
+        for (; j < end; ++j) rbdi_put_free_pairs(&x, j - at, i, &d->entry[j], nv, want, out);
+    }
+}
+
 /* dtau_i/dq_j for dofs i before j of one block. */
 RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
     const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
@@ -930,7 +1031,7 @@ RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
 }
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
     for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
-        for (int i = r->first; r->block && i < r->end; ++i)
+        for (int i = r->first; r->block && !r->free && i < r->end; ++i)
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
 }
@@ -957,12 +1058,20 @@ RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
 }
 /* The same unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (m->nmimic || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
+    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
+}
+
+RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, rbdi_wanted out) {
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
+        if (r->free)
+            rbdi_put_free(d, r->first, want, out);
+        else
+            for (int i = r->first; i < r->end; ++i) rbdi_entries_by_form(d, i, want, out);
 }
 
 /* All entries of the matrices that are wanted. */
-RBDI_INLINE void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q,
-                                  rbd_real *by_v, rbd_real *M) {
+RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
+                                rbd_real *M) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
     rbdi_wanted out;
     out.by_q = by_q, out.by_v = by_v, out.M = M;
@@ -970,9 +1079,9 @@ RBDI_INLINE void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, 
     if (by_v) rbdi_clear_matrix(m, by_v);
     if (M) rbdi_clear_matrix(m, M);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
-        for (int i = 0; i < d->n; ++i) rbdi_entries_by_form(d, i, RBDI_WANT_Q | RBDI_WANT_V, out);
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, out);
     else
-        for (int i = 0; i < d->n; ++i) rbdi_entries_by_form(d, i, want, out);
+        rbdi_put_all(d, want, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1059,6 +1168,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         r = &d->run[d->runs++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
+        r->free = (int16_t)(n == 6 && l->parent < 0 && !m->nmimic);
     }
     r->end = (int16_t)(l->first + n);
 }
