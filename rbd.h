@@ -76,7 +76,7 @@
                       linkers that keep all functions of a file:
      RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
      RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
-     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, rbd_joint, rbd_dof_body
+     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, joint, dof_body, describe
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
      RBD_NO_POINTS    section [points]; goes with kinematics
@@ -281,6 +281,7 @@ extern "C" {
 #define rbd_work_init RBDI_SYMBOL(rbd_work_init)
 #define rbd_work_size RBDI_SYMBOL(rbd_work_size)
 #define rbd_set_gravity RBDI_SYMBOL(rbd_set_gravity)
+#define rbd_get_gravity RBDI_SYMBOL(rbd_get_gravity)
 #define rbd_singular_dof RBDI_SYMBOL(rbd_singular_dof)
 #define rbd_rnea RBDI_SYMBOL(rbd_rnea)
 #define rbd_bias RBDI_SYMBOL(rbd_bias)
@@ -317,6 +318,8 @@ extern "C" {
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
 #define rbd_random RBDI_SYMBOL(rbd_random)
+#define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)
+#define rbd_velocity_from_rates RBDI_SYMBOL(rbd_velocity_from_rates)
 #define rbd_nb RBDI_SYMBOL(rbd_nb)
 #define rbd_nq RBDI_SYMBOL(rbd_nq)
 #define rbd_nv RBDI_SYMBOL(rbd_nv)
@@ -326,6 +329,7 @@ extern "C" {
 #define rbd_joint_name RBDI_SYMBOL(rbd_joint_name)
 #define rbd_joint RBDI_SYMBOL(rbd_joint)
 #define rbd_dof_body RBDI_SYMBOL(rbd_dof_body)
+#define rbd_describe RBDI_SYMBOL(rbd_describe)
 #define rbd_batch_lanes RBDI_OF_SCALAR(rbd_batch_lanes)
 #define rbd_batch_size RBDI_OF_SCALAR(rbd_batch_size)
 #define rbd_batch_init RBDI_OF_SCALAR(rbd_batch_init)
@@ -534,6 +538,9 @@ RBD_API size_t rbd_work_size(const rbd_model *m);
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
+/* What it is set to. Errors: RBD_ERR_NULL. */
+RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
+
 /* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
    rounding, or not a number; else -1. */
 RBD_API int rbd_singular_dof(const rbd_work *w);
@@ -731,6 +738,15 @@ RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rb
 /* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
 RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
+/* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
+   q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
+RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                           rbd_real *rates);
+
+/* The velocity, nv, from such rates. What changes the length of a quaternion or (cos, sin) does not count. */
+RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                           rbd_real *v);
+
 /* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
    (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
 RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
@@ -763,6 +779,11 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
 
 /* The body whose joint has this degree of freedom, -1 if there is none. */
 RBD_API int rbd_dof_body(const rbd_model *m, int dof);
+
+/* Reads a body back from the model, of a table in flash too: a row from which rbd_model_build makes the same,
+   to rounding. Its parent is the body whose joint carries it: bodies fixed between are left out. Axes are of
+   unit length. Errors: RBD_ERR_NULL, _INDEX. */
+RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 #endif
 
 /* ---- batches [batch] ----
@@ -2149,8 +2170,9 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
-   rbdi_block_pose (here), rbdi_step_joint and rbdi_difference_joint (manifold); rbd_neutral and rbd_random if
-   zero or an angle will not do. One-axis types mostly need the first two only. */
+   rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
+   (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
+   first two only. */
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
@@ -4820,6 +4842,85 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
     }
 }
 
+/* 1 / |q|, of unit quaternion or (cos, sin) u along q; 0 where q has no direction. */
+static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *u, int n) {
+    rbdi_mask bad = rbdi_less(*q, *q);
+    rbd_real length = rbdi_zero();
+    for (int k = 0; k < n; ++k) length = length + q[k] * u[k];
+    return rbdi_reciprocal(length, RBD_C(1e-15), &bad);
+}
+
+static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    rbd_real c, s, turn[4];
+    switch (u->type) {
+    case RBD_CONTINUOUS_CS: rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0]; break;
+    case RBD_PLANAR:
+        rbdi_sincos(q[2], &s, &c);
+        rates[0] = c * v[1] - s * v[2], rates[1] = s * v[1] + c * v[2], rates[2] = v[0];
+        break;
+    case RBD_SPHERICAL:
+    case RBD_FLOATING:
+        rbdi_store(rbdi_scale(half, rbdi_vec(v[0], v[1], v[2])), turn);
+        turn[3] = rbdi_zero();
+        rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
+        if (u->type == RBD_FLOATING)
+            rbdi_store(rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_vec(v[3], v[4], v[5])), rates);
+        break;
+    default:
+        for (int k = 0; k < u->nv; ++k) rates[k] = v[k];
+        break;
+    }
+}
+
+static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+    rbd_real x[4], k;
+    switch (u->type) {
+    case RBD_CONTINUOUS_CS:
+        rbdi_unit_cs(q, &x[0], &x[1]);
+        v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
+        break;
+    case RBD_PLANAR:
+        rbdi_sincos(q[2], &x[1], &x[0]);
+        rbdi_store(rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())), x);
+        v[0] = rates[2], v[1] = x[0], v[2] = x[1];
+        break;
+    case RBD_SPHERICAL:
+    case RBD_FLOATING:
+        rbdi_unit_quaternion(&q[u->nq - 4], x);
+        k = rbdi_inverse_length(&q[u->nq - 4], x, 4);
+        for (int i = 0; i < 3; ++i) x[i] = -x[i];
+        rbdi_quaternion_product(x, &rates[u->nq - 4], x);
+        rbdi_store(rbdi_scale(k + k, rbdi_vec(x[0], x[1], x[2])), v);
+        if (u->type == RBD_FLOATING)
+            rbdi_store(rbdi_mul(rbdi_quaternion_down(q + 3), rbdi_vec(rates[0], rates[1], rates[2])), v + 3);
+        break;
+    default:
+        for (int i = 0; i < u->nv; ++i) v[i] = rates[i];
+        break;
+    }
+}
+
+RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                           rbd_real *rates) {
+    if (!m || !q || !v || !rates) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_joint_rates(u, &q[u->iq], &v[u->iv], &rates[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                           rbd_real *v) {
+    if (!m || !q || !rates || !v) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_joint_velocity(u, &q[u->iq], &rates[u->iq], &v[u->iv]);
+    }
+    return RBD_OK;
+}
+
 RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                  rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
@@ -4980,6 +5081,12 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     return RBD_OK;
 }
 
+RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
+    if (!w || !gravity) return RBD_ERR_NULL;
+    gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
+    return RBD_OK;
+}
+
 /* ---- lookup [lookup code] ---- */
 
 RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
@@ -5115,7 +5222,8 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 RBDI_CODE_END
 
 /* ---- descriptions [descriptions] ----
-   What reading a description takes, here and in the headers beside: checks, and algebra in the build's arithmetic. */
+   What reading a description takes, here and in the headers beside: checks, and algebra in the build's
+   arithmetic. And the way back, from the model to a row. */
 
 #if RBDI_KIND(RBD_CONST) == 3
 #define RBDI_WIDE_LIBM(name) name##q
@@ -5147,6 +5255,24 @@ static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9
     for (int i = 0; i < 9; ++i)
         D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
     for (int i = 0; i < 9; ++i) C[i] = D[i];
+}
+static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+    rbdi_w_identity(A);
+    A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
+}
+static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+    rbdi_w_identity(A);
+    A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
+}
+/* Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
+static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
+                                   rbdi_wide sb, rbdi_wide E[9]) {
+    rbdi_wide Z[9];
+    rbdi_w_turn_z(cg, sg, E);
+    rbdi_w_turn_x(ca, sa, Z);
+    rbdi_w_product(E, Z, E);
+    rbdi_w_turn_z(cb, sb, Z);
+    rbdi_w_product(E, Z, E);
 }
 static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -5238,6 +5364,91 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 #define RBDI_TEXT(sentence) sentence
 #endif
 
+#ifndef RBD_NO_LOOKUP
+static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
+    for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
+    r[0] = (rbdi_wide)at.x, r[1] = (rbdi_wide)at.y, r[2] = (rbdi_wide)at.z;
+}
+
+/* E and r of link l at q = 0: x_link = E (x_parent - r). */
+static void rbdi_link_place(const rbd_model *m, const rbdi_link *l, rbdi_wide E[9], rbdi_wide r[3]) {
+    if (l->kind == RBDI_BLOCK) {
+        rbdi_widen_pose(rbdi_block_of(m, l)->E, l->r, E, r);
+        return;
+    }
+    r[0] = (rbdi_wide)l->r.x, r[1] = (rbdi_wide)l->r.y, r[2] = (rbdi_wide)l->r.z;
+    rbdi_w_zxz((rbdi_wide)l->cg, (rbdi_wide)l->sg, (rbdi_wide)l->ca, (rbdi_wide)l->sa, (rbdi_wide)l->cb,
+               (rbdi_wide)l->sb, E);
+    for (int k = 0; k < 3; ++k) r[k] += (rbdi_wide)l->d * E[6 + k];
+}
+
+/* Where the joint of a body stands, its axes, the links' z, and its parent; returns its first dof. */
+static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
+    const rbdi_frame *u = &m->frame[body];
+    rbdi_wide E[9], r[3], F[9], s[3], R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
+    int i = u->link, dof = 0;
+    rbdi_widen_pose(u->E, u->r, E, r);
+    for (; i >= 0 && m->dof[m->link[i].iv].body == body; i = m->link[i].parent) {
+        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = E[3 * k + 2];
+        rbdi_link_place(m, &m->link[i], F, s);
+        rbdi_w_apply_t(F, r, r);
+        for (int k = 0; k < 3; ++k) r[k] += s[k];
+        rbdi_w_product(E, F, E);
+        dof = m->link[i].iv;
+    }
+    row->parent = -1;
+    rbdi_w_transpose(E, R);
+    if (i >= 0) { /* from the link to the body that it carries */
+        row->parent = m->dof[m->link[i].iv].body;
+        rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r, F, s);
+        for (int k = 0; k < 3; ++k) r[k] -= s[k];
+        rbdi_w_apply(F, r, r);
+        rbdi_w_product(F, R, R);
+    }
+    for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+    for (int k = 0; k < 3; ++k) {
+        row->position[k] = (double)r[k];
+        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
+        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+    }
+    row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
+    return dof;
+}
+
+RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
+    const rbdi_frame *u;
+    const rbdi_dof *dof;
+    int first;
+    if (!m || !row) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    u = &m->frame[body];
+    row->name = u->name, row->joint = u->joint;
+    row->type = (rbd_joint_type)u->type;
+    first = rbdi_describe_joint(m, body, row);
+    row->mass = (double)u->mass;
+    row->com[0] = (double)u->com.x, row->com[1] = (double)u->com.y, row->com[2] = (double)u->com.z;
+    row->inertia[0] = (double)u->I.xx, row->inertia[1] = (double)u->I.xy, row->inertia[2] = (double)u->I.xz;
+    row->inertia[3] = (double)u->I.yy, row->inertia[4] = (double)u->I.yz, row->inertia[5] = (double)u->I.zz;
+    row->lower = (double)u->lower, row->upper = (double)u->upper;
+    row->velocity = (double)u->velocity, row->effort = (double)u->effort;
+    row->mimic = NULL;
+    row->mimic_ratio = row->mimic_offset = 0;
+    if (first >= m->nv) {
+        const rbdi_mimic *k = &m->mimic[first - m->nv];
+        row->mimic = m->frame[m->dof[k->source_v].body].joint;
+        row->mimic_ratio = (double)k->ratio, row->mimic_offset = (double)k->offset;
+    }
+    dof = &m->dof[first];
+    for (int k = 0; k < 6; ++k) {
+        const int has = k < u->nv || (row->mimic && k == 0);
+        row->armature[k] = has ? (double)dof[k].armature : 0;
+        row->damping[k] = has ? (double)dof[k].damping : 0;
+        row->friction[k] = has ? (double)dof[k].friction : 0;
+    }
+    return RBD_OK;
+}
+#endif
+
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
@@ -5292,14 +5503,6 @@ static int rbdi_can_mimic(int type) {
 
 /* -- small dense algebra of the build -- */
 
-static void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
-    rbdi_w_identity(A);
-    A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
-}
-static void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
-    rbdi_w_identity(A);
-    A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
-}
 /* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
@@ -5675,7 +5878,7 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
 static void rbdi_draft_angles(rbdi_draft *l) {
-    rbdi_wide *E = l->E, Z[9], sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    rbdi_wide *E = l->E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
     if (sigma > RBDI_SNAP) {
@@ -5688,11 +5891,7 @@ static void rbdi_draft_angles(rbdi_draft *l) {
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
     rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
-    rbdi_w_turn_z(l->cg, l->sg, E);
-    rbdi_w_turn_x(l->ca, l->sa, Z);
-    rbdi_w_product(E, Z, E);
-    rbdi_w_turn_z(l->cb, l->sb, Z);
-    rbdi_w_product(E, Z, E);
+    rbdi_w_zxz(l->cg, l->sg, l->ca, l->sa, l->cb, l->sb, E);
 }
 
 /* Second moment of mass, sum of m |x|^2, that the subtree of f can have about a point at this distance from

@@ -92,6 +92,8 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     (void)rbd_com(m, w, &R[0], &R[3], &R[6]); /* may have no mass */
     CLAIM(rbd_integrate(m, q, v, (rbd_real)0.01, next) == RBD_OK);
     CLAIM(rbd_difference(m, q, next, out) == RBD_OK);
+    CLAIM(rbd_rates_from_velocity(m, q, v, next) == RBD_OK);
+    CLAIM(rbd_velocity_from_rates(m, q, next, out) == RBD_OK);
     CLAIM(rbd_neutral(m, q) == RBD_OK);
     uint64_t seed = 1;
     CLAIM(rbd_random(m, &seed, q) == RBD_OK);
@@ -110,6 +112,8 @@ static void run_lookup(const rbd_model *m) {
     }
     for (int b = 0; b < nb; b++) {
         rbd_joint_info joint;
+        rbd_body row;
+        CLAIM(rbd_describe(m, b, &row) == RBD_OK);
         CLAIM(rbd_joint(m, b, &joint) == RBD_OK);
         CLAIM(joint.nv == 0 ? joint.iq == -1 && joint.iv == -1
                             : joint.iq >= 0 && joint.iq + joint.nq <= rbd_nq(m) && joint.iv >= 0 &&

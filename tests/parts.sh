@@ -78,8 +78,10 @@ holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceler
     rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass $points
 # shellcheck disable=SC2086 # words wanted
 holds POINTS $points
-holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random
-holds LOOKUP rbd_body_index rbd_joint_index rbd_body_name rbd_joint_name rbd_joint rbd_dof_body
+holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random rbd_rates_from_velocity \
+    rbd_velocity_from_rates
+holds LOOKUP rbd_body_index rbd_joint_index rbd_body_name rbd_joint_name rbd_joint rbd_dof_body \
+    rbd_describe
 holds TEXT rbd_status_string rbd_finding_text
 
 for one in $parts; do

@@ -340,6 +340,9 @@ static void check_steps(void) {
         for (int k = 0; k < reference->nv; k++) expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
         compare("difference", lane, step, expected, reference->nv, 10 * DIRECT);
     }
+    RUN(rbd_rates_from_velocity(model, q, v, next));
+    RUN(rbd_velocity_from_rates(model, q, next, step));
+    COMPARE("velocity from rates", step, v, reference->nv, DIRECT);
 }
 
 START_TEST(integrate_and_difference_match_the_reference) { for_models(check_steps); }

@@ -147,12 +147,32 @@ START_TEST(tables_know_names_and_limits) {
 }
 END_TEST
 
+START_TEST(tables_describe_their_bodies) {
+    const double bound = sizeof(rbd_const) == sizeof(double) ? 1e-11 : 1e-6;
+    const robot *r = &robots[_i];
+    for (int i = 0; i < r->nb; i++) {
+        const rbd_body *b = &r->bodies[i];
+        rbd_body row;
+        ck_assert_int_eq(rbd_describe(r->table, i, &row), RBD_OK);
+        ck_assert_int_eq(row.parent, b->parent);
+        for (int k = 0; k < 3; k++) {
+            ck_assert_double_eq_tol(row.position[k], b->position[k], bound);
+            ck_assert_double_eq_tol(row.axis[k], b->axis[k], bound);
+            ck_assert_double_eq_tol(row.com[k], b->com[k], bound);
+        }
+        ck_assert_double_eq((rbd_const)row.mass, (rbd_const)b->mass);
+        for (int k = 0; k < 6; k++) ck_assert_double_eq((rbd_const)row.inertia[k], (rbd_const)b->inertia[k]);
+    }
+}
+END_TEST
+
 int main(void) {
     Suite *suite = suite_create("tables");
     TCase *c = tcase_create("tables");
     tcase_add_loop_test(c, tables_give_the_bits_of_the_build, 0, ROBOTS);
     tcase_add_loop_test(c, tables_state_their_work_size, 0, ROBOTS);
     tcase_add_loop_test(c, tables_know_names_and_limits, 0, ROBOTS);
+    tcase_add_loop_test(c, tables_describe_their_bodies, 0, ROBOTS);
     suite_add_tcase(suite, c);
     SRunner *runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);

@@ -181,6 +181,8 @@ static void call_manifold(const robot *r, const robot *f, const state *s, int nu
     BOTH(rbd_random(f->m, &seed, next), rbd_random(r->m, &again, plain), next, r->nq);
     BOTH(rbd_integrate(f->m, q, v, 0.1, next), rbd_integrate(r->m, q, v, 0.1, plain), next, r->nq);
     BOTH(rbd_difference(f->m, q, next, d), rbd_difference(r->m, q, next, plain), d, r->nv);
+    BOTH(rbd_rates_from_velocity(f->m, q, v, next), rbd_rates_from_velocity(r->m, q, v, plain), next, r->nq);
+    BOTH(rbd_velocity_from_rates(f->m, q, next, d), rbd_velocity_from_rates(r->m, q, next, plain), d, r->nv);
 }
 
 static void call_lookup(const robot *r, const robot *f) {
@@ -188,6 +190,8 @@ static void call_lookup(const robot *r, const robot *f) {
     ck_assert_int_eq(rbd_joint_index(f->m, "nothing"), -1);
     for (int b = 0; b < r->nb; b++) {
         rbd_joint_info info;
+        rbd_body row;
+        ck_assert_int_eq(rbd_describe(f->m, b, &row), RBD_OK);
         ck_assert_int_eq(rbd_joint(f->m, b, &info), RBD_OK);
         ck_assert_ptr_eq(rbd_body_name(f->m, b), rbd_body_name(r->m, b));
         ck_assert_ptr_eq(rbd_joint_name(f->m, b), rbd_joint_name(r->m, b));

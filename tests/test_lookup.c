@@ -1,4 +1,7 @@
 /* test_lookup.c - [lookup]: sizes, names, joints, degrees of freedom. */
+#include <math.h>
+#include <string.h>
+
 #include "suites.h"
 #include "support.h"
 
@@ -158,6 +161,117 @@ START_TEST(joints_lie_where_the_reference_has_them) {
 }
 END_TEST
 
+/* ---- bodies read back ---- */
+
+static void expect_equal(const double *found, const double *expected, int n, const char *what, int body) {
+    for (int k = 0; k < n; k++)
+        ck_assert_msg(fabs(found[k] - expected[k]) <= 0, "body %d, %s %d: %.17g", body, what, k, found[k]);
+}
+
+/* The nearest body towards the root that has a joint. */
+static int carrier(const rbd_body *bodies, int b) {
+    for (b = bodies[b].parent; b >= 0 && bodies[b].type == RBD_FIXED;) b = bodies[b].parent;
+    return b;
+}
+
+static void unit_axis(const double axis[3], double unit[3]) {
+    const double length = sqrt(dot(axis, axis, 3));
+    for (int k = 0; k < 3; k++) unit[k] = axis[k] / length;
+}
+
+static void check_row(const robot *r, int b, const rbd_body *found) {
+    static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const rbd_body *e = &r->bodies[b];
+    const int dofs = e->mimic ? 1 : tb_nv(e), has_axis = e->type > RBD_FIXED && e->type <= RBD_UNIVERSAL;
+    double axis[3] = {0}, axis2[3] = {0};
+    ck_assert_ptr_eq(found->name, e->name);
+    ck_assert_ptr_eq(found->joint, e->joint);
+    ck_assert_int_eq(found->type, e->type);
+    ck_assert_int_eq(found->parent, carrier(r->bodies, b));
+    expect_equal(&found->mass, &e->mass, 1, "mass", b);
+    expect_equal(found->com, e->com, 3, "com", b);
+    expect_equal(found->inertia, e->inertia, 6, "inertia", b);
+    expect_equal(found->armature, e->armature, dofs, "armature", b);
+    expect_equal(found->damping, e->damping, dofs, "damping", b);
+    expect_equal(found->friction, e->friction, dofs, "friction", b);
+    for (int k = dofs; k < 6; k++)
+        ck_assert(!(fabs(found->armature[k]) + fabs(found->damping[k]) + fabs(found->friction[k]) > 0));
+    expect_equal(&found->lower, &e->lower, 1, "lower", b);
+    expect_equal(&found->upper, &e->upper, 1, "upper", b);
+    expect_equal(&found->velocity, &e->velocity, 1, "velocity", b);
+    expect_equal(&found->effort, &e->effort, 1, "effort", b);
+    expect_equal(&found->pitch, &e->pitch, 1, "pitch", b);
+    ck_assert((found->mimic == NULL) == (e->mimic == NULL));
+    if (e->mimic) {
+        ck_assert_str_eq(found->mimic, e->mimic);
+        expect_equal(&found->mimic_ratio, &e->mimic_ratio, 1, "mimic_ratio", b);
+        expect_equal(&found->mimic_offset, &e->mimic_offset, 1, "mimic_offset", b);
+    }
+    if (has_axis) unit_axis(e->axis, axis);
+    if (e->type == RBD_UNIVERSAL) unit_axis(e->axis2, axis2);
+    for (int k = 0; k < 3; k++)
+        expect_small("axis read back", r, b,
+                     fabs(found->axis[k] - axis[k]) + fabs(found->axis2[k] - axis2[k]), 1e-11);
+    if (found->parent != e->parent) return;
+    for (int k = 0; k < 3; k++)
+        expect_small("position read back", r, b, fabs(found->position[k] - e->position[k]), 1e-11);
+    for (int k = 0; k < 9; k++) {
+        const double *R = largest(e->rotation, 9) > 0 ? e->rotation : identity;
+        expect_small("rotation read back", r, b, fabs(found->rotation[k] - R[k]), 1e-11);
+    }
+}
+
+/* Row by row, and as a whole: a model of the rows does the same. */
+static void check_description(const robot *r, const state *s, int number) {
+    static rbd_body rows[MAX_BODIES];
+    double tau[2][MAX_V], R[2][9], p[2][3], gravity[3];
+    for (int b = 0; b < r->nb; b++) {
+        memset(&rows[b], 0xff, sizeof rows[b]);
+        RUN(rbd_describe(r->m, b, &rows[b]));
+        check_row(r, b, &rows[b]);
+    }
+    robot again = robot_build(r->name, rows, r->nb);
+    ck_assert_int_eq(again.nq, r->nq);
+    ck_assert_int_eq(again.nv, r->nv);
+    RUN(rbd_get_gravity(r->w, gravity));
+    expect_equal(gravity, s->gravity, 3, "gravity", 0);
+    RUN(rbd_set_gravity(again.w, gravity));
+    RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, s->f_ext, tau[0]));
+    RUN(rbd_rnea(again.m, again.w, s->q, s->v, s->a, s->f_ext, tau[1]));
+    expect_close("rnea, read back", r, number, tau[1], tau[0], r->nv, 1e-10); /* of axes snapped by 1e-12 */
+    RUN(rbd_kinematics(r->m, r->w, s->q, NULL, NULL));
+    RUN(rbd_kinematics(again.m, again.w, s->q, NULL, NULL));
+    for (int b = 0; b < r->nb; b++) {
+        RUN(rbd_body_pose(r->m, r->w, b, R[0], p[0]));
+        RUN(rbd_body_pose(again.m, again.w, b, R[1], p[1]));
+        expect_close("R, read back", r, number, R[1], R[0], 9, 1e-11);
+        expect_close("p, read back", r, number, p[1], p[0], 3, 1e-10);
+    }
+    robot_free(&again);
+}
+
+START_TEST(bodies_are_read_back) {
+    for_random_states(1, check_description);
+    for_random_trees(200, check_description);
+}
+END_TEST
+
+START_TEST(what_is_not_there_is_not_read_back) {
+    robot r = BUILD(arm);
+    double g[3];
+    rbd_body row;
+    ck_assert_int_eq(rbd_describe(NULL, 0, &row), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_describe(r.m, 0, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_describe(r.m, -1, &row), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_describe(r.m, ARM_NB, &row), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_get_gravity(NULL, g), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_get_gravity(r.w, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_get_gravity(r.w, g), RBD_OK);
+    expect_equal(g, earth, 3, "gravity", 0);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *lookup_suite(void) {
     Suite *suite = suite_create("lookup");
     TCase *c = tcase_create("lookup");
@@ -166,6 +280,8 @@ Suite *lookup_suite(void) {
     tcase_add_test(c, joints_know_their_place_and_limits);
     tcase_add_test(c, degrees_of_freedom_lead_to_bodies);
     tcase_add_test(c, joints_lie_where_the_reference_has_them);
+    tcase_add_test(c, bodies_are_read_back);
+    tcase_add_test(c, what_is_not_there_is_not_read_back);
     suite_add_tcase(suite, c);
     return suite;
 }

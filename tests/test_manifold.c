@@ -115,6 +115,51 @@ static void check_pose(const robot *r, const state *s, int number) {
 START_TEST(integrate_moves_bodies_by_their_velocity) { for_random_states(2, check_pose); }
 END_TEST
 
+/* What q does along v, by steps of integrate; and back. */
+static void check_rates(const robot *r, const state *s, int number) {
+    double q[MAX_Q], rates[MAX_Q], expected[MAX_Q], v[MAX_V], unit[MAX_Q], zero[MAX_V] = {0};
+    double side[2][2][MAX_Q];
+    RUN(rbd_integrate(r->m, s->q, zero, 1, unit)); /* makes quaternions unit */
+    for (int half = 0; half < 2; half++)
+        for (int i = 0; i < 2; i++) {
+            const double h = half ? 5e-4 : 1e-3;
+            RUN(rbd_integrate(r->m, unit, s->v, i ? h : -h, side[half][i]));
+        }
+    for (int k = 0; k < r->nq; k++) {
+        const double coarse = (side[0][1][k] - side[0][0][k]) / 2e-3,
+                     fine = (side[1][1][k] - side[1][0][k]) / 1e-3;
+        expected[k] = fine + (fine - coarse) / 3;
+    }
+    RUN(rbd_rates_from_velocity(r->m, unit, s->v, rates));
+    expect_close("rates by differences", r, number, rates, expected, r->nq, 1e-9);
+    memcpy(q, s->q, sizeof q); /* of other lengths */
+    for (int i = 0; i < r->nb; i++) {
+        rbd_joint_info info;
+        RUN(rbd_joint(r->m, i, &info));
+        if (info.nq > info.nv)
+            for (int k = info.nq - (info.type == RBD_CONTINUOUS_CS ? 2 : 4); k < info.nq; k++)
+                q[info.iq + k] *= 1.5;
+    }
+    RUN(rbd_rates_from_velocity(r->m, q, s->v, rates));
+    RUN(rbd_velocity_from_rates(r->m, q, rates, v));
+    expect_close("velocity from rates", r, number, v, s->v, r->nv, 1e-14);
+    for (int i = 0; i < r->nb; i++) { /* a change of length is no motion */
+        rbd_joint_info info;
+        RUN(rbd_joint(r->m, i, &info));
+        if (info.nq > info.nv)
+            for (int k = info.nq - (info.type == RBD_CONTINUOUS_CS ? 2 : 4); k < info.nq; k++)
+                rates[info.iq + k] += 0.7 * q[info.iq + k];
+    }
+    RUN(rbd_velocity_from_rates(r->m, q, rates, v));
+    expect_close("velocity from rates that stretch", r, number, v, s->v, r->nv, 1e-14);
+}
+
+START_TEST(rates_are_derivatives_of_the_coordinates) {
+    for_random_states(5, check_rates);
+    for_random_trees(100, check_rates);
+}
+END_TEST
+
 static const rbd_body one_of_each[] = {
     {.joint = "floating", .parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
     {.joint = "spherical", .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
@@ -139,6 +184,49 @@ START_TEST(neutral_is_zero_with_identity_rotations) {
     ck_assert_int_eq(r.nq, EACH_NQ);
     ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
     expect_close("neutral", &r, 0, q, expected, EACH_NQ, 0);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(rates_of_any_length_are_finite) {
+    const double lengths[4] = {1e-140, 1, 1e140, 1e300};
+    double q[EACH_NQ], rates[EACH_NQ], v[15], back[15];
+    uint64_t seed = 9;
+    robot r = BUILD(one_of_each);
+    for (int k = 0; k < 15; k++) v[k] = uniform(&seed, -2, 2);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+        for (int k = 0; k < 4; k++) q[FLOATING_Q + 3 + k] *= lengths[i], q[SPHERICAL_Q + k] *= lengths[i];
+        for (int k = 0; k < 2; k++) q[CS_Q + k] *= lengths[i];
+        ck_assert_int_eq(rbd_rates_from_velocity(r.m, q, v, rates), RBD_OK);
+        ck_assert_int_eq(rbd_velocity_from_rates(r.m, q, rates, back), RBD_OK);
+        if (i > 0) /* the first is too short for a direction */
+            expect_close("velocity from rates, any length", &r, i, back, v, 15, 1e-14);
+        ck_assert(largest(rates, EACH_NQ) < 1e301 && largest(back, 15) < 10);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(rates_without_a_direction_are_zero) {
+    const double q[EACH_NQ] = {0}, v[15] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    double rates[EACH_NQ], back[15];
+    robot r = BUILD(one_of_each);
+    ck_assert_int_eq(rbd_rates_from_velocity(r.m, q, v, rates), RBD_OK);
+    for (int k = 0; k < 4; k++) ck_assert(!(fabs(rates[3 + k]) > 0) && !(fabs(rates[SPHERICAL_Q + k]) > 0));
+    for (int k = 0; k < EACH_NQ; k++) rates[k] = 1;
+    ck_assert_int_eq(rbd_velocity_from_rates(r.m, q, rates, back), RBD_OK);
+    for (int k = 0; k < 15; k++)
+        ck_assert_msg(k < 3 || (k >= 6 && k < 10) ? !(fabs(back[k]) > 0) : fabs(back[k] - 1) < 1e-15,
+                      "dof %d: %g", k, back[k]);
+    ck_assert_int_eq(rbd_rates_from_velocity(NULL, q, v, rates), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_rates_from_velocity(r.m, NULL, v, rates), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_rates_from_velocity(r.m, q, NULL, rates), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_rates_from_velocity(r.m, q, v, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_velocity_from_rates(NULL, q, rates, back), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_velocity_from_rates(r.m, NULL, rates, back), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_velocity_from_rates(r.m, q, NULL, back), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_velocity_from_rates(r.m, q, rates, NULL), RBD_ERR_NULL);
     robot_free(&r);
 }
 END_TEST
@@ -373,6 +461,9 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, steps_add_up);
     tcase_add_test(c, difference_leads_from_any_place_to_any_other);
     tcase_add_test(c, integrate_moves_bodies_by_their_velocity);
+    tcase_add_test(c, rates_are_derivatives_of_the_coordinates);
+    tcase_add_test(c, rates_of_any_length_are_finite);
+    tcase_add_test(c, rates_without_a_direction_are_zero);
     tcase_add_test(c, neutral_is_zero_with_identity_rotations);
     tcase_add_test(c, difference_ignores_length_and_sign_of_quaternions);
     tcase_add_test(c, difference_holds_up_to_half_a_turn);
