@@ -1,11 +1,11 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
    ROBOTS is 3 or 8, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes. What is no number
-   is wrong where rbd.h has one, and so is any status that is not rbd.h's. rbd.h judges pivots in one step,
-   as generated code does. */
+   is wrong where rbd.h has one, and so is any status that is not rbd.h's. */
 #define RBD_REAL REAL
 #define RBD_STATIC
-#define RBD_SPECIALISE
 #define RBD_IMPLEMENTATION
+#include "rbd_derivatives.h"
+
 #include "chosen.h"
 
 #include <float.h>
@@ -27,43 +27,50 @@ typedef REAL real;
 
 enum { RANDOM = 57, ZERO = RANDOM, NOT_A_NUMBER, LOCKED, STATES, MOST = 64 };
 
+/* All functions, with their arguments, of robot n. */
+typedef const real *in;
+#define FUNCTIONS(x, n) \
+    x(n, void, id, (in q, in v, in a, in f_ext, in gravity, real * tau)) \
+        x(n, void, bias, (in q, in v, in f_ext, in gravity, real * c)) x(n, void, gravity, \
+                                                                         (in q, in gravity, real * tau)) \
+            x(n, void, mm, (in q, real * M)) x(n, void, mm_packed, (in q, real * H)) \
+                x(n, void, gravity_derivatives, (in q, in gravity, real * dg_dq)) x( \
+                    n, void, coriolis, (in q, in v, real * C)) x(n, void, momentum_matrix, (in q, real * A)) \
+                    x(n, void, com_jacobian, (in q, real * J)) x(n, void, jacobian_tip, (in q, real * J)) \
+                        x(n, void, pose_tip, (in q, real * R, real * p)) \
+                            x(n, void, id_derivatives, \
+                              (in q, in v, in a, in f_ext, in gravity, real * dtau_dq, real * dtau_dv)) \
+                                x(n, int, minv, (in q, real * Minv)) \
+                                    x(n, int, fd, (in q, in v, in tau, in f_ext, in gravity, real * a)) \
+                                        x(n, int, fd_cholesky, \
+                                          (in q, in v, in tau, in f_ext, in gravity, real * a))
+
+#define NUMBER(n, result, function, arguments) call_##function,
+enum { FUNCTIONS(NUMBER, ) CALLS, FIRST_WITH_PIVOTS = call_minv };
+#define WORD(n, result, function, arguments) #function,
+static const char *const names[CALLS] = {FUNCTIONS(WORD, )};
+#define POINTER(n, result, function, arguments) result(*function) arguments;
 typedef struct code {
-    void (*id)(const real *q, const real *v, const real *a, const real *f_ext, const real *gravity,
-               real *tau);
-    void (*bias)(const real *q, const real *v, const real *f_ext, const real *gravity, real *c);
-    void (*gravity)(const real *q, const real *gravity, real *tau);
-    void (*mm)(const real *q, real *M);
-    void (*mm_packed)(const real *q, real *H);
-    int (*fd)(const real *q, const real *v, const real *tau, const real *f_ext, const real *gravity, real *a);
-    int (*fd_cholesky)(const real *q, const real *v, const real *tau, const real *f_ext, const real *gravity,
-                       real *a);
+    FUNCTIONS(POINTER, )
 } code;
 
-#define ONE(n) \
-    {PASTE(n, _id),        PASTE(n, _bias), PASTE(n, _gravity),    PASTE(n, _mm), \
-     PASTE(n, _mm_packed), PASTE(n, _fd),   PASTE(n, _fd_cholesky)}
-#define DECLARE(n) \
-    void PASTE(n, _id)(const real *, const real *, const real *, const real *, const real *, real *); \
-    void PASTE(n, _bias)(const real *, const real *, const real *, const real *, real *); \
-    void PASTE(n, _gravity)(const real *, const real *, real *); \
-    void PASTE(n, _mm)(const real *, real *); \
-    void PASTE(n, _mm_packed)(const real *, real *); \
-    int PASTE(n, _fd)(const real *, const real *, const real *, const real *, const real *, real *); \
-    int PASTE(n, _fd_cholesky)(const real *, const real *, const real *, const real *, const real *, real *);
-DECLARE(PASTE(NAME, 0))
-DECLARE(PASTE(NAME, 1))
-DECLARE(PASTE(NAME, 2))
+#define DECLARATION(n, result, function, arguments) result PASTE(PASTE(NAME, n), _##function) arguments;
+#define ENTRY(n, result, function, arguments) PASTE(PASTE(NAME, n), _##function),
+FUNCTIONS(DECLARATION, 0)
+FUNCTIONS(DECLARATION, 1)
+FUNCTIONS(DECLARATION, 2)
 #if ROBOTS > 3
-DECLARE(PASTE(NAME, 3))
-DECLARE(PASTE(NAME, 4))
-DECLARE(PASTE(NAME, 5))
-DECLARE(PASTE(NAME, 6))
-DECLARE(PASTE(NAME, 7))
+FUNCTIONS(DECLARATION, 3)
+FUNCTIONS(DECLARATION, 4)
+FUNCTIONS(DECLARATION, 5)
+FUNCTIONS(DECLARATION, 6)
+FUNCTIONS(DECLARATION, 7)
 #endif
 static const code codes[ROBOTS] = {
-    ONE(PASTE(NAME, 0)), ONE(PASTE(NAME, 1)), ONE(PASTE(NAME, 2)),
+    {FUNCTIONS(ENTRY, 0)}, {FUNCTIONS(ENTRY, 1)}, {FUNCTIONS(ENTRY, 2)},
 #if ROBOTS > 3
-    ONE(PASTE(NAME, 3)), ONE(PASTE(NAME, 4)), ONE(PASTE(NAME, 5)), ONE(PASTE(NAME, 6)), ONE(PASTE(NAME, 7)),
+    {FUNCTIONS(ENTRY, 3)}, {FUNCTIONS(ENTRY, 4)}, {FUNCTIONS(ENTRY, 5)},
+    {FUNCTIONS(ENTRY, 6)}, {FUNCTIONS(ENTRY, 7)},
 #endif
 };
 
@@ -73,6 +80,7 @@ static sample robot;
 static sample_state states[STATES];
 static const rbd_model *m;
 static rbd_work *w;
+static rbd_derivatives *d;
 static int failures, singular, skipped;
 static double worst;
 
@@ -105,7 +113,7 @@ static void compare(const char *what, int state, const REAL *right, const real *
 
 /* Condition number of M in the norm of the largest column sum. */
 static double condition(const REAL *M) {
-    static REAL L[MOST * MOST], x[MOST];
+    static REAL L[2 * MOST * MOST], x[MOST];
     const int n = rbd_nv(m);
     double norm = 0, inverse = 0;
     if (rbd_cholesky_factor(m, w, M, L) != RBD_OK) return HUGE_VAL;
@@ -130,7 +138,7 @@ static int expected_status(rbd_status status) {
 /* ---- random states k, k + 1 and so on in the lanes; of the bad ones one, in the last ---- */
 
 static real q[5 * WORLD_BODIES + WORLD_COORDINATES], v[MOST], a[MOST], tau[MOST], f_ext[6 * WORLD_BODIES],
-    gravity[3], found[MOST * MOST];
+    gravity[3], found[2 * MOST * MOST];
 
 static int state_of(int k, int lane) {
     return k >= RANDOM && lane == CODE_LANES - 1 ? k : (k + lane) % RANDOM;
@@ -152,58 +160,86 @@ static void check_status(const char *what, int k, int found_status, int status) 
     if (failures++ < 10) printf("%s: state %d: status %d, not %d\n", what, k, found_status, status);
 }
 
-enum { ID, BIAS, GRAVITY, MM, MM_PACKED, FD, FD_CHOLESKY, CALLS };
-static const char *const names[CALLS] = {"id", "bias", "gravity", "mm", "mm_packed", "fd", "fd_cholesky"};
-
+/* The functions with two results have them one behind the other. */
 static int run_code(const code *c, int call) {
+    const int nv = rbd_nv(m);
     switch (call) {
-    case ID: c->id(q, v, a, f_ext, gravity, found); break;
-    case BIAS: c->bias(q, v, f_ext, gravity, found); break;
-    case GRAVITY: c->gravity(q, gravity, found); break;
-    case MM: c->mm(q, found); break;
-    case MM_PACKED: c->mm_packed(q, found); break;
-    case FD: return c->fd(q, v, tau, f_ext, gravity, found);
+    case call_id: c->id(q, v, a, f_ext, gravity, found); break;
+    case call_bias: c->bias(q, v, f_ext, gravity, found); break;
+    case call_gravity: c->gravity(q, gravity, found); break;
+    case call_mm: c->mm(q, found); break;
+    case call_mm_packed: c->mm_packed(q, found); break;
+    case call_gravity_derivatives: c->gravity_derivatives(q, gravity, found); break;
+    case call_coriolis: c->coriolis(q, v, found); break;
+    case call_momentum_matrix: c->momentum_matrix(q, found); break;
+    case call_com_jacobian: c->com_jacobian(q, found); break;
+    case call_jacobian_tip: c->jacobian_tip(q, found); break;
+    case call_pose_tip: c->pose_tip(q, found, found + 9); break;
+    case call_id_derivatives: c->id_derivatives(q, v, a, f_ext, gravity, found, found + nv * nv); break;
+    case call_minv: return c->minv(q, found);
+    case call_fd: return c->fd(q, v, tau, f_ext, gravity, found);
     default: return c->fd_cholesky(q, v, tau, f_ext, gravity, found);
     }
     return 0;
 }
 
 static rbd_status run_rbd(const sample_state *s, int call, REAL *out) {
-    static REAL x[WORLD_COORDINATES], xv[MOST], xa[MOST], xtau[MOST], wrenches[6 * WORLD_BODIES], g[3];
+    static REAL x[WORLD_COORDINATES], xv[MOST], xa[MOST], xtau[MOST], f[6 * WORLD_BODIES], g[3];
+    const int nv = rbd_nv(m), tip = rbd_body_index(m, "tip");
     for (int k = 0; k < robot.nq; k++) x[k] = (REAL)s->q[k];
-    for (int k = 0; k < robot.nv; k++)
-        xv[k] = (REAL)s->v[k], xa[k] = (REAL)s->a[k], xtau[k] = (REAL)s->tau[k];
-    for (int k = 0; k < 6 * robot.nb; k++) wrenches[k] = (REAL)s->f_ext[k];
+    for (int k = 0; k < nv; k++) xv[k] = (REAL)s->v[k], xa[k] = (REAL)s->a[k], xtau[k] = (REAL)s->tau[k];
+    for (int k = 0; k < 6 * robot.nb; k++) f[k] = (REAL)s->f_ext[k];
     for (int k = 0; k < 3; k++) g[k] = (REAL)s->gravity[k];
     rbd_set_gravity(w, g);
+    rbd_kinematics(m, w, x, NULL, NULL);
     switch (call) {
-    case ID: return rbd_rnea(m, w, x, xv, xa, wrenches, out);
-    case BIAS: return rbd_bias(m, w, x, xv, wrenches, out);
-    case GRAVITY: return rbd_gravity(m, w, x, out);
-    case MM: return rbd_crba(m, w, x, out);
-    case MM_PACKED: return rbd_crba_packed(m, w, x, out);
-    case FD: return rbd_aba(m, w, x, xv, xtau, wrenches, out);
-    default: return rbd_fd_cholesky(m, w, x, xv, xtau, wrenches, out);
+    case call_id: return rbd_rnea(m, w, x, xv, xa, f, out);
+    case call_bias: return rbd_bias(m, w, x, xv, f, out);
+    case call_gravity: return rbd_gravity(m, w, x, out);
+    case call_mm: return rbd_crba(m, w, x, out);
+    case call_mm_packed: return rbd_crba_packed(m, w, x, out);
+    case call_gravity_derivatives: return rbd_gravity_derivatives(m, d, x, out);
+    case call_coriolis: return rbd_coriolis(m, d, x, xv, out);
+    case call_momentum_matrix: return rbd_momentum_matrix(m, d, x, NULL, out, NULL);
+    case call_com_jacobian: return rbd_com_jacobian(m, d, x, out);
+    case call_jacobian_tip: return rbd_jacobian(m, w, tip, NULL, RBD_WORLD_AXES, out);
+    case call_pose_tip: return rbd_body_pose(m, w, tip, out, out + 9);
+    case call_id_derivatives: return rbd_rnea_derivatives(m, d, x, xv, xa, f, out, out + nv * nv, NULL);
+    case call_minv: return rbd_minverse(m, w, x, out);
+    case call_fd: return rbd_aba(m, w, x, xv, xtau, f, out);
+    default: return rbd_fd_cholesky(m, w, x, xv, xtau, f, out);
     }
 }
 
 static int size_of(int call) {
     const int nv = rbd_nv(m);
-    return call == MM ? nv * nv : call == MM_PACKED ? rbd_packed_size(m) : nv;
+    switch (call) {
+    case call_mm_packed: return rbd_packed_size(m);
+    case call_mm:
+    case call_minv:
+    case call_gravity_derivatives:
+    case call_coriolis: return nv * nv;
+    case call_id_derivatives: return 2 * nv * nv;
+    case call_momentum_matrix:
+    case call_jacobian_tip: return 6 * nv;
+    case call_com_jacobian: return 3 * nv;
+    case call_pose_tip: return 12;
+    default: return nv;
+    }
 }
 
 /* Of the results of M^-1 relative to the largest. */
 static double tolerance_of(int state, int call) {
-    static REAL M[MOST * MOST];
+    static REAL M[2 * MOST * MOST];
     const sample_state *s = &states[state == NOT_A_NUMBER ? 0 : state];
     const double eps = sizeof(REAL) == 4 ? 1e-7 : 2e-16;
-    if (call < FD || state == LOCKED) return 5e4 * eps;
-    run_rbd(s, MM, M);
+    if (call < FIRST_WITH_PIVOTS || state == LOCKED) return 5e4 * eps;
+    run_rbd(s, call_mm, M);
     return fmax(5e4 * eps, 10 * eps * condition(M));
 }
 
 static void check(const code *c, int k, int call) {
-    static REAL right[MOST * MOST];
+    static REAL right[2 * MOST * MOST];
     int status = 0, expected = 0;
     for (int lane = 0; lane < CODE_LANES; lane++) {
         const sample_state *s = &states[state_of(k, lane)];
@@ -231,11 +267,13 @@ static void check(const code *c, int k, int call) {
 
 int main(void) {
     static unsigned char model_memory[RBD_MODEL_SIZE(WORLD_BODIES)];
-    static unsigned char work_memory[RBD_WORK_SIZE_MIMIC(WORLD_BODIES, MOST)] __attribute__((aligned(64)));
+    static unsigned char work_memory[RBD_WORK_SIZE_MIMIC(WORLD_BODIES, MOST)];
+    static unsigned char derivatives_memory[RBD_DERIVATIVES_SIZE_MIMIC(WORLD_BODIES, MOST)];
     for (int r = 0; r < ROBOTS; r++) {
         choose_robot(&robot, r);
         if (rbd_model_build(robot.bodies, robot.nb, model_memory, sizeof model_memory, &m, NULL) != RBD_OK ||
-            rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
+            rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK ||
+            rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d) != RBD_OK)
             return 1;
         draw_states();
         worst = 0;
@@ -246,5 +284,5 @@ int main(void) {
     }
     if (!singular) puts("no singular state among them");
     printf("%d skipped\n", skipped);
-    return failures != 0 || !singular || skipped > RANDOM * ROBOTS * CODE_LANES / 5;
+    return failures != 0 || !singular || skipped > RANDOM;
 }

@@ -45,6 +45,8 @@ expect 2 "--algorithm: its value is missing$see" --algorithm
 expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
 expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
+expect 2 "--algorithm: there is no 'jacobian'$see" --algorithm jacobian a
+expect 1 "jacobian:foot: there is no such link" --algorithm jacobian:foot "$iiwa"
 expect 1 "cannot write nowhere/iiwa_code.h" --output nowhere "$iiwa"
 ls ./*_code.* >/dev/null 2>&1 && fail "files in spite of an error"
 
@@ -66,8 +68,8 @@ selftest() {
         [ -n "$flags" ] && [ $found -eq 0 ] && fail "self-test with another result: $*"
     done
 }
-all=id,bias,gravity,mm,mm_packed,fd,fd_cholesky
-selftest iiwa --algorithm $all "$iiwa"
+all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,coriolis,momentum_matrix,com_jacobian
+selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
 selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"

@@ -1,57 +1,208 @@
-/* algorithms.h - what can be generated: one row for each of rbd.h's calls. Included after rbd.h by those who
-   record the calls and by those who compute with them. SPDX-License-Identifier: MIT */
+/* algorithms.h - what can be generated: one row for each of the calls of rbd.h and rbd_derivatives.h.
+   Included after these by those who record the calls and by those who compute with them.
+   SPDX-License-Identifier: MIT */
 
 struct call {
     const rbd_model *m;
     rbd_work *w;
+    rbd_derivatives *d;
+    int body;
     const rbd_real *q, *v, *a, *tau, *f_ext; /* f_ext may be NULL */
-    rbd_real *out;
+    rbd_real *out[2];
 };
 
+typedef int size_of(const rbd_model *m);
 static int size_nv(const rbd_model *m) { return rbd_nv(m); }
 static int size_full(const rbd_model *m) { return rbd_nv(m) * rbd_nv(m); }
+static int size_rows_3(const rbd_model *m) { return 3 * rbd_nv(m); }
+static int size_rows_6(const rbd_model *m) { return 6 * rbd_nv(m); }
+static int size_wrenches(const rbd_model *m) { return 6 * rbd_nb(m); }
+static int size_3(const rbd_model *) { return 3; }
+static int size_9(const rbd_model *) { return 9; }
 
-/* arguments: q, v, a, tau as t, f_ext as f, gravity as g. pivots: may find the mass matrix singular. */
+enum traits {
+    PLAIN = 0,
+    PIVOTS = 1 /* may find M singular */,
+    BODY = 2 /* of a body, whose link is named */
+};
+
+struct result {
+    const char *name, *shape;
+    size_of *size;
+};
+
+/* arguments: those below, by letter. */
 static const struct algorithm {
-    const char *name, *arguments, *result, *shape;
-    int (*size)(const rbd_model *m);
+    const char *name, *arguments;
+    int traits;
+    result results[2];
     rbd_status (*run)(const call &c);
-    bool pivots;
     const char *about;
 } algorithms[] = {
-    {"id", "qvafg", "tau", "nv", size_nv,
-     [](const call &c) { return rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, c.out); }, false,
-     "Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext, by rbd_rnea."},
-    {"bias", "qvfg", "c", "nv", size_nv,
-     [](const call &c) { return rbd_bias(c.m, c.w, c.q, c.v, c.f_ext, c.out); }, false,
-     "Bias force: inverse dynamics at a = 0, by rbd_bias."},
-    {"gravity", "qg", "tau", "nv", size_nv, [](const call &c) { return rbd_gravity(c.m, c.w, c.q, c.out); },
-     false, "Gravity torque: inverse dynamics at v = a = 0, by rbd_gravity."},
-    {"mm", "q", "M", "nv x nv, both triangles", size_full,
-     [](const call &c) { return rbd_crba(c.m, c.w, c.q, c.out); }, false, "Mass matrix, by rbd_crba."},
-    {"mm_packed", "q", "H", "packed as rbd_crba_packed says", rbd_packed_size,
-     [](const call &c) { return rbd_crba_packed(c.m, c.w, c.q, c.out); }, false,
-     "Mass matrix, the entries of the lower triangle that the tree fills, by rbd_crba_packed."},
-    {"fd", "qvtfg", "a", "nv", size_nv,
-     [](const call &c) { return rbd_aba(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out); }, true,
-     "Forward dynamics a = M^-1 (tau - c + sum J' f_ext), by rbd_aba."},
-    {"fd_cholesky", "qvtfg", "a", "nv", size_nv,
-     [](const call &c) { return rbd_fd_cholesky(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out); }, true,
-     "Forward dynamics a = M^-1 (tau - c + sum J' f_ext), by rbd_fd_cholesky."},
+    {"id",
+     "qvafg",
+     PLAIN,
+     {{"tau", "nv", size_nv}},
+     [](const call &c) { return rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, c.out[0]); },
+     "Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext: rbd_rnea."},
+    {"bias",
+     "qvfg",
+     PLAIN,
+     {{"c", "nv", size_nv}},
+     [](const call &c) { return rbd_bias(c.m, c.w, c.q, c.v, c.f_ext, c.out[0]); },
+     "Bias force, tau at a = 0: rbd_bias."},
+    {"gravity",
+     "qg",
+     PLAIN,
+     {{"tau", "nv", size_nv}},
+     [](const call &c) { return rbd_gravity(c.m, c.w, c.q, c.out[0]); },
+     "Gravity torque, tau at v = a = 0: rbd_gravity."},
+    {"mm",
+     "q",
+     PLAIN,
+     {{"M", "nv x nv, both triangles", size_full}},
+     [](const call &c) { return rbd_crba(c.m, c.w, c.q, c.out[0]); },
+     "Mass matrix: rbd_crba."},
+    {"mm_packed",
+     "q",
+     PLAIN,
+     {{"H", "row after row, the entries that the tree fills", rbd_packed_size}},
+     [](const call &c) { return rbd_crba_packed(c.m, c.w, c.q, c.out[0]); },
+     "Mass matrix, lower triangle, packed: rbd_crba_packed."},
+    {"minv",
+     "q",
+     PIVOTS,
+     {{"Minv", "nv x nv", size_full}},
+     [](const call &c) { return rbd_minverse(c.m, c.w, c.q, c.out[0]); },
+     "Inverse of the mass matrix: rbd_minverse."},
+    {"fd",
+     "qvtfg",
+     PIVOTS,
+     {{"a", "nv", size_nv}},
+     [](const call &c) { return rbd_aba(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]); },
+     "Forward dynamics a = M^-1 (tau - c + sum J' f_ext) by articulated bodies: rbd_aba."},
+    {"fd_cholesky",
+     "qvtfg",
+     PIVOTS,
+     {{"a", "nv", size_nv}},
+     [](const call &c) { return rbd_fd_cholesky(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]); },
+     "Forward dynamics by mass matrix and its factor: rbd_fd_cholesky."},
+    {"id_derivatives",
+     "qvafg",
+     PLAIN,
+     {{"dtau_dq", "nv x nv, along tangent steps of q", size_full}, {"dtau_dv", "nv x nv", size_full}},
+     [](const call &c) {
+         return rbd_rnea_derivatives(c.m, c.d, c.q, c.v, c.a, c.f_ext, c.out[0], c.out[1], NULL);
+     },
+     "Derivatives of the inverse dynamics: rbd_rnea_derivatives."},
+    {"gravity_derivatives",
+     "qg",
+     PLAIN,
+     {{"dg_dq", "nv x nv", size_full}},
+     [](const call &c) { return rbd_gravity_derivatives(c.m, c.d, c.q, c.out[0]); },
+     "Derivatives of the gravity torque: rbd_gravity_derivatives."},
+    {"coriolis",
+     "qv",
+     PLAIN,
+     {{"C", "nv x nv", size_full}},
+     [](const call &c) { return rbd_coriolis(c.m, c.d, c.q, c.v, c.out[0]); },
+     "Coriolis matrix, dM/dt - 2 C being skew: rbd_coriolis."},
+    {"momentum_matrix",
+     "q",
+     PLAIN,
+     {{"A", "6 x nv, angular rows first", size_rows_6}},
+     [](const call &c) { return rbd_momentum_matrix(c.m, c.d, c.q, NULL, c.out[0], NULL); },
+     "Centroidal momentum matrix, world axes: rbd_momentum_matrix."},
+    {"com_jacobian",
+     "q",
+     PLAIN,
+     {{"J", "3 x nv", size_rows_3}},
+     [](const call &c) { return rbd_com_jacobian(c.m, c.d, c.q, c.out[0]); },
+     "Jacobian of the centre of mass, world axes: rbd_com_jacobian."},
+    {"jacobian",
+     "q",
+     BODY,
+     {{"J", "6 x nv, angular rows first", size_rows_6}},
+     [](const call &c) {
+         const rbd_status status = rbd_kinematics(c.m, c.w, c.q, NULL, NULL);
+         return status ? status : rbd_jacobian(c.m, c.w, c.body, NULL, RBD_WORLD_AXES, c.out[0]);
+     },
+     "Jacobian of the link's origin, world axes: rbd_jacobian."},
+    {"pose",
+     "q",
+     BODY,
+     {{"R", "3 x 3, link vectors into world vectors", size_9}, {"p", "the link's origin", size_3}},
+     [](const call &c) {
+         const rbd_status status = rbd_kinematics(c.m, c.w, c.q, NULL, NULL);
+         return status ? status : rbd_body_pose(c.m, c.w, c.body, c.out[0], c.out[1]);
+     },
+     "Pose of the link: rbd_body_pose."},
 };
 
-/* The letters of `arguments`. */
-struct argument {
+static const struct argument {
     char letter;
     const char *name, *shape;
-    int (*size)(const rbd_model *m);
-};
-static const argument arguments[] = {
+    size_of *size;
+} arguments[] = {
     {'q', "q", "nq", rbd_nq},
     {'v', "v", "nv", size_nv},
     {'a', "a", "nv", size_nv},
     {'t', "tau", "nv", size_nv},
     {'f', "f_ext", "nb x 6: the wrench (moment; force) on each body, in its axes, at its origin",
-     [](const rbd_model *m) { return 6 * rbd_nb(m); }},
-    {'g', "gravity", "in the world frame", [](const rbd_model *) { return 3; }},
+     size_wrenches},
+    {'g', "gravity", "world frame", size_3},
+};
+enum { ARGUMENTS = sizeof arguments / sizeof *arguments };
+
+/* A robot with memory to compute in, and a call of an algorithm, "NAME" or "NAME:LINK". */
+struct session {
+    std::vector<unsigned char> model_memory, work_memory, derivatives_memory;
+    const rbd_model *m;
+    rbd_work *w;
+    rbd_derivatives *d;
+    const algorithm *row;
+    int body;
+
+    static void demand(rbd_status status) {
+        if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
+    }
+
+    session(const robot &r, const std::string &name)
+        : model_memory(rbd_model_size(r.bodies, r.nb)), row(), body(-1) {
+        demand(rbd_model_build(r.bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
+        work_memory.resize(rbd_work_size(m));
+        demand(rbd_work_init(m, work_memory.data(), work_memory.size(), &w));
+        derivatives_memory.resize(rbd_derivatives_size(m));
+        demand(rbd_derivatives_init(m, w, derivatives_memory.data(), derivatives_memory.size(), &d));
+        const size_t colon = std::min(name.find(':'), name.size());
+        for (const algorithm &x : algorithms)
+            if (name.substr(0, colon) == x.name) row = &x;
+        if (colon < name.size()) body = rbd_body_index(m, name.c_str() + colon + 1);
+        if (row->traits & BODY && body < 0) throw std::runtime_error(name + ": there is no such link");
+        if (rbd_nv(m) == 0) throw std::runtime_error("the robot has no degree of freedom");
+    }
+
+    bool takes(const robot &r, const argument &a) const {
+        const bool wanted = a.letter == 'f' ? r.f_ext : a.letter == 'g' ? r.gravity_argument : true;
+        return wanted && std::strchr(row->arguments, a.letter);
+    }
+
+    /* x: an array for each argument. */
+    std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS]) {
+        std::vector<rbd_real> out[2], all;
+        for (int k = 0; k < 2; k++)
+            if (row->results[k].size) out[k].resize(size_t(row->results[k].size(m)));
+        demand(row->run({m,
+                         w,
+                         d,
+                         body,
+                         x[0].data(),
+                         x[1].data(),
+                         x[2].data(),
+                         x[3].data(),
+                         x[4].empty() ? NULL : x[4].data(),
+                         {out[0].data(), out[1].data()}}));
+        for (const auto &y : out) all.insert(all.end(), y.begin(), y.end());
+        return all;
+    }
 };

@@ -44,22 +44,20 @@ std::string real_name(const target &t) {
     return t.lanes > 1 ? t.name + "_real" : t.is_float ? "float" : "double";
 }
 
-/* "const double q[7], ..., double tau[7]", as the header has them; or the names alone. */
-std::string parameters(const function &f, const target &t) {
+/* All arrays, "const double q[7], double tau[7]", with "restrict " where wanted; or their names. */
+std::string parameters(const function &f, const std::string &real, const char *restrict_) {
     std::string s;
     for (const array &a : f.inputs)
-        s += format("const %s %s[%d], ", real_name(t).c_str(), a.name.c_str(), a.size);
-    return s + format("%s %s[%d]", real_name(t).c_str(), f.output.name.c_str(), f.output.size);
+        s += format("const %s %s[%s%d], ", real.c_str(), a.name.c_str(), restrict_, a.size);
+    for (const array &a : f.outputs)
+        s += format("%s %s[%s%d], ", real.c_str(), a.name.c_str(), restrict_, a.size);
+    return s.substr(0, s.size() - 2);
 }
-std::string restricted_parameters(const function &f) {
+std::string names(const function &f, const char *before = "", const char *between = ", ") {
     std::string s;
-    for (const array &a : f.inputs) s += format("const real %s[restrict %d], ", a.name.c_str(), a.size);
-    return s + format("real %s[restrict %d]", f.output.name.c_str(), f.output.size);
-}
-std::string names(const function &f) {
-    std::string s;
-    for (const array &a : f.inputs) s += a.name + ", ";
-    return s + f.output.name;
+    for (const std::vector<array> *list : {&f.inputs, &f.outputs})
+        for (const array &a : *list) s += (s.empty() ? "" : between) + std::string(before) + a.name;
+    return s;
 }
 
 const char *result_type(const function &f) { return f.pivots.empty() ? "void" : "int"; }
@@ -73,7 +71,9 @@ class writer {
         for (int i = 0; i < int(f.code.nodes.size()); i++)
             if (p.is_statement[size_t(i)]) order.push_back(i);
         for (size_t k = 0; k < p.angles.size(); k++) angle[p.angles[k]] = int(k);
-        for (size_t k = 0; k < f.results.size(); k++) store_at(f.results[k], f.output.name, k);
+        size_t first = 0;
+        for (const array &a : f.outputs)
+            for (int k = 0; k < a.size; k++) store_at(f.results[first++], a.name, size_t(k));
         for (size_t k = 0; k < f.pivots.size(); k++) store_at(f.pivots[k], "pivot", k);
         split();
     }
@@ -245,14 +245,15 @@ std::string writer::end() const {
             s += "    " + to.first + " = " + operand_signed(negated(2 * x.first, to.second)) + ";\n";
         }
     if (f.pivots.empty()) return s;
-    s += "    return judge(pivot, " + format("%s_%s_limit, %zu, %s, %d);\n", t.name.c_str(), f.name.c_str(),
-                                             f.pivots.size(), f.output.name.c_str(), f.output.size);
-    return s;
+    const array &out = f.outputs[0];
+    return s + format("    return judge(pivot, %s_%s_limit, %zu, %s, %d);\n", t.name.c_str(), f.name.c_str(),
+                      f.pivots.size(), out.name.c_str(), out.size);
 }
 
 std::string writer::text() {
     const std::string full = t.name + "_" + f.name;
     const bool angles = !p.angles.empty(), pivots = !f.pivots.empty();
+    const std::string all = parameters(f, "real", "restrict ");
     std::string s, calls;
     if (pivots) {
         s += format("static const scalar %s_limit[%zu] = {", full.c_str(), f.limits.size());
@@ -263,20 +264,16 @@ std::string writer::text() {
     if (angles) more += ", const real *restrict sine, const real *restrict cosine", pass += ", sine, cosine";
     if (pivots) more += ", real *restrict pivot", pass += ", pivot";
     for (int b = 0; b < blocks && blocks > 1; b++) {
-        s += format("PART void %s_%d(%s%s) {\n", full.c_str(), b, restricted_parameters(f).c_str(),
-                    more.c_str());
-        const std::string inside = block_text(b);
-        for (const array &a : f.inputs) s += "    (void)" + a.name + ";\n";
-        s += "    (void)" + f.output.name + ", (void)kept" + (angles ? ", (void)sine, (void)cosine" : "") +
-             (pivots ? ", (void)pivot" : "") + ";\n" + inside + "}\n";
+        s += format("PART void %s_%d(%s%s) {\n    %s, (void)kept%s%s;\n%s}\n", full.c_str(), b, all.c_str(),
+                    more.c_str(), names(f, "(void)").c_str(), angles ? ", (void)sine, (void)cosine" : "",
+                    pivots ? ", (void)pivot" : "", block_text(b).c_str());
         calls += format("    %s_%d(%s%s);\n", full.c_str(), b, names(f).c_str(), pass.c_str());
     }
-    s += format("%s %s(%s) {\n", result_type(f), full.c_str(), restricted_parameters(f).c_str());
+    s += format("%s %s(%s) {\n", result_type(f), full.c_str(), all.c_str());
     if (blocks > 1) s += format("    real kept[%d];\n", std::max(1, kept));
     if (pivots) s += format("    real pivot[%zu];\n", f.pivots.size());
     s += sines() + (blocks > 1 ? calls : block_text(0));
-    for (const array &a : f.inputs) s += "    (void)" + a.name + ";\n";
-    return s + end() + "}\n\n";
+    return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
 }
 
 } // namespace
@@ -293,13 +290,13 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
     for (const tested &x : functions) {
         const operations n = program(x.f, t.statements).count();
         s += "/* " + x.f.about + "\n";
-        for (const array &a : x.f.inputs) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
-        s += format("   %-8s %s\n", x.f.output.name.c_str(), x.f.output.shape);
+        for (const std::vector<array> *list : {&x.f.inputs, &x.f.outputs})
+            for (const array &a : *list) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
         s += format("   Operations: %d multiplications, %d additions, %d divisions, %d roots, %d sines and "
                     "cosines. */\n",
                     n.multiplications, n.additions, n.divisions, n.roots, n.angles);
         s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
-                    parameters(x.f, t).c_str());
+                    parameters(x.f, real_name(t), "").c_str());
     }
     return s;
 }
@@ -419,8 +416,10 @@ std::string numbers(const std::vector<double> &x, bool is_float) {
 }
 
 const char selftest_text[] = R"(
+/* Relative to the largest, which counts as 0.001 at least. */
+#define SELFTEST_FLOOR 0.001
 static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance) {
-    scalar largest = 0;
+    scalar largest = (scalar)SELFTEST_FLOOR;
     int same = 1;
     for (int k = 0; k < n; ++k) {
         if (y[k] > largest) largest = y[k];
@@ -463,23 +462,29 @@ std::string selftest(const std::vector<tested> &functions, const target &t) {
         };
         for (size_t k = 0; k < f.inputs.size(); k++)
             table("of_" + f.inputs[k].name, f.inputs[k], [k](const example &e) { return e.in[k]; });
-        table("is", f.output, [](const example &e) { return e.out; });
+        size_t first = 0;
+        for (const array &a : f.outputs) {
+            table("is_" + a.name, a, [&](const example &e) {
+                return std::vector<double>(e.out.begin() + long(first), e.out.begin() + long(first) + a.size);
+            });
+            first += size_t(a.size);
+        }
         number++;
-        s += format("static int test_%s(void) {\n    static real %s[%d]", f.name.c_str(),
-                    f.output.name.c_str(), f.output.size);
-        for (const array &a : f.inputs) s += format(", %s[%d]", a.name.c_str(), a.size);
-        s += format(";\n    for (int k = 0; k < %d; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n",
-                    states);
+        s += format("static int test_%s(void) {\n    ", f.name.c_str());
+        for (const std::vector<array> *list : {&f.inputs, &f.outputs})
+            for (const array &a : *list) s += format("static real %s[%d];\n    ", a.name.c_str(), a.size);
+        s += format("for (int k = 0; k < %d; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n", states);
         for (const array &a : f.inputs)
             s += format("            give(%s_%s_of_%s[(k + j) %% %d], %d, j, %s);\n", t.name.c_str(),
                         f.name.c_str(), a.name.c_str(), states, a.size, a.name.c_str());
         const std::string call = format("%s_%s(%s)", t.name.c_str(), f.name.c_str(), names(f).c_str());
         s += "        }\n        " + (f.pivots.empty() ? call + ";\n" : "if (" + call + " != 0) return 1;\n");
-        s += "        for (int j = 0; j < LANES; ++j)\n";
-        s += format("            if (differs(%s, %s_%s_is[(k + j) %% %d], %d, j, %s)) return 1;\n    }\n    "
-                    "return 0;\n}\n",
-                    f.output.name.c_str(), t.name.c_str(), f.name.c_str(), states, f.output.size,
-                    literal(x.tolerance, t.is_float).c_str());
+        for (const array &a : f.outputs)
+            s += format("        for (int j = 0; j < LANES; ++j)\n"
+                        "            if (differs(%s, %s_%s_is_%s[(k + j) %% %d], %d, j, %s)) return 1;\n",
+                        a.name.c_str(), t.name.c_str(), f.name.c_str(), a.name.c_str(), states, a.size,
+                        literal(x.tolerance, t.is_float).c_str());
+        s += "    }\n    return 0;\n}\n";
         runs += format("    if (test_%s()) return %d;\n", f.name.c_str(), number);
     }
     s += format("int %s_selftest(void) {\n%s    return 0;\n}\n", t.name.c_str(), runs.c_str());

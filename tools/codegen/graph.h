@@ -70,8 +70,8 @@ struct function {
     std::string name, about;
     graph code;
     std::vector<array> inputs;
-    array output;
-    std::vector<value> results;
+    std::vector<array> outputs;
+    std::vector<value> results; /* of one output after the other */
     std::vector<value> pivots;  /* of a factorisation, by degree of freedom */
     std::vector<double> limits; /* that they must exceed */
 };

@@ -2,7 +2,8 @@
    CONSTANTS is double or float, RECORD the function's name, RECORD_SPACE a namespace for it.
    SPDX-License-Identifier: MIT */
 #include "record.h"
-#include <memory>
+#include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 namespace codegen {
@@ -78,7 +79,7 @@ static mask operator<(number a, number b);
 #define RBD_CONST CONSTANTS
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"
 
 namespace codegen {
 namespace RECORD_SPACE {
@@ -94,74 +95,51 @@ static mask operator<(number a, number b) {
     return mask(a.x, b.x);
 }
 
-static void demand(rbd_status status) {
-    if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
+/* Gravity is a constant to rbd.h: where it is an argument, numbers that nothing else has stand in. */
+static void set_gravity(const session &s, const robot &r, const std::vector<number> &g) {
+    rbd_const c[3];
+    for (int i = 0; i < 3; i++) {
+        c[i] = rbd_const(g.empty() ? r.gravity[i] : 1.2345678912e-21 * (i + 2));
+        if (g.empty()) continue;
+        stand_in[double(c[i])] = g[size_t(i)].x;
+        stand_in[-double(c[i])] = negated(g[size_t(i)].x);
+    }
+    session::demand(rbd_set_gravity(s.w, c));
 }
 
-struct recorder {
-    std::vector<unsigned char> model_memory, work_memory;
-    const rbd_model *m;
-    rbd_work *w;
-    function f;
-
-    explicit recorder(const robot &r) : model_memory(rbd_model_size(r.bodies, r.nb)) {
-        demand(rbd_model_build(r.bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
-        work_memory.resize(rbd_work_size(m));
-        tape = &f.code;
-        stand_in.clear();
-        demand(rbd_work_init(m, work_memory.data(), work_memory.size(), &w));
-    }
-
-    std::vector<number> input(const argument &a) {
-        const int k = int(f.inputs.size());
-        std::vector<number> x(size_t(a.size(m)));
-        for (size_t i = 0; i < x.size(); i++) x[i] = number::of(tape->input(k, int(i)));
-        f.inputs.push_back({a.name, int(x.size()), a.shape});
-        return x;
-    }
-
-    /* Gravity is a constant to rbd.h: where it is an argument, numbers that nothing else has stand in. */
-    void set_gravity(const robot &r, const std::vector<number> &g) {
-        rbd_const c[3];
-        for (int i = 0; i < 3; i++) {
-            c[i] = rbd_const(g.empty() ? r.gravity[i] : 1.2345678912e-21 * (i + 2));
-            if (g.empty()) continue;
-            stand_in[double(c[i])] = g[size_t(i)].x;
-            stand_in[-double(c[i])] = negated(g[size_t(i)].x);
-        }
-        demand(rbd_set_gravity(w, c));
-    }
-
-    void record(const robot &r, const algorithm &row) {
-        std::vector<number> x[sizeof arguments / sizeof *arguments];
-        for (size_t i = 0; i < sizeof arguments / sizeof *arguments; i++) {
-            const char letter = arguments[i].letter;
-            const bool wanted = letter == 'f' ? r.f_ext : letter == 'g' ? r.gravity_argument : true;
-            if (std::string(row.arguments).find(letter) != std::string::npos && wanted)
-                x[i] = input(arguments[i]);
-        }
-        set_gravity(r, x[5]);
-        std::vector<number> out(size_t(row.size(m)));
-        demand(row.run({m, w, x[0].data(), x[1].data(), x[2].data(), x[3].data(),
-                        x[4].empty() ? NULL : x[4].data(), out.data()}));
-        for (number y : out) f.results.push_back(y.x);
-        for (int k = 0; row.pivots && k < rbd_nv(m); k++) {
-            f.pivots.push_back(w->pivot[k].x);
-            f.limits.push_back(double((m->dof[k].scale + m->dof[k].armature) * RBDI_NOISE));
-        }
-        f.name = row.name, f.about = row.about;
-        f.output = {row.result, row.size(m), row.shape};
-    }
-};
+/* "jacobian:left foot" as part of a C identifier. */
+static std::string identifier(std::string name) {
+    for (char &c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return name;
+}
 
 } // namespace RECORD_SPACE
 
 function RECORD(const robot &r, const std::string &name) {
     using namespace RECORD_SPACE;
-    recorder rec(r);
-    for (const algorithm &row : algorithms)
-        if (name == row.name) rec.record(r, row);
-    return std::move(rec.f);
+    function f;
+    tape = &f.code;
+    stand_in.clear();
+    session s(r, name);
+    std::vector<number> x[ARGUMENTS];
+    for (int k = 0; k < ARGUMENTS; k++) {
+        const argument &a = arguments[k];
+        if (!s.takes(r, a)) continue;
+        for (int i = 0; i < a.size(s.m); i++)
+            x[k].push_back(number::of(tape->input(int(f.inputs.size()), i)));
+        f.inputs.push_back({a.name, a.size(s.m), a.shape});
+    }
+    set_gravity(s, r, x[5]);
+    for (number y : s.run(x)) f.results.push_back(y.x);
+    for (const result &y : s.row->results)
+        if (y.size) f.outputs.push_back({y.name, y.size(s.m), y.shape});
+    for (int k = 0; s.row->traits & PIVOTS && k < rbd_nv(s.m); k++) {
+        f.pivots.push_back(s.w->pivot[k].x);
+        f.limits.push_back(double((s.m->dof[k].scale + s.m->dof[k].armature) * RBDI_NOISE));
+    }
+    f.name = identifier(name), f.about = s.row->about;
+    return f;
 }
 
 } // namespace codegen

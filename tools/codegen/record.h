@@ -16,7 +16,7 @@ struct robot {
     bool f_ext, gravity_argument;
 };
 
-/* The names of all algorithms. */
+/* The names of all algorithms; of a body: "NAME:LINK". */
 std::vector<std::string> algorithm_names();
 
 /* The call that rbd.h makes for an algorithm, with constants of the model in double or float. Throws
