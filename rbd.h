@@ -81,6 +81,7 @@
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
      RBD_NO_POINTS    section [points]; goes with kinematics
      RBD_NO_HYBRID    hybrid; goes with aba
+     RBD_NO_OBSERVER  generalized_momentum
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
                       mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
@@ -286,6 +287,7 @@ extern "C" {
 #define rbd_rnea RBDI_SYMBOL(rbd_rnea)
 #define rbd_bias RBDI_SYMBOL(rbd_bias)
 #define rbd_gravity RBDI_SYMBOL(rbd_gravity)
+#define rbd_generalized_momentum RBDI_SYMBOL(rbd_generalized_momentum)
 #define rbd_crba RBDI_SYMBOL(rbd_crba)
 #define rbd_crba_packed RBDI_SYMBOL(rbd_crba_packed)
 #define rbd_packed_size RBDI_SYMBOL(rbd_packed_size)
@@ -563,6 +565,15 @@ RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 
 /* Gravity torque g = tau at v = a = 0: what holds the robot still. */
 RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
+#endif
+
+#ifndef RBD_NO_OBSERVER
+/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts, since
+   dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of rbd_coriolis,
+   for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i.
+   p, ctv: nv; each may be NULL, not the same array. */
+RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *p, rbd_real *ctv);
 #endif
 
 #ifndef RBD_NO_CRBA
@@ -2635,6 +2646,50 @@ RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
+}
+#endif
+
+#ifndef RBD_NO_OBSERVER
+/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega; v) =
+   (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i = S_i' h_i,
+   and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c. */
+RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbdi_state world = rbdi_world_state(none);
+    rbdi_state s = world;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, w->zero, v, s, 1);
+        w->scratch[i].c.omega = s.omega_dot;
+        w->scratch[i].c.v = s.acc;
+    }
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_motion V = w->scratch[i].c;
+        rbdi_force h = w->scratch[i].f, turned;
+        turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
+        turned.f = rbdi_cross(h.f, V.omega);
+        if (l->kind == RBDI_BLOCK) {
+            h = rbdi_rnea_up_block(m, w, l, h, v, p);
+            rbdi_rnea_up_block(m, w, l, turned, w->zero, ctv);
+        } else {
+            h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
+            rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
+        }
+        if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
+    }
+}
+
+RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+    const rbd_status status = rbdi_check(m, w, q && v);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    if (!p) p = w->bias;
+    if (!ctv) ctv = w->bias;
+    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), m->nmimic ? w->tx : p, m->nmimic ? w->ax : ctv);
+    rbdi_reduce_tau(m, w->tx, p);
+    rbdi_reduce_tau(m, w->ax, ctv);
+    return RBD_OK;
 }
 #endif
 

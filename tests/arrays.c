@@ -57,6 +57,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     CLAIM(rbd_rnea(m, w, q, v, v, f, out) == RBD_OK);
     CLAIM(rbd_bias(m, w, q, v, NULL, out) == RBD_OK);
     CLAIM(rbd_gravity(m, w, q, out) == RBD_OK);
+    CLAIM(rbd_generalized_momentum(m, w, q, v, out, numbers(nv)) == RBD_OK);
     CLAIM(rbd_passive(m, w, v, out) == RBD_OK);
     (void)rbd_aba(m, w, q, v, v, f, out); /* may be singular */
     (void)rbd_fd_cholesky(m, w, q, v, v, f, out);

@@ -10,7 +10,7 @@ root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-parts="BUILD RNEA CRBA ABA HYBRID CHOLESKY MINVERSE KINEMATICS POINTS MANIFOLD LOOKUP TEXT"
+parts="BUILD RNEA CRBA ABA HYBRID OBSERVER CHOLESKY MINVERSE KINEMATICS POINTS MANIFOLD LOOKUP TEXT"
 combinations=0
 failures=0
 
@@ -68,6 +68,7 @@ holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
 holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse
 holds ABA rbd_aba rbd_hybrid
 holds HYBRID rbd_hybrid
+holds OBSERVER rbd_generalized_momentum
 holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
     rbd_fd_cholesky rbd_minverse
 holds MINVERSE rbd_minverse

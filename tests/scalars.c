@@ -164,6 +164,13 @@ static void check_inverse(void) {
     COMPARE("bias", found, c, nv, CANCELLED);
     RUN(rbd_crba(model, work, q, found));
     COMPARE("crba", found, M, nv * nv, DIRECT);
+    RUN(rbd_generalized_momentum(model, work, q, v, found, NULL));
+    EACH_LANE {
+        double expected[MAX_V] = {0};
+        for (int i = 0; i < nv * nv; i++)
+            expected[i / nv] += lane_state[lane]->M[i] * lane_state[lane]->v[i % nv];
+        compare("M v", lane, found, expected, nv, DIRECT);
+    }
 }
 
 START_TEST(inverse_dynamics_and_mass_matrix_match_the_reference) { for_models(check_inverse); }

@@ -96,6 +96,10 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
     BOTH(rbd_rnea(f->m, f->w, q, v, a, f_ext, x), rbd_rnea(r->m, r->w, q, v, a, f_ext, plain), x, nv);
     BOTH(rbd_bias(f->m, f->w, q, v, f_ext, x), rbd_bias(r->m, r->w, q, v, f_ext, plain), x, nv);
     BOTH(rbd_gravity(f->m, f->w, q, x), rbd_gravity(r->m, r->w, q, plain), x, nv);
+    BOTH(rbd_generalized_momentum(f->m, f->w, q, v, NULL, x),
+         rbd_generalized_momentum(r->m, r->w, q, v, NULL, plain), x, nv);
+    BOTH(rbd_generalized_momentum(f->m, f->w, q, v, x, NULL),
+         rbd_generalized_momentum(r->m, r->w, q, v, plain, NULL), x, nv);
     BOTH(rbd_crba(f->m, f->w, q, M), rbd_crba(r->m, r->w, q, plain), M, nv * nv);
     BOTH(rbd_crba_packed(f->m, f->w, q, H), rbd_crba_packed(r->m, r->w, q, plain), H, nh);
     BOTH(rbd_aba(f->m, f->w, q, v, tau, f_ext, x), rbd_aba(r->m, r->w, q, v, tau, f_ext, plain), x, nv);
