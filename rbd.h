@@ -82,6 +82,7 @@
      RBD_NO_POINTS    section [points]; goes with kinematics
      RBD_NO_HYBRID    hybrid; goes with aba
      RBD_NO_OBSERVER  generalized_momentum
+     RBD_NO_WRENCH    joint_wrench; goes with kinematics
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
                       mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
 
@@ -167,7 +168,7 @@
 
 #define RBD_VERSION "0.1.0"
 #define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
-#define RBD_MODEL_VERSION 2    /* layout of the built model; generated tables check it */
+#define RBD_MODEL_VERSION 3    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
 
@@ -306,6 +307,7 @@ extern "C" {
 #define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
 #define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)
 #define rbd_body_acceleration_classical RBDI_SYMBOL(rbd_body_acceleration_classical)
+#define rbd_joint_wrench RBDI_SYMBOL(rbd_joint_wrench)
 #define rbd_energy RBDI_SYMBOL(rbd_energy)
 #define rbd_com RBDI_SYMBOL(rbd_com)
 #define rbd_mass RBDI_SYMBOL(rbd_mass)
@@ -653,7 +655,8 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 
 #ifndef RBD_NO_KINEMATICS
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
-   q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics.
+   q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics, or of
+   rbd_joint_wrench.
    Errors: RBD_ERR_NULL, _WORK. */
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *a);
@@ -687,6 +690,16 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBD_API rbd_const rbd_mass(const rbd_model *m);
+
+#ifndef RBD_NO_WRENCH
+/* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and bearings,
+   and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's origin. RBDA
+   table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
+   Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
+   Errors: RBD_ERR_NULL, _WORK. */
+RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
+#endif
 #endif
 
 /* ---- points and momentum [points] ----
@@ -958,8 +971,9 @@ typedef struct rbdi_mimic {
 /* A body of the description as seen by the user: its frame on a link, and its own inertia. */
 typedef struct rbdi_frame {
     const char *name, *joint;
-    int16_t link; /* that carries it, -1 = world */
-    int16_t type; /* rbd_joint_type */
+    int16_t link;   /* that carries it, -1 = world */
+    int16_t parent; /* body, -1 = world */
+    int16_t type;   /* rbd_joint_type */
     int16_t iq, nq, iv, nv;
     rbd_const E[9]; /* turns link vectors into body vectors, row-major */
     rbdi_c3 r;      /* origin in the link frame */
@@ -4588,6 +4602,63 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
     return RBD_OK;
 }
 
+#ifndef RBD_NO_WRENCH
+/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass c. */
+static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_kin k = rbdi_body_kin(m, w, body);
+    const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
+    const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
+    const rbdi_sym I = rbdi_sym_c(u->I);
+    rbdi_force F;
+    F.f = rbdi_scale(rbdi_set(u->mass), rbdi_sub(acc, rbdi_mul_t(k.R, rbdi_vec_c(w->gravity))));
+    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, rbdi_mul_sym(I, omega)));
+    F.n = rbdi_add(F.n, rbdi_cross(c, F.f));
+    return F;
+}
+
+/* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
+static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
+                                        rbdi_force F) {
+    const rbdi_frame *up = &m->frame[u->parent];
+    const rbdi_mat E = rbdi_mat_c(up->E);
+    rbdi_pose X;
+    X.E = rbdi_mat_c(u->E), X.r = rbdi_vec_c(u->r);
+    F = rbdi_force_up_block(&X, F);
+    for (int i = u->link; i != up->link; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_BLOCK)
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
+        else
+            F = rbdi_force_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), F);
+    }
+    F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(up->r), F.f)));
+    F.f = rbdi_mul(E, F.f);
+    return F;
+}
+
+RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
+    const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
+    if (status) return status;
+    for (int b = 0; b < m->nb; ++b) {
+        rbdi_force F = rbdi_body_wrench(m, w, b);
+        if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * b, 1));
+        rbdi_store_force(wrench + 6 * b, 1, F);
+    }
+    for (int b = m->nb - 1; b >= 0; --b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real *up;
+        if (u->parent < 0) continue;
+        up = wrench + 6 * u->parent;
+        rbdi_store_force(up, 1,
+                         rbdi_force_add(rbdi_load_force(up, 1),
+                                        rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1))));
+    }
+    return RBD_OK;
+}
+#endif
+
 RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbd_real T, V = rbdi_zero();
@@ -6186,6 +6257,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
         rbdi_w_apply(l->B, r, r);
     }
     out.name = b->name, out.joint = b->joint;
+    out.parent = (int16_t)b->parent;
     out.type = (int16_t)b->type;
     out.iq = (int16_t)place->iq, out.iv = (int16_t)place->iv;
     out.nq = out.nv = 0;

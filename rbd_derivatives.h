@@ -74,7 +74,7 @@
 
 #include "rbd.h"
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 2
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 3
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 

@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before cart_pole_model.h"
-#elif RBD_MODEL_VERSION != 2
+#elif RBD_MODEL_VERSION != 3
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -60,15 +60,15 @@ static const rbdi_order cart_pole_order[2] = {
     {0, 0}, {1, 1},
 };
 
-/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame cart_pole_frames[2] = {
-    {"cart", "rail", 0, 4, 0, 1, 0, 1, /* 0 */
+    {"cart", "rail", 0, -1, 4, 0, 1, 0, 1, /* 0 */
      {0, 0, 1, 0, 1, 0, -1, 0, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, 0},
      {RBD_C(0.002), 0, 0, RBD_C(0.005), 0, RBD_C(0.005)},
      -2, 2, 5, 100},
-    {"pole", "hinge", 1, 2, 1, 1, 1, 1, /* 1 */
+    {"pole", "hinge", 1, 0, 2, 1, 1, 1, 1, /* 1 */
      {0, 1, 0, 0, 0, -1, -1, 0, 0},
      {0, 0, 0}, RBD_C(0.5), {0, 0, RBD_C(-0.3)},
      {RBD_C(0.015), 0, 0, RBD_C(0.015), 0, RBD_C(0.001)},

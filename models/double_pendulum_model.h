@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before double_pendulum_model.h"
-#elif RBD_MODEL_VERSION != 2
+#elif RBD_MODEL_VERSION != 3
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -60,15 +60,15 @@ static const rbdi_order double_pendulum_order[2] = {
     {0, 0}, {1, 1},
 };
 
-/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame double_pendulum_frames[2] = {
-    {"upper_rod", "shoulder", 0, 2, 0, 1, 0, 1, /* 0 */
+    {"upper_rod", "shoulder", 0, -1, 2, 0, 1, 0, 1, /* 0 */
      {0, -1, 0, 0, 0, 1, -1, 0, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},
      {RBD_C(0.1), 0, 0, RBD_C(0.1), 0, RBD_C(0.001)},
      0, 0, 10, 50},
-    {"lower_rod", "elbow", 1, 2, 1, 1, 1, 1, /* 1 */
+    {"lower_rod", "elbow", 1, 0, 2, 1, 1, 1, 1, /* 1 */
      {0, -1, 0, 0, 0, 1, -1, 0, 0},
      {0, 0, 0}, 1, {0, 0, RBD_C(-0.3)},
      {RBD_C(0.03), 0, 0, RBD_C(0.03), 0, RBD_C(0.001)},

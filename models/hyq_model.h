@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before hyq_model.h"
-#elif RBD_MODEL_VERSION != 2
+#elif RBD_MODEL_VERSION != 3
 #error "hyq_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -193,70 +193,70 @@ static const rbdi_order hyq_order[18] = {
     {13, 73}, {17, 108},
 };
 
-/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame hyq_frames[13] = {
-    {"base_link_0", "root", 0, 15, 0, 7, 0, 6, /* 0 */
+    {"base_link_0", "root", 0, -1, 15, 0, 7, 0, 6, /* 0 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(60.978), {RBD_C(0.05606913313), RBD_C(0.0214936829676), RBD_C(0.0036081141592)},
      {RBD_C(1.57276516929), RBD_C(0.0284651872099), RBD_C(-0.203540381128), RBD_C(8.50274303052), RBD_C(-0.00442532384229), RBD_C(9.19648634293)},
      0, 0, 0, 0},
-    {"lf_hipassembly", "lf_haa_joint", 1, 1, 7, 1, 6, 1, /* 1 */
+    {"lf_hipassembly", "lf_haa_joint", 1, 0, 1, 7, 1, 6, 1, /* 1 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(0.16931)},
      {RBD_C(0.05071), RBD_C(-4e-05), RBD_C(-0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
-    {"rf_hipassembly", "rf_haa_joint", 4, 1, 8, 1, 7, 1, /* 2 */
+    {"rf_hipassembly", "rf_haa_joint", 4, 0, 1, 8, 1, 7, 1, /* 2 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(-0.16931)},
      {RBD_C(0.05071), RBD_C(4e-05), RBD_C(0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
-    {"lh_hipassembly", "lh_haa_joint", 7, 1, 9, 1, 8, 1, /* 3 */
+    {"lh_hipassembly", "lh_haa_joint", 7, 0, 1, 9, 1, 8, 1, /* 3 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(-0.16931)},
      {RBD_C(0.05071), RBD_C(4e-05), RBD_C(0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
-    {"rh_hipassembly", "rh_haa_joint", 10, 1, 10, 1, 9, 1, /* 4 */
+    {"rh_hipassembly", "rh_haa_joint", 10, 0, 1, 10, 1, 9, 1, /* 4 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(0.16931)},
      {RBD_C(0.05071), RBD_C(-4e-05), RBD_C(-0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
-    {"lf_upperleg", "lf_hfe_joint", 2, 1, 11, 1, 10, 1, /* 5 */
+    {"lf_upperleg", "lf_hfe_joint", 2, 1, 1, 11, 1, 10, 1, /* 5 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.638), {RBD_C(0.15074), RBD_C(-0.02625), 0},
      {RBD_C(0.00368), RBD_C(-0.00302), RBD_C(0.0001), RBD_C(0.02719), RBD_C(2e-05), RBD_C(0.02811)},
      RBD_C(-0.872664625997), RBD_C(1.2217304764), 12, 150},
-    {"rf_upperleg", "rf_hfe_joint", 5, 1, 12, 1, 11, 1, /* 6 */
+    {"rf_upperleg", "rf_hfe_joint", 5, 2, 1, 12, 1, 11, 1, /* 6 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.638), {RBD_C(0.15074), RBD_C(-0.02625), 0},
      {RBD_C(0.00368), RBD_C(-0.00302), RBD_C(0.0001), RBD_C(0.02719), RBD_C(2e-05), RBD_C(0.02811)},
      RBD_C(-0.872664625997), RBD_C(1.2217304764), 12, 150},
-    {"lh_upperleg", "lh_hfe_joint", 8, 1, 13, 1, 12, 1, /* 7 */
+    {"lh_upperleg", "lh_hfe_joint", 8, 3, 1, 13, 1, 12, 1, /* 7 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.638), {RBD_C(0.15074), RBD_C(0.02625), 0},
      {RBD_C(0.00368), RBD_C(0.00302), RBD_C(-0.0001), RBD_C(0.02719), RBD_C(2e-05), RBD_C(0.02811)},
      RBD_C(-1.2217304764), RBD_C(0.872664625997), 12, 150},
-    {"rh_upperleg", "rh_hfe_joint", 11, 1, 14, 1, 13, 1, /* 8 */
+    {"rh_upperleg", "rh_hfe_joint", 11, 4, 1, 14, 1, 13, 1, /* 8 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.638), {RBD_C(0.15074), RBD_C(0.02625), 0},
      {RBD_C(0.00368), RBD_C(0.00302), RBD_C(-0.0001), RBD_C(0.02719), RBD_C(2e-05), RBD_C(0.02811)},
      RBD_C(-1.2217304764), RBD_C(0.872664625997), 12, 150},
-    {"lf_lowerleg", "lf_kfe_joint", 3, 1, 15, 1, 14, 1, /* 9 */
+    {"lf_lowerleg", "lf_kfe_joint", 3, 5, 1, 15, 1, 14, 1, /* 9 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(0.881), {RBD_C(0.1254), RBD_C(4e-05), RBD_C(-0.0001)},
      {RBD_C(0.00047), RBD_C(6e-05), RBD_C(-1e-05), RBD_C(0.01256), 0, RBD_C(0.01233)},
      RBD_C(-2.44346095279), RBD_C(-0.349065850399), 12, 150},
-    {"rf_lowerleg", "rf_kfe_joint", 6, 1, 16, 1, 15, 1, /* 10 */
+    {"rf_lowerleg", "rf_kfe_joint", 6, 6, 1, 16, 1, 15, 1, /* 10 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(0.881), {RBD_C(0.1254), RBD_C(4e-05), RBD_C(-0.0001)},
      {RBD_C(0.00047), RBD_C(6e-05), RBD_C(-1e-05), RBD_C(0.01256), 0, RBD_C(0.01233)},
      RBD_C(-2.44346095279), RBD_C(-0.349065850399), 12, 150},
-    {"lh_lowerleg", "lh_kfe_joint", 9, 1, 17, 1, 16, 1, /* 11 */
+    {"lh_lowerleg", "lh_kfe_joint", 9, 7, 1, 17, 1, 16, 1, /* 11 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(0.881), {RBD_C(0.1254), RBD_C(-4e-05), RBD_C(0.0001)},
      {RBD_C(0.00047), RBD_C(-6e-05), RBD_C(1e-05), RBD_C(0.01256), 0, RBD_C(0.01233)},
      RBD_C(0.349065850399), RBD_C(2.44346095279), 12, 150},
-    {"rh_lowerleg", "rh_kfe_joint", 12, 1, 18, 1, 17, 1, /* 12 */
+    {"rh_lowerleg", "rh_kfe_joint", 12, 8, 1, 18, 1, 17, 1, /* 12 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(0.881), {RBD_C(0.1254), RBD_C(-4e-05), RBD_C(0.0001)},
      {RBD_C(0.00047), RBD_C(-6e-05), RBD_C(1e-05), RBD_C(0.01256), 0, RBD_C(0.01233)},

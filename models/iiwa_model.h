@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before iiwa_model.h"
-#elif RBD_MODEL_VERSION != 2
+#elif RBD_MODEL_VERSION != 3
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -110,40 +110,40 @@ static const rbdi_order iiwa_order[7] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21},
 };
 
-/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame iiwa_frames[7] = {
-    {"lbr_iiwa_link_1", "lbr_iiwa_joint_1", 0, 1, 0, 1, 0, 1, /* 0 */
+    {"lbr_iiwa_link_1", "lbr_iiwa_joint_1", 0, -1, 1, 0, 1, 0, 1, /* 0 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2025)}, 4, {0, RBD_C(-0.03), RBD_C(0.12)},
      {RBD_C(0.1), 0, 0, RBD_C(0.09), 0, RBD_C(0.02)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
-    {"lbr_iiwa_link_2", "lbr_iiwa_joint_2", 1, 1, 1, 1, 1, 1, /* 1 */
+    {"lbr_iiwa_link_2", "lbr_iiwa_joint_2", 1, 0, 1, 1, 1, 1, 1, /* 1 */
      {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, 0}, 4, {RBD_C(0.0003), RBD_C(0.059), RBD_C(0.042)},
      {RBD_C(0.05), 0, 0, RBD_C(0.018), 0, RBD_C(0.044)},
      RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
-    {"lbr_iiwa_link_3", "lbr_iiwa_joint_3", 2, 1, 2, 1, 2, 1, /* 2 */
+    {"lbr_iiwa_link_3", "lbr_iiwa_joint_3", 2, 1, 1, 2, 1, 2, 1, /* 2 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2155)}, 3, {0, RBD_C(0.03), RBD_C(0.13)},
      {RBD_C(0.08), 0, 0, RBD_C(0.075), 0, RBD_C(0.01)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
-    {"lbr_iiwa_link_4", "lbr_iiwa_joint_4", 3, 1, 3, 1, 3, 1, /* 3 */
+    {"lbr_iiwa_link_4", "lbr_iiwa_joint_4", 3, 2, 1, 3, 1, 3, 1, /* 3 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.7), {0, RBD_C(0.067), RBD_C(0.034)},
      {RBD_C(0.03), 0, 0, RBD_C(0.01), 0, RBD_C(0.029)},
      RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
-    {"lbr_iiwa_link_5", "lbr_iiwa_joint_5", 4, 1, 4, 1, 4, 1, /* 4 */
+    {"lbr_iiwa_link_5", "lbr_iiwa_joint_5", 4, 3, 1, 4, 1, 4, 1, /* 4 */
      {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2155)}, RBD_C(1.7), {RBD_C(0.0001), RBD_C(0.021), RBD_C(0.076)},
      {RBD_C(0.02), 0, 0, RBD_C(0.018), 0, RBD_C(0.005)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
-    {"lbr_iiwa_link_6", "lbr_iiwa_joint_6", 5, 1, 5, 1, 5, 1, /* 5 */
+    {"lbr_iiwa_link_6", "lbr_iiwa_joint_6", 5, 4, 1, 5, 1, 5, 1, /* 5 */
      {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(1.8), {0, RBD_C(0.0006), RBD_C(0.0004)},
      {RBD_C(0.005), 0, 0, RBD_C(0.0036), 0, RBD_C(0.0047)},
      RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
-    {"lbr_iiwa_link_7", "lbr_iiwa_joint_7", 6, 1, 6, 1, 6, 1, /* 6 */
+    {"lbr_iiwa_link_7", "lbr_iiwa_joint_7", 6, 5, 1, 6, 1, 6, 1, /* 6 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, RBD_C(0.081)}, RBD_C(0.3), {0, 0, RBD_C(0.02)},
      {RBD_C(0.001), 0, 0, RBD_C(0.001), 0, RBD_C(0.001)},

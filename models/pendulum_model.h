@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before pendulum_model.h"
-#elif RBD_MODEL_VERSION != 2
+#elif RBD_MODEL_VERSION != 3
 #error "pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -50,10 +50,10 @@ static const rbdi_order pendulum_order[1] = {
     {0, 0},
 };
 
-/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
+/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame pendulum_frames[1] = {
-    {"rod", "hinge", 0, 2, 0, 1, 0, 1, /* 0 */
+    {"rod", "hinge", 0, -1, 2, 0, 1, 0, 1, /* 0 */
      {1, 0, 0, 0, 0, 1, 0, -1, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},
      {RBD_C(0.1), 0, 0, RBD_C(0.1), 0, RBD_C(0.001)},

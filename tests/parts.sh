@@ -10,7 +10,7 @@ root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-parts="BUILD RNEA CRBA ABA HYBRID OBSERVER CHOLESKY MINVERSE KINEMATICS POINTS MANIFOLD LOOKUP TEXT"
+parts="BUILD RNEA CRBA ABA HYBRID OBSERVER CHOLESKY MINVERSE KINEMATICS WRENCH POINTS MANIFOLD LOOKUP TEXT"
 combinations=0
 failures=0
 
@@ -69,6 +69,7 @@ holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse
 holds ABA rbd_aba rbd_hybrid
 holds HYBRID rbd_hybrid
 holds OBSERVER rbd_generalized_momentum
+holds WRENCH rbd_joint_wrench
 holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
     rbd_fd_cholesky rbd_minverse
 holds MINVERSE rbd_minverse
@@ -76,7 +77,7 @@ points="rbd_jacobian rbd_relative_jacobian rbd_jacobian_transpose rbd_point_velo
     rbd_point_wrench rbd_momentum"
 # shellcheck disable=SC2086 # words wanted
 holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceleration \
-    rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass $points
+    rbd_body_acceleration_classical rbd_com rbd_energy rbd_mass rbd_joint_wrench $points
 # shellcheck disable=SC2086 # words wanted
 holds POINTS $points
 holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random rbd_rates_from_velocity \

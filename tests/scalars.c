@@ -281,6 +281,11 @@ static void check_motion(void) {
         COMPARE("velocity", velocity, body_vel + 6 * i, 6, 100 * DIRECT);
         COMPARE("acceleration", acceleration, body_acc + 6 * i, 6, 100 * DIRECT);
     }
+    RUN(rbd_joint_wrench(model, work, q, v, a, NULL, found));
+    for (int i = 0; i < reference->nb; i++)
+        if (reference->bodies[i].type == RBD_FLOATING)
+            EACH_LANE compare("joint wrench", lane, found + 6 * i,
+                              lane_state[lane]->tau_rnea + reference->body_iv[i], 6, 100 * DIRECT);
     RUN(rbd_energy(model, work, &kinetic, &potential));
     EACH_LANE compare("kinetic energy", lane, &kinetic, &lane_state[lane]->kinetic, 1, DIRECT);
     EACH_LANE compare("potential energy", lane, &potential, &lane_state[lane]->potential, 1, CANCELLED);

@@ -134,6 +134,10 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
 static void call_kinematics(const robot *r, const robot *f, const state *s, int number) {
     const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv), *a = inputs(s->a, r->nv);
     double *R = numbers(9), *p = numbers(3), *x = numbers(6), *com = numbers(3);
+    const double *f_ext = inputs(s->f_ext, 6 * r->nb);
+    double *wrench = numbers(6 * r->nb);
+    BOTH(rbd_joint_wrench(f->m, f->w, q, v, a, f_ext, wrench),
+         rbd_joint_wrench(r->m, r->w, q, v, a, f_ext, plain), wrench, 6 * r->nb);
     RUN(rbd_kinematics(f->m, f->w, q, v, a));
     RUN(rbd_kinematics(r->m, r->w, q, v, a));
     for (int b = 0; b < r->nb; b++) {

@@ -152,7 +152,8 @@ static void write_mimics(const char *name, const rbd_model *m) {
 }
 
 static void write_frames(const char *name, const rbd_model *m) {
-    printf("/* names | link, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |\n"
+    printf("/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | "
+           "com |\n"
            "   inertia about the com | lower, upper, velocity, effort */\n");
     printf("static const rbdi_frame %s_frames[%d] = {\n", name, m->nb);
     for (int i = 0; i < m->nb; ++i) {
@@ -162,7 +163,8 @@ static void write_frames(const char *name, const rbd_model *m) {
         print_c_string(f->name);
         printf(", ");
         print_c_string(f->joint);
-        printf(", %d, %d, %d, %d, %d, %d, /* %d */\n     ", f->link, f->type, f->iq, f->nq, f->iv, f->nv, i);
+        printf(", %d, %d, %d, %d, %d, %d, %d, /* %d */\n     ", f->link, f->parent, f->type, f->iq, f->nq,
+               f->iv, f->nv, i);
         numbers(f->E, 9);
         printf(",\n     ");
         vector(f->r);
