@@ -95,7 +95,7 @@
      changes last bits.
 
    [limits]
-     No contact, no closed loops (but mimic joints), no flexible bodies, no integrator beyond one
+     Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one
      step on the configuration manifold (stages of Runge-Kutta need a correction there to keep an
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.

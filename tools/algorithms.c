@@ -96,6 +96,10 @@ static rbd_status run_hybrid(const state *s, double *out) {
     return rbd_hybrid(s->m, s->w, s->q, s->v, s->given, NULL, out, out + nv);
 }
 
+static rbd_status run_constrained(const state *s, double *out) {
+    return rbd_constrained_fd(s->m, s->c, s->q, s->v, s->tau, NULL, out, out + rbd_nv(s->m));
+}
+
 /* clang-format off */
 static const algorithm algorithms[] = {
     {"id", "inverse dynamics (RNEA)", TAKES_V | TAKES_A, {{"tau", ONE, DOFS}}, run_id},
@@ -105,6 +109,8 @@ static const algorithm algorithms[] = {
     {"fd_cholesky", "forward dynamics (Cholesky)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd_cholesky},
     {"hybrid", "some a given, other tau", TAKES_V | TAKES_A | TAKES_TAU | TAKES_GIVEN,
      {{"a", ONE, DOFS}, {"tau", ONE, DOFS}}, run_hybrid},
+    {"constrained", "with --constraints FILE", TAKES_V | TAKES_TAU | TAKES_CONSTRAINTS,
+     {{"a", ONE, DOFS}, {"lambda", ONE, HELD}}, run_constrained},
     {"bias", "inverse dynamics, a = 0", TAKES_V, {{"tau", ONE, DOFS}}, run_bias},
     {"gravity", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
     {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
@@ -143,8 +149,8 @@ const algorithm *find_algorithm(const char *name) {
 }
 
 void print_algorithms(void) {
-    static const char *const parts[] = {"",     ".XYZ",      ".ROW",
-                                        ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ..."};
+    static const char *const parts[] = {
+        "", ".XYZ", ".ROW", ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ...", ".NUMBER"};
     printf("  %-21s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
@@ -220,7 +226,15 @@ static void add_parameters(columns *c, const rbd_model *m) {
             add_name(c, rbd_body_name(m, b) ? rbd_body_name(m, b) : rbd_joint_name(m, b), ten[k], "");
 }
 
-static void add_axis(columns *c, const rbd_model *m, axis a) {
+static void add_rows(columns *c, const state *s) {
+    for (int i = 0; i < rbd_constraint_rows(s->c); i++) {
+        char number[12];
+        snprintf(number, sizeof number, "%d", i);
+        add_name(c, number, "", "");
+    }
+}
+
+static void add_axis(columns *c, const state *s, axis a) {
     static const char *const six[] = {"wx", "wy", "wz", "vx", "vy", "vz"}, *const xyz[] = {"x", "y", "z"};
     switch (a) {
     case ONE: add_name(c, "", "", ""); break;
@@ -230,9 +244,10 @@ static void add_axis(columns *c, const rbd_model *m, axis a) {
     case SIX:
         for (int k = 0; k < 6; k++) add_name(c, six[k], "", "");
         break;
-    case DOFS: add_dofs(c, m, ""); break;
-    case PARAMETERS: add_parameters(c, m); break;
-    case POSES: add_poses(c, m); break;
+    case DOFS: add_dofs(c, s->m, ""); break;
+    case PARAMETERS: add_parameters(c, s->m); break;
+    case POSES: add_poses(c, s->m); break;
+    case HELD: add_rows(c, s); break;
     }
 }
 
@@ -254,11 +269,11 @@ void add_inputs(columns *c, const rbd_model *m, const algorithm *a) {
     if (a->takes & TAKES_TAU) add_dofs(c, m, "tau");
 }
 
-void add_outputs(columns *c, const rbd_model *m, const algorithm *a) {
+void add_outputs(columns *c, const state *s, const algorithm *a) {
     for (const output *o = a->gives; o->name; o++) {
         columns rows = {0}, across = {0};
-        add_axis(&rows, m, o->rows);
-        add_axis(&across, m, o->columns);
+        add_axis(&rows, s, o->rows);
+        add_axis(&across, s, o->columns);
         for (int i = 0; i < rows.n; i++)
             for (int k = 0; k < across.n; k++) add_name(c, o->name, rows.name[i], across.name[k]);
         free_columns(&rows);

@@ -4,6 +4,7 @@
 
 #include "print.h"
 
+#include "rbd_constraints.h"
 #include "rbd_derivatives.h"
 
 /* A state, and what a call needs. */
@@ -11,6 +12,7 @@ typedef struct state {
     const rbd_model *m;
     rbd_work *w;
     rbd_derivatives *d;
+    rbd_constraints *c; /* NULL: none given */
     double *q, *v, *a, *tau;
     void *memory; /* of w, d and given */
     int body;     /* where the algorithm is one of a point */
@@ -19,15 +21,22 @@ typedef struct state {
 } state;
 
 /* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
-   freedom, the links' inertial parameters, their poses. */
-typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, POSES } axis;
+   freedom, the links' inertial parameters, their poses, the axes that constraints hold. */
+typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, POSES, HELD } axis;
 
 typedef struct output {
     const char *name; /* NULL: no more */
     axis rows, columns;
 } output;
 
-enum { TAKES_V = 1, TAKES_A = 2, TAKES_TAU = 4, TAKES_POINT = 8, TAKES_GIVEN = 16 }; /* beside q */
+enum {
+    TAKES_V = 1,
+    TAKES_A = 2,
+    TAKES_TAU = 4,
+    TAKES_POINT = 8,
+    TAKES_GIVEN = 16,
+    TAKES_CONSTRAINTS = 32
+}; /* beside q */
 
 typedef struct algorithm {
     const char *name, *what;
@@ -48,7 +57,7 @@ typedef struct columns {
 
 void free_columns(columns *c);
 void add_inputs(columns *c, const rbd_model *m, const algorithm *a);
-void add_outputs(columns *c, const rbd_model *m, const algorithm *a);
+void add_outputs(columns *c, const state *s, const algorithm *a);
 /* Names of the degrees of freedom, with "a." before, or what else is given; "" for the bare names. */
 void add_dofs(columns *c, const rbd_model *m, const char *before);
 

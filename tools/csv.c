@@ -9,7 +9,7 @@
 
 int csv_error(const csv *c, const char *format, ...) {
     va_list arguments;
-    fprintf(stderr, "%s: row %d: ", program, c->line);
+    fprintf(stderr, "%s: %s%srow %d: ", program, c->name ? c->name : "", c->name ? ": " : "", c->line);
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
@@ -20,16 +20,17 @@ int csv_error(const csv *c, const char *format, ...) {
 /* Reads a line into text, without its end. Returns 1, 0 at the end of the input, or -1 after a message. */
 static int read_line(csv *c) {
     size_t length = 0;
+    FILE *const from = c->from ? c->from : stdin;
     int character;
     for (;;) {
         if (length + 1 >= c->room) c->text = grown(c->text, c->room = 2 * c->room + 1000);
-        character = getchar();
+        character = getc(from);
         if (character == EOF || character == '\n') break;
         c->text[length++] = (char)character;
     }
     c->line++;
     c->text[length] = 0;
-    if (ferror(stdin)) return csv_error(c, "it cannot be read: %s", strerror(errno));
+    if (ferror(from)) return csv_error(c, "it cannot be read: %s", strerror(errno));
     if (strlen(c->text) != length) return csv_error(c, "it has a zero byte");
     return character != EOF || length > 0;
 }

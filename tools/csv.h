@@ -1,19 +1,22 @@
-/* csv.h - tables of comma-separated values on standard input and output. SPDX-License-Identifier: MIT */
+/* csv.h - tables of comma-separated values. SPDX-License-Identifier: MIT */
 #ifndef TOOLS_CSV_H
 #define TOOLS_CSV_H
 
 #include <stddef.h>
+#include <stdio.h>
 
-/* A reader; all zero to begin with. */
+/* A reader; all zero to begin with, but what is not standard input. */
 typedef struct csv {
-    int line;     /* number of the row in cells, from 1 */
-    char **cells; /* of the row read last, without the spaces around them */
+    FILE *from;       /* NULL: standard input */
+    const char *name; /* of that file */
+    int line;         /* number of the row in cells, from 1 */
+    char **cells;     /* of the row read last, without the spaces around them */
     int n, max;
     char *text; /* of the row; cells point into it */
     size_t room;
 } csv;
 
-/* Reads the next row that is not empty from standard input; ends of lines may be LF or CRLF, cells may be in
+/* Reads the next row that is not empty; ends of lines may be LF or CRLF, cells may be in
    quotes. Returns 1, 0 at the end, or -1 after a message. */
 int csv_read(csv *c);
 void csv_free(csv *c);

@@ -1,6 +1,7 @@
 /* rbd-eval: evaluates an algorithm on states given as a table, to check one library against another.
    SPDX-License-Identifier: MIT */
 #include "algorithms.h"
+#include "constraints.h"
 #include "csv.h"
 #include <math.h>
 #include <stdio.h>
@@ -40,6 +41,13 @@ static const char help_columns[] =
     "  --given DOF         its a is given in hybrid, of all others tau; a joint's name for all of its; may "
     "stand\n"
     "                      several times\n"
+    "  --constraints FILE  table of constraints, for constrained: a row each with the columns body1 x1 y1 z1 "
+    "r1_0 ... r1_8\n"
+    "                      body2 x2 y2 z2 r2_0 ... r2_8 axes, and kp kd if wanted: two links, or world; "
+    "origin and\n"
+    "                      rotation, row by row, of a frame on each; the axes of the second that are held, "
+    "six\n"
+    "                      characters 0 or 1 in the order of ROW. lambda.0 is the first of them\n"
     "  --layout            only print the names that the algorithm takes and gives\n";
 static const char help_end[] =
     "\n"
@@ -96,6 +104,8 @@ static int read_numbers(const csv *row, const columns *names, const int *where, 
 static int report_failure(const csv *row, const state *s, rbd_status status) {
     const int dof = status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN ? rbd_singular_dof(s->w) : -1;
     columns dofs = {0};
+    if (status == RBD_ERR_INFEASIBLE)
+        return csv_error(row, "%s, at lambda.%d", rbd_status_string(status), rbd_infeasible_row(s->c));
     if (dof < 0) return csv_error(row, "%s", rbd_status_string(status));
     add_dofs(&dofs, s->m, "");
     csv_error(row, "%s, at %s", rbd_status_string(status), dofs.name[dof]);
@@ -163,7 +173,7 @@ static int read_table(const algorithm *a, state *s, const columns *in, const col
 /* ---- command ---- */
 
 typedef struct options {
-    const char *model, *body;
+    const char *model, *body, *constraints;
     const algorithm *algorithm;
     double point[3];
     const char **given; /* ngiven */
@@ -179,6 +189,8 @@ static int read_own(options *o, char **argv, int *i) {
     }
     if (option_is(argv[*i], "--model")) return (o->model = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--body")) return (o->body = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (option_is(argv[*i], "--constraints"))
+        return (o->constraints = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--given"))
         return (o->given[o->ngiven++] = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--point"))
@@ -215,6 +227,8 @@ static int read_options(options *o, char **argv) {
     if (!o->algorithm) return 1 + usage_error("--algorithm is missing");
     if (o->algorithm->takes & TAKES_POINT && !o->body)
         return 1 + usage_error("--body is missing: %s takes a point of a link", o->algorithm->name);
+    if (o->algorithm->takes & TAKES_CONSTRAINTS && !o->constraints)
+        return 1 + usage_error("--constraints is missing: %s takes a table of them", o->algorithm->name);
     return 0;
 }
 
@@ -226,6 +240,26 @@ static void print_layout(const columns *in, const columns *out) {
 static int report_name(const char *option, const char *what, const char *name) {
     fprintf(stderr, "%s: %s: the robot has no %s '%s'\n", program, option, what, name);
     return EXIT_BAD;
+}
+
+/* The set of constraints of a table; returns 0, or EXIT_BAD after a message. */
+static int prepare_constraints(state *s, const char *path, void **memory) {
+    rbd_constraint *list;
+    rbd_report report;
+    char text[200];
+    const int n = constraints_read(path, s->m, &list);
+    int status = EXIT_BAD;
+    if (n >= 0) {
+        const size_t size = rbd_constraints_size(s->m, list, n);
+        *memory = allocate(size + 1, 1);
+        status =
+            rbd_constraints_init(s->m, s->w, list, n, *memory, size, &s->c, &report) == RBD_OK ? 0 : EXIT_BAD;
+        if (status != 0)
+            fprintf(stderr, "%s: %s: %s\n", program, path,
+                    rbd_constraint_finding_text(&report.error, text, sizeof text));
+    }
+    free(list);
+    return status;
 }
 
 /* Everything of a state but its numbers. Returns 0, or EXIT_BAD after a message. */
@@ -249,15 +283,18 @@ static int prepare(state *s, const options *o, const rbd_model *m) {
 static int run_on(const options *o, const robot *r) {
     columns in = {0}, out = {0};
     state s = {0};
+    void *constraints = NULL;
     int status = prepare(&s, o, r->model);
+    if (status == 0 && o->constraints) status = prepare_constraints(&s, o->constraints, &constraints);
     add_inputs(&in, s.m, o->algorithm);
-    add_outputs(&out, s.m, o->algorithm);
+    add_outputs(&out, &s, o->algorithm);
     if (status == 0 && o->layout)
         print_layout(&in, &out);
     else if (status == 0)
         status = read_table(o->algorithm, &s, &in, &out);
     free_columns(&in);
     free_columns(&out);
+    free(constraints);
     free(s.memory);
     return status;
 }
@@ -265,7 +302,7 @@ static int run_on(const options *o, const robot *r) {
 static int run(options *o) {
     robot r;
     int status;
-    if (o->body || o->algorithm->gives[0].columns == POSES) o->settings.urdf.keep_all = 1;
+    if (o->body || o->constraints || o->algorithm->gives[0].columns == POSES) o->settings.urdf.keep_all = 1;
     status = robot_open(&r, o->model, &o->settings);
     if (status == 0) {
         robot_print_warnings(&r);

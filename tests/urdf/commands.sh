@@ -36,6 +36,20 @@ eval_row() {
     [ -z "$message" ] || grep -qF -- "$message" err || { fail "no '$message': $*"; cat err; }
 }
 
+# constraints_row MESSAGE ROW...: rbd-eval refuses a table of constraints, a header of 29 columns and these lines
+constraints_row() {
+    message=$1
+    shift
+    frames=$(for body in 1 2; do
+        printf 'body%s,x%s,y%s,z%s' $body $body $body $body
+        for i in 0 1 2 3 4 5 6 7 8; do printf ',r%s_%s' $body $i; done
+        printf ','
+    done)
+    printf '%s\n' "${frames}axes,kp,kd" "$@" >constraints
+    expect 1 "rbd-eval: constraints: $message" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
+        --algorithm constrained --constraints constraints --layout
+}
+
 # ---- arguments ----
 
 for command in rbd-model rbd-eval; do
@@ -389,6 +403,26 @@ printf 'q.rail,q.hinge\n0,0\n0,1\0junk\n' >zero
 grep -qxF "rbd-eval: row 3: it has a zero byte" err || { fail "a zero byte"; cat err; }
 "$rbd_eval" --model cart_pole.urdf --algorithm gravity </ >out 2>err && fail "a folder is taken for a table"
 grep -q "^rbd-eval: row 1: it cannot be read: " err || { fail "a read error"; cat err; }
+
+# ---- rbd-eval: tables of constraints ----
+
+expect 2 "rbd-eval: --constraints is missing: constrained takes a table of them; see rbd-eval --help" \
+    "$rbd_eval" --model a --algorithm constrained
+expect 1 "rbd-eval: nowhere.csv: No such file or directory" \
+    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints nowhere.csv --layout
+same=1,0,0,0,1,0,0,0,1
+constraints_row "row 2: the robot has no link 'leg'" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
+constraints_row "row 2: column 'axes': '00011' is not six characters 0 or 1" \
+    "pole,0,0,0,$same,world,0,0,0,$same,00011,0,0"
+constraints_row "row 3: column 'z2': 'up' is not a finite number" "pole,0,0,0,$same,world,0,0,0,$same,000111,0,0" \
+    "pole,0,0,0,$same,world,0,0,up,$same,000111,0,0"
+constraints_row "row 2: it has 3 cells, the header 29" "pole,0,0"
+constraints_row "constraint 0, field 'axes': none is held, or one is neither 0 nor 1" \
+    "pole,0,0,0,$same,world,0,0,0,$same,000000,0,0"
+constraints_row "constraint 0, field 'kd': negative or not finite" "pole,0,0,0,$same,world,0,0,0,$same,000001,0,-1"
+printf 'body1,x1\npole,0\n' >constraints
+expect 1 "rbd-eval: constraints: row 1: column 'y1' is missing" "$rbd_eval" \
+    --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints constraints --layout
 
 for pair in rnea=id crba=mm aba=fd; do
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair%=*}" --layout >a.txt || fail "--algorithm ${pair%=*}"

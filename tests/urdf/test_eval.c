@@ -264,6 +264,47 @@ static void check_hybrid(const ref_model *model, const ref_control_state *s) {
     check_one(model, s, algorithm, expected, lengths, 2, fmax(1e-11, 1e-15 * s->cond_M));
 }
 
+/* A table for --constraints; tool frames are links of the URDF files only. */
+static void write_constraints(const char *path, const ref_model *model, const ref_constraint_set *set) {
+    FILE *table = fopen(path, "w");
+    ck_assert(table != NULL);
+    fprintf(table, "axes");
+    for (int body = 1; body <= 2; body++) {
+        fprintf(table, ",body%d,x%d,y%d,z%d", body, body, body, body);
+        for (int i = 0; i < 9; i++) fprintf(table, ",r%d_%d", body, i);
+    }
+    for (int k = 0; k < set->count; k++) {
+        const ref_constraint *c = &set->constraints[k];
+        fprintf(table, "\n");
+        for (int i = 0; i < 6; i++) fprintf(table, "%d", c->axes[i]);
+        for (int body = 1; body <= 2; body++) {
+            const int index = body == 1 ? c->body1 : c->body2;
+            const double *p = body == 1 ? c->p1 : c->p2, *R = body == 1 ? c->R1 : c->R2;
+            fprintf(table, ",%s", index < 0 ? "world" : model->bodies[index].name);
+            for (int i = 0; i < 3; i++) fprintf(table, ",%.17g", p[i]);
+            for (int i = 0; i < 9; i++) fprintf(table, ",%.17g", R[i]);
+        }
+    }
+    fprintf(table, "\n");
+    ck_assert_int_eq(fclose(table), 0);
+}
+
+static void check_constrained(const ref_model *model, const ref_control_state *s) {
+    for (int i = 0; i < s->nconstraint_sets; i++) {
+        const ref_constraint_set *set = &s->constraint_sets[i];
+        const double *const expected[] = {set->qdd_c, set->lambda};
+        const int lengths[] = {model->nv, set->rows};
+        char path[] = "/tmp/rbd_eval_XXXXXX", algorithm[100];
+        const int file = mkstemp(path);
+        ck_assert_int_ge(file, 0);
+        close(file);
+        write_constraints(path, model, set);
+        snprintf(algorithm, sizeof algorithm, "constrained --constraints %s", path);
+        check_one(model, s, algorithm, expected, lengths, 2, fmax(1e-11, 1e-15 * (s->cond_M + set->cond)));
+        unlink(path);
+    }
+}
+
 START_TEST(rbd_eval_gives_the_control_results) {
     const ref_control *control = find_control(robots[_i]);
     ref_model model = *control->model;
@@ -274,6 +315,7 @@ START_TEST(rbd_eval_gives_the_control_results) {
         check_regressors(&model, &control->states[k]);
         check_steps(&model, &control->states[k]);
         check_hybrid(&model, &control->states[k]);
+        check_constrained(&model, &control->states[k]);
     }
 }
 END_TEST
