@@ -41,9 +41,12 @@ typedef const real *in;
                             x(n, void, id_derivatives, \
                               (in q, in v, in a, in f_ext, in gravity, real * dtau_dq, real * dtau_dv)) \
                                 x(n, int, minv, (in q, real * Minv)) \
-                                    x(n, int, fd, (in q, in v, in tau, in f_ext, in gravity, real * a)) \
-                                        x(n, int, fd_cholesky, \
-                                          (in q, in v, in tau, in f_ext, in gravity, real * a))
+                                    x(n, int, fd_derivatives, \
+                                      (in q, in v, in tau, in f_ext, in gravity, real * a, real * da_dq, \
+                                       real * da_dv, real * Minv)) \
+                                        x(n, int, fd, (in q, in v, in tau, in f_ext, in gravity, real * a)) \
+                                            x(n, int, fd_cholesky, \
+                                              (in q, in v, in tau, in f_ext, in gravity, real * a))
 
 #define NUMBER(n, result, function, arguments) call_##function,
 enum { FUNCTIONS(NUMBER, ) CALLS, FIRST_WITH_PIVOTS = call_minv };
@@ -113,7 +116,7 @@ static void compare(const char *what, int state, const REAL *right, const real *
 
 /* Condition number of M in the norm of the largest column sum. */
 static double condition(const REAL *M) {
-    static REAL L[2 * MOST * MOST], x[MOST];
+    static REAL L[4 * MOST * MOST], x[MOST];
     const int n = rbd_nv(m);
     double norm = 0, inverse = 0;
     if (rbd_cholesky_factor(m, w, M, L) != RBD_OK) return HUGE_VAL;
@@ -138,7 +141,7 @@ static int expected_status(rbd_status status) {
 /* ---- random states k, k + 1 and so on in the lanes; of the bad ones one, in the last ---- */
 
 static real q[5 * WORLD_BODIES + WORLD_COORDINATES], v[MOST], a[MOST], tau[MOST], f_ext[6 * WORLD_BODIES],
-    gravity[3], found[2 * MOST * MOST];
+    gravity[3], found[4 * MOST * MOST];
 
 static int state_of(int k, int lane) {
     return k >= RANDOM && lane == CODE_LANES - 1 ? k : (k + lane) % RANDOM;
@@ -177,6 +180,9 @@ static int run_code(const code *c, int call) {
     case call_pose_tip: c->pose_tip(q, found, found + 9); break;
     case call_id_derivatives: c->id_derivatives(q, v, a, f_ext, gravity, found, found + nv * nv); break;
     case call_minv: return c->minv(q, found);
+    case call_fd_derivatives:
+        return c->fd_derivatives(q, v, tau, f_ext, gravity, found, found + nv, found + nv + nv * nv,
+                                 found + nv + 2 * nv * nv);
     case call_fd: return c->fd(q, v, tau, f_ext, gravity, found);
     default: return c->fd_cholesky(q, v, tau, f_ext, gravity, found);
     }
@@ -206,6 +212,9 @@ static rbd_status run_rbd(const sample_state *s, int call, REAL *out) {
     case call_pose_tip: return rbd_body_pose(m, w, tip, out, out + 9);
     case call_id_derivatives: return rbd_rnea_derivatives(m, d, x, xv, xa, f, out, out + nv * nv, NULL);
     case call_minv: return rbd_minverse(m, w, x, out);
+    case call_fd_derivatives:
+        return rbd_fd_derivatives(m, d, x, xv, xtau, f, out, out + nv, out + nv + nv * nv,
+                                  out + nv + 2 * nv * nv);
     case call_fd: return rbd_aba(m, w, x, xv, xtau, f, out);
     default: return rbd_fd_cholesky(m, w, x, xv, xtau, f, out);
     }
@@ -220,6 +229,7 @@ static int size_of(int call) {
     case call_gravity_derivatives:
     case call_coriolis: return nv * nv;
     case call_id_derivatives: return 2 * nv * nv;
+    case call_fd_derivatives: return nv + 3 * nv * nv;
     case call_momentum_matrix:
     case call_jacobian_tip: return 6 * nv;
     case call_com_jacobian: return 3 * nv;
@@ -230,7 +240,7 @@ static int size_of(int call) {
 
 /* Of the results of M^-1 relative to the largest. */
 static double tolerance_of(int state, int call) {
-    static REAL M[2 * MOST * MOST];
+    static REAL M[4 * MOST * MOST];
     const sample_state *s = &states[state == NOT_A_NUMBER ? 0 : state];
     const double eps = sizeof(REAL) == 4 ? 1e-7 : 2e-16;
     if (call < FIRST_WITH_PIVOTS || state == LOCKED) return 5e4 * eps;
@@ -239,7 +249,7 @@ static double tolerance_of(int state, int call) {
 }
 
 static void check(const code *c, int k, int call) {
-    static REAL right[2 * MOST * MOST];
+    static REAL right[4 * MOST * MOST];
     int status = 0, expected = 0;
     for (int lane = 0; lane < CODE_LANES; lane++) {
         const sample_state *s = &states[state_of(k, lane)];

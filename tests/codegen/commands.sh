@@ -68,7 +68,7 @@ selftest() {
         [ -n "$flags" ] && [ $found -eq 0 ] && fail "self-test with another result: $*"
     done
 }
-all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,coriolis,momentum_matrix,com_jacobian
+all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives,coriolis,momentum_matrix,com_jacobian
 selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
 selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"

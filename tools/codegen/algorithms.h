@@ -8,7 +8,7 @@ struct call {
     rbd_derivatives *d;
     int body;
     const rbd_real *q, *v, *a, *tau, *f_ext; /* f_ext may be NULL */
-    rbd_real *out[2];
+    rbd_real *out[4];
 };
 
 typedef int size_of(const rbd_model *m);
@@ -35,7 +35,7 @@ struct result {
 static const struct algorithm {
     const char *name, *arguments;
     int traits;
-    result results[2];
+    result results[4];
     rbd_status (*run)(const call &c);
     const char *about;
 } algorithms[] = {
@@ -95,6 +95,18 @@ static const struct algorithm {
          return rbd_rnea_derivatives(c.m, c.d, c.q, c.v, c.a, c.f_ext, c.out[0], c.out[1], NULL);
      },
      "Derivatives of the inverse dynamics: rbd_rnea_derivatives."},
+    {"fd_derivatives",
+     "qvtfg",
+     PIVOTS,
+     {{"a", "nv, the acceleration", size_nv},
+      {"da_dq", "nv x nv, along tangent steps of q", size_full},
+      {"da_dv", "nv x nv", size_full},
+      {"Minv", "nv x nv, da/dtau", size_full}},
+     [](const call &c) {
+         return rbd_fd_derivatives(c.m, c.d, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1], c.out[2],
+                                   c.out[3]);
+     },
+     "Derivatives of the forward dynamics: rbd_fd_derivatives."},
     {"gravity_derivatives",
      "qg",
      PLAIN,
@@ -189,8 +201,8 @@ struct session {
 
     /* x: an array for each argument. */
     std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS]) {
-        std::vector<rbd_real> out[2], all;
-        for (int k = 0; k < 2; k++)
+        std::vector<rbd_real> out[4], all;
+        for (int k = 0; k < 4; k++)
             if (row->results[k].size) out[k].resize(size_t(row->results[k].size(m)));
         demand(row->run({m,
                          w,
@@ -201,7 +213,7 @@ struct session {
                          x[2].data(),
                          x[3].data(),
                          x[4].empty() ? NULL : x[4].data(),
-                         {out[0].data(), out[1].data()}}));
+                         {out[0].data(), out[1].data(), out[2].data(), out[3].data()}}));
         for (const auto &y : out) all.insert(all.end(), y.begin(), y.end());
         return all;
     }

@@ -245,9 +245,15 @@ std::string writer::end() const {
             s += "    " + to.first + " = " + operand_signed(negated(2 * x.first, to.second)) + ";\n";
         }
     if (f.pivots.empty()) return s;
-    const array &out = f.outputs[0];
-    return s + format("    return judge(pivot, %s_%s_limit, %zu, %s, %d);\n", t.name.c_str(), f.name.c_str(),
-                      f.pivots.size(), out.name.c_str(), out.size);
+    const std::string pivots =
+        format("pivot, %s_%s_limit, %zu", t.name.c_str(), f.name.c_str(), f.pivots.size());
+    const auto judge = [&](const char *how, const array &a) {
+        return format("%s(%s, %s, %d)", how, pivots.c_str(), a.name.c_str(), a.size);
+    };
+    s += "    const int status = " + judge("judge", f.outputs[0]) + ";\n";
+    for (size_t k = 1; k < f.outputs.size(); k++)
+        s += "    if (status) (void)" + judge("judge_closely", f.outputs[k]) + ";\n";
+    return s + "    return status;\n";
 }
 
 std::string writer::text() {
