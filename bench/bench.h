@@ -57,6 +57,8 @@ enum {
     LANES_FLOAT,
     MUJOCO, /* those of others: peers/ */
     KDL,
+    RBDL,
+    PINOCCHIO,
     TIMED,
     QUAD = TIMED,
     LIBRARIES
@@ -99,7 +101,7 @@ struct robot {
     int packed; /* entries of the packed mass matrix */
     int samples;
     const ref_model *reference;           /* NULL: there is none of a robot from a file */
-    double *numbers;                      /* scratch of conversions: nv x nv, or a state */
+    double *numbers;                      /* scratch of conversions: a result, or a state */
     struct instance instances[LIBRARIES]; /* DOUBLE and, if there is one, QUAD are always open */
 };
 
@@ -113,6 +115,9 @@ int robot_load(struct robot *r, const struct options *o);
 int robot_open(struct robot *r, int index, const struct options *o);
 void robot_close(struct robot *r);
 
+/* The work of a run-time instance of rbd in double. */
+rbd_work *instance_work(const struct instance *r);
+
 /* For all algorithms and scalars. */
 void robot_set_gravity(const struct robot *r, const double gravity[3]);
 
@@ -124,9 +129,12 @@ void instance_take_sample(const struct instance *to, const struct instance *from
 
 /* ---- timing/algorithms.c ---- */
 
+enum input { NOTHING, ACCELERATION, TORQUE };
+
 struct algorithm {
     const char *name;  /* on the command line and in CSV */
     const char *title; /* for people */
+    enum input input;  /* what it takes besides q and v */
 };
 
 extern const struct algorithm algorithms[ALGORITHMS];
@@ -147,8 +155,10 @@ bool library_is_ours(const struct library *library);
 rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
                          const struct states *s, int first, int count);
 
-/* Numbers in its result for one state. */
+/* Numbers in its result for one state: HYBRID a and tau; ID_DERIVATIVES d tau/dq and d tau/dv; FD_DERIVATIVES
+   da/dq, da/dv and M^-1. The largest such number. */
 int algorithm_results(int algorithm, const struct robot *r);
+int algorithm_largest(const struct robot *r);
 
 /* One line of the report: a robot, an algorithm, and how it is called. */
 struct row {

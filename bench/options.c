@@ -7,12 +7,13 @@
 
 static const char help[] =
     "usage: rbd-bench [OPTION...]\n"
-    "Verifies rbd's inverse dynamics, mass matrix and forward dynamics, then times them.\n"
+    "Verifies rbd's algorithms, then times them.\n"
     "\n"
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
     "  --model FILE       the robot of this URDF file instead of these\n"
     "  --floating         its root link is on a floating joint, not fixed to the world\n"
-    "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky or all (default all);\n"
+    "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky, hybrid, minv, jacobian, momentum_matrix,\n"
+    "                     coriolis, regressor, did, dfd or all (default all);\n"
     "                     rnea, crba and aba are other names of id, mm and fd\n"
     "  --scalar NAME      double, float or all (default double)\n"
     "  --variant NAME     run-time, compile-time, lanes, threads or all (default all)\n"

@@ -80,3 +80,5 @@ static rbd_status call_fd_cholesky(const void *model, void *work, int n, const v
     WORK;
     return rbd_fd_cholesky(&ROBOT_MODEL, w, q, v, tau, NULL, a);
 }
+
+#define MORE_CALLS

@@ -48,3 +48,5 @@ static rbd_status call_fd_cholesky(const void *model, void *work, int n, const v
                                    const void *tau, void *a) {
     return rbd_batch_fd_cholesky(model, work, n, q, v, tau, NULL, a);
 }
+
+#define MORE_CALLS

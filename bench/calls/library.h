@@ -10,17 +10,37 @@
 extern "C" {
 #endif
 
-enum { ID, MM, MM_PACKED, FD, FD_CHOLESKY, ALGORITHMS };
+enum {
+    ID,
+    MM,
+    MM_PACKED,
+    FD,
+    FD_CHOLESKY,
+    HYBRID,
+    MINV,
+    JACOBIAN,
+    MOMENTUM_MATRIX,
+    CORIOLIS,
+    REGRESSOR,
+    ID_DERIVATIVES,
+    FD_DERIVATIVES,
+    ALGORITHMS
+};
 
 /* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
 enum { RUN_TIME, COMPILE_TIME, LANES, THREADS, VARIANTS };
 enum { BATCH = 64 };
 
 /* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
-   library's scalar; x: the acceleration (ID) or the torque (FD, FD_CHOLESKY); MM and MM_PACKED read q alone.
- */
+   library's scalar; x: the acceleration or the torque, as the table of algorithms says. */
 typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
                                 const void *x, void *out);
+
+/* What the run-time variants of rbd have for a work. */
+struct rbd_memory {
+    void *work;        /* rbd_work */
+    void *derivatives; /* rbd_derivatives */
+};
 
 /* A state in rbd's conventions, and in double. */
 struct state {
@@ -32,7 +52,7 @@ struct conventions {
     /* Lengths of its q and v. */
     void (*size)(const void *model, int *nq, int *nv);
     void (*state)(const void *model, const struct state *rbd, const struct state *its);
-    /* The result of an algorithm as rbd would give it; a matrix is full, nv x nv. */
+    /* The result of an algorithm as rbd would give it. */
     void (*result)(const void *model, int algorithm, const struct state *rbd, const double *its,
                    double *result);
     double bound;                  /* largest relative error of a result */

@@ -2,52 +2,146 @@
    SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
 #include "../bench.h"
+#include "rbd_derivatives.h"
 
 #define VARIANT RUN_TIME
 #define N_LANES 1
 #define ONLY_ROBOT NULL
 #define WIDTH 1
 
-static rbd_status work_init(const void *model, void *memory, size_t size, void **work) {
+/* A work, and the memory of rbd_derivatives.h behind it. */
+
+enum { ALIGNMENT = 64 };
+
+static size_t aligned(size_t size) { return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
+
+static rbd_status work_init(const void *model, void *memory, size_t size, void **out) {
+    struct rbd_memory *own = memory;
+    unsigned char *begin = (unsigned char *)memory + aligned(sizeof *own);
+    const size_t work_bytes = aligned(rbd_work_size(model)), used = aligned(sizeof *own) + work_bytes;
     rbd_work *w = NULL;
-    rbd_status status = rbd_work_init(model, memory, size, &w);
-    *work = w;
+    rbd_derivatives *d = NULL;
+    rbd_status status = rbd_work_init(model, begin, work_bytes, &w);
+    if (status == RBD_OK)
+        status = rbd_derivatives_init(model, w, begin + work_bytes, size > used ? size - used : 0, &d);
+    own->work = w;
+    own->derivatives = d;
+    *out = own;
     return status;
 }
 
-static size_t work_size(const void *model) { return rbd_work_size(model); }
+static size_t work_size(const void *model) {
+    return aligned(sizeof(struct rbd_memory)) + aligned(rbd_work_size(model)) + rbd_derivatives_size(model);
+}
+
+static rbd_work *work_of(void *memory) { return ((struct rbd_memory *)memory)->work; }
+
+static rbd_derivatives *derivatives_of(void *memory) { return ((struct rbd_memory *)memory)->derivatives; }
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     const rbd_const g[3] = {(rbd_const)gravity[0], (rbd_const)gravity[1], (rbd_const)gravity[2]};
-    return rbd_set_gravity(work, g);
+    return rbd_set_gravity(work_of(work), g);
 }
 
 static rbd_status call_id(const void *model, void *work, int n, const void *q, const void *v, const void *a,
                           void *tau) {
     (void)n;
-    return rbd_rnea(model, work, q, v, a, NULL, tau);
+    return rbd_rnea(model, work_of(work), q, v, a, NULL, tau);
 }
 
 static rbd_status call_mm(const void *model, void *work, int n, const void *q, const void *v, const void *x,
                           void *M) {
     (void)n, (void)v, (void)x;
-    return rbd_crba(model, work, q, M);
+    return rbd_crba(model, work_of(work), q, M);
 }
 
 static rbd_status call_mm_packed(const void *model, void *work, int n, const void *q, const void *v,
                                  const void *x, void *H) {
     (void)n, (void)v, (void)x;
-    return rbd_crba_packed(model, work, q, H);
+    return rbd_crba_packed(model, work_of(work), q, H);
 }
 
 static rbd_status call_fd(const void *model, void *work, int n, const void *q, const void *v, const void *tau,
                           void *a) {
     (void)n;
-    return rbd_aba(model, work, q, v, tau, NULL, a);
+    return rbd_aba(model, work_of(work), q, v, tau, NULL, a);
 }
 
 static rbd_status call_fd_cholesky(const void *model, void *work, int n, const void *q, const void *v,
                                    const void *tau, void *a) {
     (void)n;
-    return rbd_fd_cholesky(model, work, q, v, tau, NULL, a);
+    return rbd_fd_cholesky(model, work_of(work), q, v, tau, NULL, a);
 }
+
+/* Of a robot with a base its torques are 0 and the accelerations of all joints given; of another every second
+   joint is like the base. */
+static rbd_status call_hybrid(const void *model, void *work, int n, const void *q, const void *v,
+                              const void *a, void *out) {
+    enum { MOST = 256 };
+    const int nv = rbd_nv(model), base = rbd_nq(model) > nv;
+    rbd_real *acceleration = out, *tau = acceleration + nv;
+    unsigned char given[MOST];
+    (void)n;
+    if (nv > MOST) return RBD_ERR_MEMORY;
+    for (int i = 0; i < nv; i++) {
+        acceleration[i] = ((const rbd_real *)a)[i];
+        given[i] = (unsigned char)(base ? i >= 6 : i % 2);
+        tau[i] = 0;
+    }
+    return rbd_hybrid(model, work_of(work), q, v, given, NULL, acceleration, tau);
+}
+
+static rbd_status call_minv(const void *model, void *work, int n, const void *q, const void *v, const void *x,
+                            void *Minv) {
+    (void)n, (void)v, (void)x;
+    return rbd_minverse(model, work_of(work), q, Minv);
+}
+
+/* World axes, at the origin of the last body. */
+static rbd_status call_jacobian(const void *model, void *work, int n, const void *q, const void *v,
+                                const void *x, void *J) {
+    rbd_status status = rbd_kinematics(model, work_of(work), q, NULL, NULL);
+    (void)n, (void)v, (void)x;
+    return status != RBD_OK ? status
+                            : rbd_jacobian(model, work_of(work), rbd_nb(model) - 1, NULL, RBD_WORLD_AXES, J);
+}
+
+static rbd_status call_momentum_matrix(const void *model, void *work, int n, const void *q, const void *v,
+                                       const void *x, void *A) {
+    (void)n, (void)v, (void)x;
+    return rbd_momentum_matrix(model, derivatives_of(work), q, NULL, A, NULL);
+}
+
+static rbd_status call_coriolis(const void *model, void *work, int n, const void *q, const void *v,
+                                const void *x, void *C) {
+    (void)n, (void)x;
+    return rbd_coriolis(model, derivatives_of(work), q, v, C);
+}
+
+static rbd_status call_regressor(const void *model, void *work, int n, const void *q, const void *v,
+                                 const void *a, void *Y) {
+    (void)n;
+    return rbd_regressor(model, derivatives_of(work), q, v, a, Y);
+}
+
+static rbd_status call_did(const void *model, void *work, int n, const void *q, const void *v, const void *a,
+                           void *out) {
+    const int nv = rbd_nv(model);
+    rbd_real *dq = out, *dv = dq + nv * nv;
+    (void)n;
+    return rbd_rnea_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, NULL);
+}
+
+static rbd_status call_dfd(const void *model, void *work, int n, const void *q, const void *v,
+                           const void *tau, void *out) {
+    const int nv = rbd_nv(model);
+    rbd_real *dq = out, *dv = dq + nv * nv, *Minv = dv + nv * nv;
+    (void)n;
+    return rbd_fd_derivatives(model, derivatives_of(work), q, v, tau, NULL, NULL, dq, dv, Minv);
+}
+
+/* Those that the batches and the models known at compile time are without. */
+#define MORE_CALLS \
+    [HYBRID] = call_hybrid, [MINV] = call_minv, [JACOBIAN] = call_jacobian, \
+    [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, \
+    [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd

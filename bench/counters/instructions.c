@@ -3,6 +3,7 @@
 #include <string.h>
 #include <valgrind/callgrind.h>
 #include "../bench.h"
+#include "rbd_derivatives.h"
 #include "../../models/iiwa.h"
 #include "../../models/hyq.h"
 #include "../../models/atlas.h"
@@ -11,10 +12,11 @@ enum { STATES = BATCH, MAX_LANES = 8 };
 enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest robot's */
 
 /* Static, so that every run has them at the same addresses. */
-static unsigned char model_memory[RBD_MODEL_SIZE(MAX_NB)], work_memory[RBD_WORK_SIZE(MAX_NB, MAX_NV)];
-static unsigned char lanes_memory[MAX_LANES * sizeof work_memory];
+static unsigned char model_memory[RBD_MODEL_SIZE(MAX_NB)];
+static unsigned char
+    variant_memory[(MAX_LANES + 1) * RBD_WORK_SIZE(MAX_NB, MAX_NV) + RBD_DERIVATIVES_SIZE(MAX_NB, MAX_NV)];
 static rbd_real q[STATES * MAX_NQ], v[STATES * MAX_NV], a[STATES * MAX_NV], tau[STATES * MAX_NV];
-static rbd_real out[STATES * MAX_NV * MAX_NV];
+static rbd_real out[STATES * MAX_NV * 10 * MAX_NB];
 
 /* ---- robots ---- */
 
@@ -23,7 +25,6 @@ struct counted_robot {
     const rbd_body *bodies;
     int nb;
     const rbd_model *model;
-    rbd_work *work;
     int nq, nv;
 };
 
@@ -56,116 +57,78 @@ static rbd_status draw_states(const struct counted_robot *r) {
 /* Builds the robot's model in the memory that all robots share, and draws its states. */
 static rbd_status open_robot(struct counted_robot *r) {
     rbd_status status = rbd_model_build(r->bodies, r->nb, model_memory, sizeof model_memory, &r->model, NULL);
-    if (status == RBD_OK) status = rbd_work_init(r->model, work_memory, sizeof work_memory, &r->work);
     if (status != RBD_OK) return status;
     r->nq = rbd_nq(r->model);
     r->nv = rbd_nv(r->model);
     return r->nq <= MAX_NQ && r->nv <= MAX_NV ? draw_states(r) : RBD_ERR_MEMORY;
 }
 
-/* ---- calls for a model known at run time ---- */
+/* ---- the calls, by the tables of calls/library.c ---- */
 
-typedef rbd_status matrix_call(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
-typedef rbd_status dynamics_call(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *x, const rbd_real *f_ext, rbd_real *out);
-
-/* One of the two calls is given. */
-struct plain_call {
-    const char *name;
-    matrix_call *matrix;
-    dynamics_call *dynamics;
-    const rbd_real *x; /* the third vector of dynamics */
-};
-
-static const struct plain_call plain_calls[] = {
-    {.name = "id", .dynamics = rbd_rnea, .x = a},
-    {.name = "mm", .matrix = rbd_crba},
-    {.name = "mm_packed", .matrix = rbd_crba_packed},
-    {.name = "fd", .dynamics = rbd_aba, .x = tau},
-    {.name = "fd_cholesky", .dynamics = rbd_fd_cholesky, .x = tau},
-};
-
-/* The counted loops; what they need lies in locals, so that little but the calls is counted. */
-
-static rbd_status run_matrix(matrix_call *call, const struct counted_robot *r) {
-    const rbd_model *m = r->model;
-    rbd_work *w = r->work;
-    const rbd_real *qk = q, *end = q + STATES * r->nq;
-    const int nq = r->nq;
-    rbd_status status = RBD_OK;
-    for (; qk < end && status == RBD_OK; qk += nq) status = call(m, w, qk, out);
-    return status;
-}
-
-static rbd_status run_dynamics(dynamics_call *call, const struct counted_robot *r, const rbd_real *x) {
-    const rbd_model *m = r->model;
-    rbd_work *w = r->work;
-    const rbd_real *qk = q, *vk = v, *xk = x, *end = q + STATES * r->nq;
-    const int nq = r->nq, nv = r->nv;
-    rbd_status status = RBD_OK;
-    for (; qk < end && status == RBD_OK; qk += nq, vk += nv, xk += nv)
-        status = call(m, w, qk, vk, xk, NULL, out);
-    return status;
-}
-
-static rbd_status run_plain(const struct plain_call *g, const struct counted_robot *r) {
-    return g->matrix ? run_matrix(g->matrix, r) : run_dynamics(g->dynamics, r, g->x);
-}
-
-/* ---- calls of the other variants, by the tables of calls/library.c ---- */
-
-extern const struct library LANES_LIBRARY;
+extern const struct library PLAIN_LIBRARY, LANES_LIBRARY;
 #ifdef COMPILE_TIME_LIBRARIES
 extern const struct library library_iiwa, library_hyq, library_atlas;
 #endif
 
 static const struct library *const variants[] = {
-    &LANES_LIBRARY,
+    &PLAIN_LIBRARY, &LANES_LIBRARY,
 #ifdef COMPILE_TIME_LIBRARIES
-    &library_iiwa,
-    &library_hyq,
-    &library_atlas,
+    &library_iiwa,  &library_hyq,   &library_atlas,
 #endif
 };
 
-static const char *const names[ALGORITHMS] = {
-    [ID] = "id", [MM] = "mm", [MM_PACKED] = "mm_packed", [FD] = "fd", [FD_CHOLESKY] = "fd_cholesky"};
-
-static rbd_status run_variant(const struct library *l, int algorithm, const struct counted_robot *r,
-                              void *work) {
-    const rbd_real *x = algorithm == ID ? a : tau;
-    rbd_status status = RBD_OK;
-    for (int k = 0; k < STATES && status == RBD_OK; k += l->width)
-        status =
-            l->call[algorithm](r->model, work, l->width, q + k * r->nq, v + k * r->nv, x + k * r->nv, out);
-    return status;
-}
+static const struct {
+    const char *name;
+    const rbd_real *x; /* what it takes besides q and v */
+} algorithms_counted[ALGORITHMS] = {
+    [ID] = {"id", a},
+    [MM] = {"mm", tau},
+    [MM_PACKED] = {"mm_packed", tau},
+    [FD] = {"fd", tau},
+    [FD_CHOLESKY] = {"fd_cholesky", tau},
+    [HYBRID] = {"hybrid", a},
+    [MINV] = {"minv", tau},
+    [JACOBIAN] = {"jacobian", tau},
+    [MOMENTUM_MATRIX] = {"momentum_matrix", tau},
+    [CORIOLIS] = {"coriolis", tau},
+    [REGRESSOR] = {"regressor", a},
+    [ID_DERIVATIVES] = {"did", a},
+    [FD_DERIVATIVES] = {"dfd", tau},
+};
 
 /* ---- counting ---- */
 
-/* One thing to count: a plain call, or an algorithm of a variant. */
+/* One thing to count: an algorithm of a variant. */
 struct cell {
     const struct counted_robot *robot;
-    const struct plain_call *plain;
     const struct library *library;
     int algorithm;
     void *work;
 };
 
+/* The counted loop; what it needs lies in locals, so that little but the calls is counted. */
 static rbd_status run(const struct cell *c) {
-    return c->plain ? run_plain(c->plain, c->robot)
-                    : run_variant(c->library, c->algorithm, c->robot, c->work);
+    library_call *const call = c->library->call[c->algorithm];
+    const void *const m = c->robot->model;
+    void *const work = c->work;
+    const int n = c->library->width, nq = n * c->robot->nq, nv = n * c->robot->nv;
+    const rbd_real *qk = q, *vk = v, *xk = algorithms_counted[c->algorithm].x,
+                   *end = q + STATES * c->robot->nq;
+    rbd_status status = RBD_OK;
+    for (; qk < end && status == RBD_OK; qk += nq, vk += nv, xk += nv)
+        status = call(m, work, n, qk, vk, xk, out);
+    return status;
 }
 
 /* "ROBOT,ALGORITHM,CALLS,VARIANT", which callgrind writes down with the counts. */
 static void describe(const struct cell *c, char *text, size_t size) {
     const struct library *l = c->library;
-    char variant[32] = "run-time";
-    if (l && l->variant == LANES)
+    char variant[32];
+    if (l->variant == LANES)
         snprintf(variant, sizeof variant, "lanes %d", l->lanes);
-    else if (l)
-        snprintf(variant, sizeof variant, "compile-time");
-    snprintf(text, size, "%s,%s,%d,%s", c->robot->name, l ? names[c->algorithm] : c->plain->name, STATES,
+    else
+        snprintf(variant, sizeof variant, "%s", l->variant == RUN_TIME ? "run-time" : "compile-time");
+    snprintf(text, size, "%s,%s,%d,%s", c->robot->name, algorithms_counted[c->algorithm].name, STATES,
              variant);
 }
 
@@ -186,19 +149,13 @@ static rbd_status count(const struct cell *c) {
     return status;
 }
 
-static rbd_status count_plain(const struct counted_robot *r) {
-    rbd_status status = RBD_OK;
-    for (size_t i = 0; i < sizeof plain_calls / sizeof *plain_calls && status == RBD_OK; i++)
-        status = count(&(struct cell){.robot = r, .plain = &plain_calls[i]});
-    return status;
-}
-
 static rbd_status count_variant(const struct counted_robot *r, const struct library *l) {
     const double gravity[3] = {0, 0, -9.81};
     struct cell c = {.robot = r, .library = l};
-    rbd_status status = l->work_init(r->model, lanes_memory, sizeof lanes_memory, &c.work);
+    rbd_status status = l->work_init(r->model, variant_memory, sizeof variant_memory, &c.work);
     if (status == RBD_OK) status = l->set_gravity(c.work, gravity);
-    for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++) status = count(&c);
+    for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++)
+        if (l->call[c.algorithm]) status = count(&c);
     return status;
 }
 
@@ -214,7 +171,6 @@ int main(void) {
     for (size_t i = 0; i < sizeof robots / sizeof *robots; i++) {
         struct counted_robot *r = &robots[i];
         rbd_status status = open_robot(r);
-        if (status == RBD_OK) status = count_plain(r);
         if (status == RBD_OK) status = count_variants(r);
         if (status != RBD_OK) {
             fprintf(stderr, "instructions: %s: %s\n", r->name, rbd_status_string(status));

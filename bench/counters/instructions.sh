@@ -117,9 +117,10 @@ count() {
     [ "$2" = float ] || compile_special "$1"
     progress "$1, $2: compiling"
     compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/calls/library.c" -o "$work/lanes.o"
+    compile "$1" "$2" -DLIBRARY=library_plain -c "$bench/calls/library.c" -o "$work/plain.o"
     # shellcheck disable=SC2086 # words wanted
-    compile "$1" "$2" -DLANES_LIBRARY=library_lanes $special "$bench/counters/instructions.c" "$work/rbd.c" \
-        "$work/lanes.o" -lm -o "$work/count"
+    compile "$1" "$2" -DPLAIN_LIBRARY=library_plain -DLANES_LIBRARY=library_lanes $special \
+        "$bench/counters/instructions.c" "$work/plain.o" "$work/lanes.o" -lm -o "$work/count"
     progress "$1, $2: counting"
     quietly valgrind --command-line-only=yes --tool=callgrind --cache-sim=yes --collect-atstart=no \
         --combine-dumps=yes --callgrind-out-file="$work/parts" "$work/count"
@@ -137,9 +138,8 @@ rows() {
 }
 
 count_all() {
-    cp "$bench/../rbd.h" "$work" || exit 1 # all counts are of one rbd.h, even if it is being edited
-    # A file of its own for the library: no inlining into the counted loops.
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$work/rbd.c"
+    # All counts are of one library, even if it is being edited.
+    cp "$bench/../rbd.h" "$bench/../rbd_derivatives.h" "$work" || exit 1
     echo "$header" >"$work/counts.csv"
     for compiler in $compilers; do
         for scalar in double float; do

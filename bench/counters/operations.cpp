@@ -61,6 +61,7 @@ inline number cos(number a) {
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
+#include "rbd_derivatives.h"
 #include "../../models/iiwa.h"
 #include "../../models/hyq.h"
 #include "../../models/atlas.h"
@@ -74,8 +75,10 @@ static const char *const names[OPERATIONS] = {"op_mul", "op_add", "op_div", "op_
 
 enum { STATES = 64 };
 
-static unsigned char model_memory[RBD_MODEL_SIZE(ATLAS_NB)], work_memory[RBD_WORK_SIZE(ATLAS_NB, ATLAS_NV)];
-static number q[ATLAS_NQ], v[ATLAS_NV], x[ATLAS_NV], out[ATLAS_NV * ATLAS_NV];
+static unsigned char model_memory[RBD_MODEL_SIZE(ATLAS_NB)], work_memory[RBD_WORK_SIZE(ATLAS_NB, ATLAS_NV)],
+    derivatives_memory[RBD_DERIVATIVES_SIZE(ATLAS_NB, ATLAS_NV)];
+static number q[ATLAS_NQ], v[ATLAS_NV], x[ATLAS_NV], out[ATLAS_NV * 10 * ATLAS_NB],
+    more[2][ATLAS_NV * ATLAS_NV];
 
 // ---- a loop of known counts, for the test ----
 
@@ -93,6 +96,7 @@ struct robot {
     int nb;
     const rbd_model *m;
     rbd_work *w;
+    rbd_derivatives *d;
 };
 
 typedef rbd_status algorithm_call(const robot &r);
@@ -103,6 +107,34 @@ static rbd_status call_mm_packed(const robot &r) { return rbd_crba_packed(r.m, r
 static rbd_status call_fd(const robot &r) { return rbd_aba(r.m, r.w, q, v, x, NULL, out); }
 static rbd_status call_fd_cholesky(const robot &r) { return rbd_fd_cholesky(r.m, r.w, q, v, x, NULL, out); }
 
+// Its results are of no interest: the base's torques are 0, all other accelerations given.
+static rbd_status call_hybrid(const robot &r) {
+    unsigned char given[ATLAS_NV];
+    for (int i = 0; i < rbd_nv(r.m); i++) {
+        given[i] = (unsigned char)(rbd_nq(r.m) > rbd_nv(r.m) ? i >= 6 : i % 2);
+        out[i] = x[i];
+        more[0][i] = 0;
+    }
+    return rbd_hybrid(r.m, r.w, q, v, given, NULL, out, more[0]);
+}
+
+static rbd_status call_minv(const robot &r) { return rbd_minverse(r.m, r.w, q, out); }
+static rbd_status call_jacobian(const robot &r) {
+    const rbd_status status = rbd_kinematics(r.m, r.w, q, NULL, NULL);
+    return status != RBD_OK ? status : rbd_jacobian(r.m, r.w, rbd_nb(r.m) - 1, NULL, RBD_WORLD_AXES, out);
+}
+static rbd_status call_momentum_matrix(const robot &r) {
+    return rbd_momentum_matrix(r.m, r.d, q, NULL, out, NULL);
+}
+static rbd_status call_coriolis(const robot &r) { return rbd_coriolis(r.m, r.d, q, v, out); }
+static rbd_status call_regressor(const robot &r) { return rbd_regressor(r.m, r.d, q, v, x, out); }
+static rbd_status call_did(const robot &r) {
+    return rbd_rnea_derivatives(r.m, r.d, q, v, x, NULL, out, more[0], NULL);
+}
+static rbd_status call_dfd(const robot &r) {
+    return rbd_fd_derivatives(r.m, r.d, q, v, x, NULL, NULL, out, more[0], more[1]);
+}
+
 struct algorithm {
     const char *name;
     algorithm_call *call;
@@ -111,7 +143,15 @@ static const algorithm algorithms[] = {{"id", call_id},
                                        {"mm", call_mm},
                                        {"mm_packed", call_mm_packed},
                                        {"fd", call_fd},
-                                       {"fd_cholesky", call_fd_cholesky}};
+                                       {"fd_cholesky", call_fd_cholesky},
+                                       {"hybrid", call_hybrid},
+                                       {"minv", call_minv},
+                                       {"jacobian", call_jacobian},
+                                       {"momentum_matrix", call_momentum_matrix},
+                                       {"coriolis", call_coriolis},
+                                       {"regressor", call_regressor},
+                                       {"did", call_did},
+                                       {"dfd", call_dfd}};
 
 static void draw_state(const robot &r, uint64_t *seed) {
     rbd_random(r.m, seed, q);
@@ -141,6 +181,8 @@ static rbd_status count(const robot &r, const algorithm &a) {
 static rbd_status count_robot(robot r) {
     rbd_status status = rbd_model_build(r.bodies, r.nb, model_memory, sizeof model_memory, &r.m, NULL);
     if (status == RBD_OK) status = rbd_work_init(r.m, work_memory, sizeof work_memory, &r.w);
+    if (status == RBD_OK)
+        status = rbd_derivatives_init(r.m, r.w, derivatives_memory, sizeof derivatives_memory, &r.d);
     for (const algorithm &a : algorithms)
         if (status == RBD_OK) status = count(r, a);
     if (status != RBD_OK) std::fprintf(stderr, "operations: %s: %s\n", r.name, rbd_status_string(status));
@@ -154,9 +196,9 @@ int main(int argc, char **) {
     }
     std::puts("source,library,version,variant,scalar,robot,algorithm,counter,per_state,share");
     static robot robots[] = {// not const: GCC 12 warns of its own constant propagation
-                             {"iiwa", iiwa_bodies, IIWA_NB, NULL, NULL},
-                             {"hyq", hyq_bodies, HYQ_NB, NULL, NULL},
-                             {"atlas", atlas_bodies, ATLAS_NB, NULL, NULL}};
+                             {"iiwa", iiwa_bodies, IIWA_NB, NULL, NULL, NULL},
+                             {"hyq", hyq_bodies, HYQ_NB, NULL, NULL, NULL},
+                             {"atlas", atlas_bodies, ATLAS_NB, NULL, NULL, NULL}};
     for (const robot &r : robots)
         if (count_robot(r) != RBD_OK) return 1;
     return 0;

@@ -5,6 +5,7 @@
 
 #include "examples/firmware/board.h"
 #include "rbd.h"
+#include "rbd_derivatives.h"
 
 #include "models/atlas_model.h"
 #include "models/hyq_model.h"
@@ -27,6 +28,16 @@ enum { STATES = 8 };
 static unsigned char memory[WORK_SIZE];
 static rbd_real q[MAX_NQ], v[MAX_NV], a[MAX_NV], tau[MAX_NV], out[MAX_NV * MAX_NV];
 static rbd_work *w;
+
+/* Of hybrid dynamics: all but the first six torques are wanted. */
+static rbd_real hybrid_a[MAX_NV], hybrid_tau[MAX_NV];
+static unsigned char given[MAX_NV];
+
+#if FIGURES_ROBOTS == 3 /* where there is RAM for it */
+static unsigned char derivatives_memory[RBD_DERIVATIVES_SIZE(ATLAS_NB, ATLAS_NV)];
+static rbd_real by_v[MAX_NV * MAX_NV];
+static rbd_derivatives *d;
+#endif
 
 /* ---- instructions ---- */
 
@@ -61,6 +72,14 @@ CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd, rbd_aba(m, w, q, v, tau, NULL, out))
 CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
 CALL(kinematics, rbd_kinematics(m, w, q, v, a))
+CALL(jacobian, rbd_jacobian(m, w, rbd_nb(m) - 1, NULL, RBD_WORLD_AXES, out))
+CALL(hybrid, rbd_hybrid(m, w, q, v, given, NULL, hybrid_a, hybrid_tau))
+CALL(minv, rbd_minverse(m, w, q, out))
+#if FIGURES_ROBOTS == 3
+CALL(momentum_matrix, rbd_momentum_matrix(m, d, q, NULL, out, NULL))
+CALL(coriolis, rbd_coriolis(m, d, q, v, out))
+CALL(did, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
+#endif
 
 typedef struct algorithm {
     const char *name;
@@ -68,7 +87,20 @@ typedef struct algorithm {
 } algorithm;
 
 static const algorithm algorithms[] = {
-    {"id", id}, {"mm", mm}, {"fd", fd}, {"fd_cholesky", fd_cholesky}, {"kinematics", kinematics}};
+    {"id", id},
+    {"mm", mm},
+    {"fd", fd},
+    {"fd_cholesky", fd_cholesky},
+    {"kinematics", kinematics},
+    {"jacobian", jacobian},
+    {"hybrid", hybrid},
+    {"minv", minv},
+#if FIGURES_ROBOTS == 3
+    {"momentum_matrix", momentum_matrix},
+    {"coriolis", coriolis},
+    {"did", did},
+#endif
+};
 
 /* ---- stack ---- */
 
@@ -112,6 +144,20 @@ static rbd_status draw_state(const rbd_model *m, uint64_t *seed_q, uint32_t *see
     draw(v, rbd_nv(m), 2, seed);
     draw(a, rbd_nv(m), 3, seed);
     draw(tau, rbd_nv(m), 20, seed);
+    for (int i = 0; i < rbd_nv(m); i++) {
+        given[i] = i >= 6;
+        hybrid_a[i] = a[i];
+        hybrid_tau[i] = 0;
+    }
+    return status != RBD_OK ? status : rbd_kinematics(m, w, q, v, a); /* for the Jacobian */
+}
+
+static rbd_status prepare(const rbd_model *m) {
+    const rbd_status status = rbd_work_init(m, memory, sizeof memory, &w);
+#if FIGURES_ROBOTS == 3
+    if (status == RBD_OK)
+        return rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d);
+#endif
     return status;
 }
 
@@ -154,8 +200,7 @@ int main(void) {
     board_start();
     for (size_t i = 0; i < FIGURES_ROBOTS; i++)
         for (size_t j = 0; j < sizeof algorithms / sizeof *algorithms; j++)
-            if (rbd_work_init(robots[i].model, memory, sizeof memory, &w) != RBD_OK ||
-                !print_row(&robots[i], &algorithms[j])) {
+            if (prepare(robots[i].model) != RBD_OK || !print_row(&robots[i], &algorithms[j])) {
                 printf("%s, %s: wrong\n", robots[i].name, algorithms[j].name);
                 return 1;
             }

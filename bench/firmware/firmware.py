@@ -20,8 +20,11 @@ TARGETS = ["cortex-m0", "cortex-m3", "cortex-m4f", "stm32f405", "cortex-m7", "co
 SCALARS = ["float", "double"]
 LEVELS = ["s", "2"]
 ROBOTS = ["iiwa", "hyq", "atlas"]
-ALGORITHMS = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
-              "kinematics": "rbd_kinematics"}
+SMALL = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
+         "kinematics": "rbd_kinematics", "jacobian": "rbd_jacobian", "hybrid": "rbd_hybrid", "minv": "rbd_minverse"}
+# Where RAM for Atlas is.
+LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "did": "rbd_rnea_derivatives"}
+ALGORITHMS = {**SMALL, **LARGE}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "model", "work", "stack", "frames"]
@@ -211,7 +214,7 @@ def figures(target, folder, printed):
                            frames=frames[ALGORITHMS[algorithm]], instructions=int(instructions))
                 check_stack(row)
                 rows.append(row)
-    if len(rows) < 4 * len(ALGORITHMS):
+    if len(rows) < 4 * len(SMALL):
         problem(f"{target}: only {len(rows)} rows of figures")
     return rows
 
@@ -298,15 +301,17 @@ def table(rows, robots):
         groups.setdefault((row["target"], row["compiler"], row["scalar"], row["level"]), []).append(row)
     for (target, title, scalar, level), group in groups.items():
         there = [r for r in robots if any(row["robot"] == r for row in group)]
-        lines += ["", f"{f'{target}, {scalar}, -O{level}, {title}':40}" + "".join(f"{r:>21}" for r in there),
-                  f"{'':14}{'code':>8}{'stack':>7}{'':11}" + f"{'instr.':>10}{'rate':>11}" * len(there)]
+        lines += ["", f"{f'{target}, {scalar}, -O{level}, {title}':43}" + "".join(f"{r:>21}" for r in there),
+                  f"{'':17}{'code':>8}{'stack':>7}{'':11}" + f"{'instr.':>10}{'rate':>11}" * len(there)]
         for algorithm in ALGORITHMS:
             some = [row for row in group if row["algorithm"] == algorithm]
+            if not some:
+                continue
             by_robot = {row["robot"]: row for row in some}
-            lines.append(f"  {algorithm:12}{some[0]['code']:>8}{max(r['stack'] for r in some):>7}{'':11}" + "".join(
+            lines.append(f"  {algorithm:15}{some[0]['code']:>8}{max(r['stack'] for r in some):>7}{'':11}" + "".join(
                 f"{by_robot[r]['instructions']:>10}{rate(by_robot[r]['instructions']):>11}" for r in there))
         for figure, text in (("model", "model, in flash"), ("work", "work, in RAM")):
-            lines.append(f"  {text:38}" + "".join(
+            lines.append(f"  {text:41}" + "".join(
                 f"{next(row[figure] for row in group if row['robot'] == r):>10}{'':11}" for r in there).rstrip())
     return "\n".join(lines)
 

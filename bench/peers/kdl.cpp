@@ -11,6 +11,7 @@
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
+#include <kdl/chainjnttojacsolver.hpp>
 #include <kdl/tree.hpp>
 #include <kdl/treeidsolver_recursive_newton_euler.hpp>
 #include "tree.hpp"
@@ -101,6 +102,8 @@ struct work {
     const model *p;
     KDL::JntArray q, v, x, out;
     KDL::JntSpaceInertiaMatrix M;
+    KDL::Jacobian J;
+    KDL::ChainJntToJacSolver jacobian;
     KDL::WrenchMap no_wrenches;
     KDL::Wrenches zero_wrenches; // for chains one for each segment is demanded
     KDL::TreeIdSolver_RNE *tree_id = nullptr;
@@ -109,7 +112,8 @@ struct work {
     KDL::ChainFdSolver_RNE *fd = nullptr;
     explicit work(const model *m)
         : p(m), q((unsigned)m->n), v((unsigned)m->n), x((unsigned)m->n), out((unsigned)m->n),
-          M((unsigned)m->n), zero_wrenches(m->chain.getNrOfSegments(), KDL::Wrench::Zero()) {}
+          M((unsigned)m->n), J((unsigned)m->n), jacobian(m->chain),
+          zero_wrenches(m->chain.getNrOfSegments(), KDL::Wrench::Zero()) {}
 };
 
 void drop_solvers(work *w) {
@@ -189,6 +193,17 @@ rbd_status call_fd(const void *, void *work_, int, const void *q, const void *v,
     return status_of(code);
 }
 
+// Its rows: linear first.
+rbd_status call_jacobian(const void *, void *work_, int, const void *q, const void *, const void *, void *J) {
+    work *w = static_cast<work *>(work_);
+    double *out = static_cast<double *>(J);
+    take(w->q, q);
+    const int code = w->jacobian.JntToJac(w->q, w->J);
+    for (unsigned i = 0; i < 6; i++)
+        for (unsigned j = 0; j < w->J.columns(); j++) *out++ = w->J((i + 3) % 6, j);
+    return status_of(code);
+}
+
 int can(const void *p, int algorithm) {
     return algorithm == ID || static_cast<const model *>(p)->chain.getNrOfSegments() > 0;
 }
@@ -253,7 +268,7 @@ void convert_state(const void *model_, const struct state *rbd, const struct sta
 void convert_result(const void *model_, int algorithm, const struct state *rbd, const double *its,
                     double *x) {
     const model *p = static_cast<const model *>(model_);
-    const int n = algorithm == MM ? p->n * p->n : p->n;
+    const int n = algorithm == MM ? p->n * p->n : algorithm == JACOBIAN ? 6 * p->n : p->n;
     for (int i = 0; i < n; i++) x[i] = its[i];
     if (!p->t.floating) return;
     const base b = base_at(rbd->q);
@@ -269,7 +284,8 @@ const conventions others = {size,
                              "base as six joints of one axis",
                              "ChainDynParam::JntToMass (chains only)", nullptr,
                              "ChainFdSolver_RNE::CartToJnt (chains only; mass matrix and L'DL, no ABA)",
-                             nullptr}};
+                             nullptr, nullptr, nullptr, "ChainJntToJacSolver::JntToJac (chains only)",
+                             nullptr, nullptr, nullptr, nullptr, nullptr}};
 
 } // namespace
 
@@ -291,7 +307,8 @@ const struct library library_kdl = {"KDL",
                                     work_size,
                                     work_free,
                                     set_gravity,
-                                    {call_id, call_mm, nullptr, call_fd, nullptr},
+                                    {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
+                                     call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr},
                                     can,
                                     &others,
                                     nullptr,

@@ -6,7 +6,7 @@
 #include <new>
 #include <string>
 #include <mujoco/mujoco.h>
-#include "tree.hpp"
+#include "world_base.hpp"
 
 namespace {
 
@@ -16,6 +16,7 @@ struct model {
     std::vector<int> qpos, dof; // MuJoCo's places of each body's joint, -1 = fixed
     std::vector<int> place;     // MuJoCo's place of each degree of freedom of rbd
     double armature[256] = {};  // in MuJoCo's order
+    int last = 0;               // its number of the last body
 };
 
 // ---- MJCF ----
@@ -58,8 +59,8 @@ std::string children(const tree &t, int parent) {
         const rbd_body &b = t.bodies[(size_t)i];
         if (b.parent != parent) continue;
         const mat3 C = transpose(rotation_given(b.rotation)); // its rows: the axes
-        s += "<body" + attribute("pos", b.position, 3) + attribute("xyaxes", C.m, 6) + ">" + inertial(b) +
-             joint(b, i) + children(t, i) + "</body>\n";
+        s += "<body name=\"b" + std::to_string(i) + "\"" + attribute("pos", b.position, 3) +
+             attribute("xyaxes", C.m, 6) + ">" + inertial(b) + joint(b, i) + children(t, i) + "</body>\n";
     }
     return s;
 }
@@ -94,6 +95,7 @@ void find_places(model *p) {
         for (int k = 0; k < n; k++) p->place.push_back(p->dof[i] + k);
     }
     for (int i = 0; i < p->m->nv; i++) p->armature[i] = p->m->dof_armature[i];
+    p->last = mj_name2id(p->m, mjOBJ_BODY, ("b" + std::to_string(p->t.bodies.size() - 1)).c_str());
 }
 
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
@@ -188,6 +190,19 @@ rbd_status call_fd(const void *model_, void *work_, int, const void *q, const vo
     return RBD_OK;
 }
 
+// The last body's, world axes, at its origin; angular rows first.
+rbd_status call_jacobian(const void *model_, void *work_, int, const void *q, const void *, const void *,
+                         void *J_) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    double *J = static_cast<double *>(J_);
+    std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    mj_jacBody(p->m, w->d, J + 3 * p->m->nv, J, p->last);
+    return RBD_OK;
+}
+
 // ---- conventions: README.md of rbd, "From and to other libraries" ----
 
 void size(const void *p, int *nq, int *nv) {
@@ -195,33 +210,12 @@ void size(const void *p, int *nq, int *nv) {
     *nv = static_cast<const model *>(p)->m->nv;
 }
 
-// Of the base: velocity-like (linear in world axes, angular in body axes), from rbd's (angular, linear).
-void base_to(const mat3 &R, const double *w_u, double *x) {
-    put(x, R * get(w_u + 3));
-    put(x + 3, get(w_u));
-}
-
-void base_from(const mat3 &R, const double *x, double *w_u) {
-    put(w_u, get(x + 3));
-    put(w_u + 3, transpose(R) * get(x));
-}
-
-vec3 turned(const double *v) { return cross(get(v), get(v + 3)); } // omega x u
-
 void convert_base(const model *p, const struct state *rbd, const struct state *its) {
-    const mat3 R = rotation_of(rbd->q + 3);
     double *q = its->q + p->qpos[0];
-    const double *x = rbd->q, classical[6] = {rbd->a[0],
-                                              rbd->a[1],
-                                              rbd->a[2],
-                                              rbd->a[3] + turned(rbd->v).x,
-                                              rbd->a[4] + turned(rbd->v).y,
-                                              rbd->a[5] + turned(rbd->v).z};
+    const double *x = rbd->q;
+    world_base(rbd, its->v + p->dof[0], its->a + p->dof[0], its->tau + p->dof[0]);
     put(q, get(x));
     q[3] = x[6], q[4] = x[3], q[5] = x[4], q[6] = x[5];
-    base_to(R, rbd->v, its->v + p->dof[0]);
-    base_to(R, classical, its->a + p->dof[0]);
-    base_to(R, rbd->tau, its->tau + p->dof[0]);
 }
 
 void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
@@ -236,38 +230,15 @@ void convert_state(const void *model_, const struct state *rbd, const struct sta
     }
 }
 
-// A vector in rbd's order, with the base's part in its axes.
-void reorder(const model *p, const mat3 &R, const double *its, int stride, double *x) {
-    const int nv = p->m->nv;
-    std::vector<double> y((size_t)nv);
-    for (int i = 0; i < nv; i++) y[(size_t)i] = its[p->place[(size_t)i] * stride];
-    if (p->t.floating) {
-        double base[6];
-        base_from(R, y.data(), base);
-        std::memcpy(y.data(), base, sizeof base);
-    }
-    for (int i = 0; i < nv; i++) x[i * stride] = y[(size_t)i];
-}
-
 void convert_result(const void *model_, int algorithm, const struct state *rbd, const double *its,
                     double *x) {
     const model *p = static_cast<const model *>(model_);
-    const int nv = p->m->nv;
-    mat3 R = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    if (p->t.floating) R = rotation_of(rbd->q + 3);
-    if (algorithm == MM) { // columns, then rows
-        std::vector<double> y((size_t)(nv * nv));
-        for (int j = 0; j < nv; j++) reorder(p, R, its + p->place[(size_t)j], nv, x + j);
-        // the columns of the base are still MuJoCo's: they are turned as the rows are
-        for (int i = 0; i < nv && p->t.floating; i++) {
-            double base[6];
-            base_from(R, x + i * nv, base);
-            std::memcpy(x + i * nv, base, sizeof base);
-        }
-        return;
-    }
-    reorder(p, R, its, 1, x);
-    if (algorithm != ID && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
+    const world_order order(p->place, p->t.floating, rbd->q);
+    if (algorithm == MM)
+        order.matrix(its, x);
+    else
+        order.columns(its, algorithm == JACOBIAN ? 6 : 1, x);
+    if (algorithm == FD && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
 }
 
 const conventions others = {
@@ -278,6 +249,7 @@ const conventions others = {
     {"mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added",
      "mj_kinematics, mj_comPos, mj_crb, mj_fullM", nullptr,
      "mj_kinematics, mj_comPos, mj_crb, mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
+     nullptr, nullptr, nullptr, "mj_kinematics, mj_comPos, mj_jacBody", nullptr, nullptr, nullptr, nullptr,
      nullptr}};
 
 } // namespace
@@ -300,7 +272,8 @@ const struct library library_mujoco = {"MuJoCo",
                                        work_size,
                                        work_free,
                                        set_gravity,
-                                       {call_id, call_mm, nullptr, call_fd, nullptr},
+                                       {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
+                                        call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr},
                                        nullptr,
                                        &others,
                                        nullptr,

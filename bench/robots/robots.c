@@ -51,8 +51,7 @@ static int status_error(const struct robot *robot, rbd_status status) {
 
 /* Bytes of the results of a call, whatever the algorithm, and some that keep threads apart. */
 static size_t out_size(const struct instance *r) {
-    const size_t nv = (size_t)r->nv;
-    return (size_t)r->library->width * nv * nv * r->library->size + 128;
+    return (size_t)r->library->width * (size_t)algorithm_largest(r->robot) * r->library->size + 128;
 }
 
 static int open_worker(struct instance *r, struct worker *w) {
@@ -69,6 +68,11 @@ static int open_workers(struct instance *r) {
     for (int t = 0; r->worker && t < r->workers; t++)
         if (open_worker(r, &r->worker[t]) != 0) return -1;
     return r->worker ? 0 : status_error(r->robot, RBD_ERR_MEMORY);
+}
+
+rbd_work *instance_work(const struct instance *r) {
+    const struct rbd_memory *memory = r->worker[0].work;
+    return memory->work;
 }
 
 void robot_set_gravity(const struct robot *r, const double gravity[3]) {
@@ -183,9 +187,8 @@ static int instance_open(struct instance *r, const struct robot *robot, const st
 
 static int open_double(struct robot *r, uint64_t seed) {
     struct instance *d = &r->instances[DOUBLE];
-    const size_t nv = (size_t)r->nv;
     if (instance_open(d, r, libraries[DOUBLE]) != 0) return -1;
-    r->numbers = calloc(nv * nv + state_length(d), sizeof *r->numbers);
+    r->numbers = calloc((size_t)algorithm_largest(r) + state_length(d), sizeof *r->numbers);
     if (!r->numbers) return out_of_memory(r, 1);
     if (r->nq != rbd_nq(d->model) || r->nv != rbd_nv(d->model)) {
         fprintf(stderr, "rbd-bench: %s: the model has nq = %d, nv = %d, the reference %d, %d\n", r->title,

@@ -4,7 +4,8 @@
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl;
+    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl,
+    library_pinocchio, library_rbdl;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -20,17 +21,31 @@ const struct library *const libraries[LIBRARIES] = {
 #ifdef BENCH_KDL
     [KDL] = &library_kdl,
 #endif
+#ifdef BENCH_RBDL
+    [RBDL] = &library_rbdl,
+#endif
+#ifdef BENCH_PINOCCHIO
+    [PINOCCHIO] = &library_pinocchio,
+#endif
 #ifdef BENCH_QUAD
     [QUAD] = &library_quad,
 #endif
 };
 
 const struct algorithm algorithms[ALGORITHMS] = {
-    [ID] = {"id", "inverse dynamics (RNEA)"},
-    [MM] = {"mm", "mass matrix (CRBA)"},
-    [MM_PACKED] = {"mm_packed", "mass matrix, packed"},
-    [FD] = {"fd", "forward dynamics (ABA)"},
-    [FD_CHOLESKY] = {"fd_cholesky", "forward dynamics (Cholesky)"},
+    [ID] = {"id", "inverse dynamics (RNEA)", ACCELERATION},
+    [MM] = {"mm", "mass matrix (CRBA)", NOTHING},
+    [MM_PACKED] = {"mm_packed", "mass matrix, packed", NOTHING},
+    [FD] = {"fd", "forward dynamics (ABA)", TORQUE},
+    [FD_CHOLESKY] = {"fd_cholesky", "forward dynamics (Cholesky)", TORQUE},
+    [HYBRID] = {"hybrid", "hybrid dynamics, the base free", ACCELERATION},
+    [MINV] = {"minv", "inverse of the mass matrix", NOTHING},
+    [JACOBIAN] = {"jacobian", "kinematics and Jacobian of the last body", NOTHING},
+    [MOMENTUM_MATRIX] = {"momentum_matrix", "centroidal momentum matrix", NOTHING},
+    [CORIOLIS] = {"coriolis", "Coriolis matrix", NOTHING},
+    [REGRESSOR] = {"regressor", "torque regressor", ACCELERATION},
+    [ID_DERIVATIVES] = {"did", "derivatives of inverse dynamics", ACCELERATION},
+    [FD_DERIVATIVES] = {"dfd", "derivatives of forward dynamics", TORQUE},
 };
 
 const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};
@@ -38,7 +53,7 @@ const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL
 const char *const variant_names[] = {
     [RUN_TIME] = "run-time", [COMPILE_TIME] = "compile-time", [LANES] = "lanes", [THREADS] = "threads", NULL};
 
-const char *const library_names[] = {"rbd", "mujoco", "kdl", NULL};
+const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", NULL};
 
 bool library_is_ours(const struct library *library) { return !library->conventions; }
 
@@ -63,7 +78,7 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct w
     library_call *call = l->call[algorithm];
     const size_t q_size = (size_t)r->nq * l->size, v_size = (size_t)r->nv * l->size;
     const size_t end = (size_t)first + (size_t)count, width = (size_t)l->width;
-    const char *q = s->q, *v = s->v, *x = algorithm == ID ? s->a : s->tau;
+    const char *q = s->q, *v = s->v, *x = algorithms[algorithm].input == ACCELERATION ? s->a : s->tau;
     for (size_t k = (size_t)first; k < end; k += width) {
         const int n = (int)(end - k < width ? end - k : width);
         rbd_status status =
@@ -74,5 +89,25 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct w
 }
 
 int algorithm_results(int algorithm, const struct robot *r) {
-    return algorithm == MM ? r->nv * r->nv : algorithm == MM_PACKED ? r->packed : r->nv;
+    const int nv = r->nv;
+    switch (algorithm) {
+    case MM:
+    case MINV:
+    case CORIOLIS: return nv * nv;
+    case MM_PACKED: return r->packed;
+    case HYBRID: return 2 * nv;
+    case JACOBIAN:
+    case MOMENTUM_MATRIX: return 6 * nv;
+    case REGRESSOR: return nv * 10 * r->nb;
+    case ID_DERIVATIVES: return 2 * nv * nv;
+    case FD_DERIVATIVES: return 3 * nv * nv;
+    default: return nv;
+    }
+}
+
+int algorithm_largest(const struct robot *r) {
+    int most = 0;
+    for (int i = 0; i < ALGORITHMS; i++)
+        if (algorithm_results(i, r) > most) most = algorithm_results(i, r);
+    return most;
 }

@@ -1,0 +1,322 @@
+// pinocchio.cpp - Pinocchio (https://github.com/stack-of-tasks/pinocchio) beside rbd, from its headers alone,
+// so that its algorithms are compiled with the flags of this file. What is timed stands in `conventions`
+// below: the arrays of the caller are used as they are, and the results stay in its `Data`.
+// SPDX-License-Identifier: MIT
+#undef PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION // that of the installed library has other flags
+#include <cfloat>
+#include <cstring>
+#include <new>
+#include <pinocchio/multibody/model.hpp>
+#include <pinocchio/multibody/data.hpp>
+#include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/aba-derivatives.hpp>
+#include <pinocchio/algorithm/centroidal.hpp>
+#include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/frames.hpp>
+#include <pinocchio/algorithm/regressor.hpp>
+#include <pinocchio/algorithm/rnea.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
+#include "tree.hpp"
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using input = Eigen::Map<const VectorXd>;
+
+struct model {
+    tree t;
+    pinocchio::Model m;
+    std::vector<int> q, v;  // Pinocchio's places of each body's joint, -1 = fixed
+    std::vector<int> joint; // and its number
+    std::vector<int> place; // Pinocchio's place of each degree of freedom of rbd
+    std::size_t last = 0;   // frame of the last body
+    bool every_body_moves = true;
+};
+
+struct work {
+    pinocchio::Model m; // for its gravity
+    pinocchio::Data d;
+    MatrixXd J;
+    std::size_t last;
+    work(const model &p) : m(p.m), d(p.m), J(MatrixXd::Zero(6, p.m.nv)), last(p.last) {}
+};
+
+// ---- model ----
+
+Vector3d vector_of(const double *x) { return Vector3d(x[0], x[1], x[2]); }
+
+pinocchio::SE3 placement_of(const rbd_body &b) {
+    const mat3 R = rotation_given(b.rotation);
+    Matrix3d rotation;
+    for (int i = 0; i < 9; i++) rotation(i / 3, i % 3) = R.m[i];
+    return pinocchio::SE3(rotation, vector_of(b.position));
+}
+
+pinocchio::Inertia inertia_of(const rbd_body &b) {
+    const double *I = b.inertia;
+    Matrix3d about_com;
+    about_com << I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5];
+    return pinocchio::Inertia(b.mass, vector_of(b.com), about_com);
+}
+
+// The joint that its URDF loader would make: about a coordinate axis where it can.
+pinocchio::JointModel joint_of(const rbd_body &b) {
+    const Vector3d axis = vector_of(b.axis).normalized();
+    if (b.type == RBD_FLOATING) return pinocchio::JointModelFreeFlyer();
+    if (turns(b)) {
+        if (axis == Vector3d::UnitX()) return pinocchio::JointModelRX();
+        if (axis == Vector3d::UnitY()) return pinocchio::JointModelRY();
+        if (axis == Vector3d::UnitZ()) return pinocchio::JointModelRZ();
+        return pinocchio::JointModelRevoluteUnaligned(axis);
+    }
+    if (axis == Vector3d::UnitX()) return pinocchio::JointModelPX();
+    if (axis == Vector3d::UnitY()) return pinocchio::JointModelPY();
+    if (axis == Vector3d::UnitZ()) return pinocchio::JointModelPZ();
+    return pinocchio::JointModelPrismaticUnaligned(axis);
+}
+
+// Where a body is: on a joint, at a placement.
+struct seat {
+    std::size_t joint = 0;
+    pinocchio::SE3 placement = pinocchio::SE3::Identity();
+};
+
+// A body and what hangs on it, depth first: its algorithms take the joints of a subtree to be contiguous.
+void add_bodies(model *p, int i, seat s) {
+    const rbd_body &b = p->t.bodies[(size_t)i];
+    const size_t k = (size_t)i;
+    s.placement = s.placement * placement_of(b);
+    if (b.type == RBD_FIXED) {
+        p->every_body_moves = false;
+    } else {
+        s.joint = p->m.addJoint(s.joint, joint_of(b), s.placement, "j" + std::to_string(i));
+        s.placement = pinocchio::SE3::Identity();
+        p->q[k] = p->m.joints[s.joint].idx_q();
+        p->v[k] = p->m.joints[s.joint].idx_v();
+        if (b.type != RBD_FLOATING) p->m.armature[p->v[k]] = b.armature[0];
+    }
+    p->joint[k] = (int)s.joint;
+    p->m.appendBodyToJoint(s.joint, inertia_of(b), s.placement);
+    const pinocchio::Frame frame("b" + std::to_string(i), s.joint, 0, s.placement, pinocchio::BODY);
+    const std::size_t number = p->m.addFrame(frame);
+    if (k + 1 == p->t.bodies.size()) p->last = number;
+    for (int child = i + 1; child < (int)p->t.bodies.size(); child++)
+        if (p->t.bodies[(size_t)child].parent == i) add_bodies(p, child, s);
+}
+
+// rbd has the base's angular components first.
+void find_places(model *p) {
+    for (size_t i = 0; i < p->t.bodies.size(); i++) {
+        const int v = p->v[i], n = v < 0 ? 0 : p->t.bodies[i].type == RBD_FLOATING ? 6 : 1;
+        for (int k = 0; k < n; k++) p->place.push_back(v + (n == 6 ? (k + 3) % 6 : k));
+    }
+}
+
+rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
+    model *p = new (memory) model;
+    *out = p;
+    if (!read_tree(bodies, nb, &p->t, text)) return RBD_ERR_TYPE;
+    p->q.assign((size_t)nb, -1);
+    p->v = p->joint = p->q;
+    for (int i = 0; i < nb; i++)
+        if (bodies[i].parent < 0) add_bodies(p, i, seat());
+    find_places(p);
+    return RBD_OK;
+}
+
+size_t model_size(const rbd_body *, int) { return sizeof(model); }
+
+void model_free(const void *p) { static_cast<model *>(const_cast<void *>(p))->~model(); }
+
+// ---- work ----
+
+void *aligned(void *memory) {
+    const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(memory);
+    return reinterpret_cast<void *>((address + 63) / 64 * 64);
+}
+
+rbd_status work_init(const void *p, void *memory, size_t, void **out) {
+    *out = new (aligned(memory)) work(*static_cast<const model *>(p));
+    return RBD_OK;
+}
+
+size_t work_size(const void *) { return sizeof(work) + 64; }
+void work_free(void *w) { static_cast<work *>(w)->~work(); }
+
+rbd_status set_gravity(void *w, const double gravity[3]) {
+    static_cast<work *>(w)->m.gravity.linear() = vector_of(gravity);
+    return RBD_OK;
+}
+
+// ---- the calls that are timed ----
+
+// A call of Pinocchio's with m, d and the state's parts as maps on the caller's arrays.
+#define CALL(name, ...) \
+    rbd_status call_##name(const void *, void *work_, int, const void *q_, const void *v_, const void *x_, \
+                           void *out) { \
+        work *w = static_cast<work *>(work_); \
+        const pinocchio::Model &m = w->m; \
+        pinocchio::Data &d = w->d; \
+        const input q(static_cast<const double *>(q_), m.nq), v(static_cast<const double *>(v_), m.nv), \
+            x(static_cast<const double *>(x_), m.nv); \
+        (void)v, (void)x; \
+        __VA_ARGS__; \
+        std::memcpy(out, &w, sizeof w); /* where the results are */ \
+        return RBD_OK; \
+    }
+
+CALL(id, pinocchio::rnea(m, d, q, v, x))
+CALL(mm, pinocchio::crba(m, d, q, pinocchio::Convention::WORLD))
+CALL(fd, pinocchio::aba(m, d, q, v, x, pinocchio::Convention::WORLD))
+CALL(minv, pinocchio::computeMinverse(m, d, q))
+CALL(jacobian, pinocchio::computeFrameJacobian(m, d, q, w->last, pinocchio::LOCAL_WORLD_ALIGNED, w->J))
+CALL(momentum_matrix, pinocchio::computeCentroidalMap(m, d, q))
+CALL(coriolis, pinocchio::computeCoriolisMatrix(m, d, q, v))
+CALL(regressor, pinocchio::computeJointTorqueRegressor(m, d, q, v, x))
+CALL(did, pinocchio::computeRNEADerivatives(m, d, q, v, x))
+CALL(dfd, pinocchio::computeABADerivatives(m, d, q, v, x))
+
+// Its regressor has a block for each joint, in which fixed bodies are merged.
+int can(const void *p, int algorithm) {
+    return algorithm != REGRESSOR || static_cast<const model *>(p)->every_body_moves;
+}
+
+// ---- conventions: README.md of rbd, "From and to other libraries" ----
+
+void size(const void *p, int *nq, int *nv) {
+    *nq = static_cast<const model *>(p)->m.nq;
+    *nv = static_cast<const model *>(p)->m.nv;
+}
+
+void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
+    const model *p = static_cast<const model *>(model_);
+    for (size_t i = 0; i < p->t.bodies.size(); i++)
+        for (int k = 0; p->q[i] >= 0 && k < (p->t.bodies[i].type == RBD_FLOATING ? 7 : 1); k++)
+            its->q[p->q[i] + k] = rbd->q[p->t.iq[i] + k];
+    for (int i = 0; i < p->m.nv; i++) {
+        const int k = p->place[(size_t)i];
+        its->v[k] = rbd->v[i], its->a[k] = rbd->a[i], its->tau[k] = rbd->tau[i];
+    }
+}
+
+template <typename Matrix> void reorder(const model *p, const Matrix &its, double *x) {
+    const int nv = p->m.nv;
+    for (int i = 0; i < nv; i++)
+        for (int j = 0; j < nv; j++) x[i * nv + j] = its(p->place[(size_t)i], p->place[(size_t)j]);
+}
+
+// A symmetric matrix of which the upper triangle alone is filled.
+template <typename Matrix> void reorder_upper(const model *p, const Matrix &its, double *x) {
+    const MatrixXd full = its.template selfadjointView<Eigen::Upper>();
+    reorder(p, full, x);
+}
+
+// Rows: linear first there.
+template <typename Matrix> void reorder_motion(const model *p, const Matrix &its, double *x) {
+    const int nv = p->m.nv;
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < nv; j++) x[i * nv + j] = its((i + 3) % 6, p->place[(size_t)j]);
+}
+
+// Columns of a body: m, m com, then xx xy yy xz yz zz there.
+void reorder_regressor(const model *p, const MatrixXd &its, double *x) {
+    static const int column[10] = {0, 1, 2, 3, 4, 5, 7, 6, 8, 9};
+    const int nv = p->m.nv, nb = (int)p->t.bodies.size();
+    for (int i = 0; i < nv; i++)
+        for (int b = 0; b < nb; b++)
+            for (int k = 0; k < 10; k++)
+                x[(i * nb + b) * 10 + k] =
+                    its(p->place[(size_t)i], 10 * (p->joint[(size_t)b] - 1) + column[k]);
+}
+
+void convert_result(const void *model_, int algorithm, const struct state *, const double *out, double *x) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w;
+    std::memcpy(&w, out, sizeof w);
+    const pinocchio::Data &d = w->d;
+    const int nv = p->m.nv;
+    switch (algorithm) {
+    case ID:
+    case FD:
+        for (int i = 0; i < nv; i++) x[i] = (algorithm == ID ? d.tau : d.ddq)[p->place[(size_t)i]];
+        break;
+    case MM: reorder_upper(p, d.M, x); break;
+    case MINV: reorder_upper(p, d.Minv, x); break;
+    case JACOBIAN: reorder_motion(p, w->J, x); break;
+    case MOMENTUM_MATRIX: reorder_motion(p, d.Ag, x); break;
+    case CORIOLIS: reorder(p, d.C, x); break;
+    case REGRESSOR: reorder_regressor(p, d.jointTorqueRegressor, x); break;
+    case ID_DERIVATIVES:
+        reorder(p, d.dtau_dq, x);
+        reorder(p, d.dtau_dv, x + nv * nv);
+        break;
+    case FD_DERIVATIVES:
+        reorder(p, d.ddq_dq, x);
+        reorder(p, d.ddq_dv, x + nv * nv);
+        reorder_upper(p, d.Minv, x + 2 * nv * nv);
+        break;
+    }
+}
+
+conventions make_conventions() {
+    conventions c = {};
+    c.size = size;
+    c.state = convert_state;
+    c.result = convert_result;
+    c.bound = 1e-10;
+    c.calls[ID] = "rnea";
+    c.calls[MM] = "crba, WORLD convention: one triangle";
+    c.calls[FD] = "aba, WORLD convention";
+    c.calls[MINV] = "computeMinverse: one triangle";
+    c.calls[JACOBIAN] = "computeFrameJacobian, LOCAL_WORLD_ALIGNED: the chain of that body alone";
+    c.calls[MOMENTUM_MATRIX] = "computeCentroidalMap";
+    c.calls[CORIOLIS] = "computeCoriolisMatrix";
+    c.calls[REGRESSOR] = "computeJointTorqueRegressor";
+    c.calls[ID_DERIVATIVES] = "computeRNEADerivatives: structural zeros not written; M as well";
+    c.calls[FD_DERIVATIVES] = "computeABADerivatives: one triangle of M^-1";
+    return c;
+}
+
+const conventions others = make_conventions();
+
+library make_library() {
+    library l = {};
+    l.name = "Pinocchio";
+    l.version = PEER_VERSION;
+    l.scalar = "double";
+    l.variant = RUN_TIME;
+    l.lanes = 1;
+    l.width = 1;
+    l.size = sizeof(double);
+    l.epsilon = DBL_EPSILON;
+    l.model_build = model_build;
+    l.model_size = model_size;
+    l.model_free = model_free;
+    l.work_init = work_init;
+    l.work_size = work_size;
+    l.work_free = work_free;
+    l.set_gravity = set_gravity;
+    l.call[ID] = call_id;
+    l.call[MM] = call_mm;
+    l.call[FD] = call_fd;
+    l.call[MINV] = call_minv;
+    l.call[JACOBIAN] = call_jacobian;
+    l.call[MOMENTUM_MATRIX] = call_momentum_matrix;
+    l.call[CORIOLIS] = call_coriolis;
+    l.call[REGRESSOR] = call_regressor;
+    l.call[ID_DERIVATIVES] = call_did;
+    l.call[FD_DERIVATIVES] = call_dfd;
+    l.can = can;
+    l.conventions = &others;
+    return l;
+}
+
+} // namespace
+
+extern "C" {
+extern const struct library library_pinocchio;
+const struct library library_pinocchio = make_library();
+}
