@@ -1191,7 +1191,8 @@ RBDI_EXTERN_C_END
    of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; of [crba] rbdi_source and rbdi_ratio;
-   rbdi_kin and rbdi_body_kin.
+   of [cholesky] rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and
+   rbdi_verdict; rbdi_kin and rbdi_body_kin.
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
@@ -3713,20 +3714,27 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
     }
 }
 
-/* The same for X of n columns. */
-RBDI_PART void rbdi_solve_many(const rbd_model *m, const rbd_real *L, int n, rbd_real *X) {
+/* Right-hand sides: n columns of the rows X, X + stride ... of the dofs. */
+typedef struct rbdi_sides {
+    rbd_real *X;
+    int n;
+} rbdi_sides;
+
+/* X = sign M^-1 X for n columns of the rows X, X + stride ... */
+RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
+                               rbd_real *X) {
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row];
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(&X[(ptrdiff_t)i * n], l[t], &X[(ptrdiff_t)k * n], n);
+            rbdi_subtract(&X[i * stride], l[t], &X[k * stride], n);
     }
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
-        rbd_real *x = &X[(ptrdiff_t)k * n];
-        rbdi_multiply(x, l[d], n);
+        rbd_real *x = &X[k * stride];
+        rbdi_multiply(x, sign < 0 ? -l[d] : l[d], n);
         for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(x, l[t], &X[(ptrdiff_t)i * n], n);
+            rbdi_subtract(x, l[t], &X[i * stride], n);
     }
 }
 
@@ -3765,9 +3773,9 @@ typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[
     int n, d; /* d: see RBDI_OWN */
 } rbdi_gathered;
 
-/* y = k (y - sum of the rows), with RBDI_FRESH k (0 - sum); with RBDI_OWN the factors are x[t] times the row's
-   own entry d, and k = 1. Written once for T = one scalar and T = a batch of them. */
-enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
+/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d. RBDI_SCALED: k y
+   less the sum; RBDI_FRESH: -k times the sum. Written once for T = one scalar and T = a batch of them. */
+enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
 #define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
 #define RBDI_DEFINE_GATHER(name, T) \
     RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int blocks, int last, \
@@ -3777,6 +3785,7 @@ enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
         RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
             sum[b] = zero; \
             if (mode != RBDI_FRESH) sum[b] = RBDI_OF_ROW(const T, y); \
+            if (mode == RBDI_SCALED) sum[b] = sum[b] * k; \
         } \
         RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
             const rbd_real *row = g.X + g.at[t], x = mode == RBDI_OWN ? g.x[t] * row[g.d] : g.x[t]; \
@@ -3785,7 +3794,7 @@ enum { RBDI_PLAIN, RBDI_FRESH, RBDI_OWN };
                 sum[b] - RBDI_OF_ROW(const T, row) * x; \
         } \
         RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-            if (mode != RBDI_OWN) sum[b] = sum[b] * k; \
+            if (mode == RBDI_FRESH) sum[b] = sum[b] * k; \
             RBDI_OF_ROW(T, y) = sum[b]; \
         } \
     } \
@@ -3844,6 +3853,7 @@ RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real
             g.X = H, g.x = inverse + behind, g.at = at + behind, g.n = done - behind, g.d = dof->depth;
             if (g.n > 0) rbdi_gather_rows(g, RBDI_OWN, rbdi_zero(), dof->depth + 1, row);
             at[done] = o->row;
+            w->pivot[o->dof] = row[dof->depth];
             inverse[done] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
             ++done;
         }
@@ -3860,8 +3870,9 @@ RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, 
     return dof[k].depth;
 }
 
-/* L' X = X, gathering from the dofs behind. */
-RBDI_PART void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+/* Solve L' X = X, gathering from the dofs behind, for count sets of columns. */
+RBDI_PART void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                 const rbdi_sides *sides, int count) {
     const rbdi_order *o = m->order + m->nv, *end = o;
     rbdi_index *at = (rbdi_index *)w->bias;
     rbd_real *x = w->F;
@@ -3870,28 +3881,42 @@ RBDI_PART void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real
         const rbdi_link *l = &m->link[p];
         const int behind = m->nv - l->end;
         for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
-            const int i = (--o)->dof;
-            const rbd_real *column = L + m->dof[i].depth;
+            const ptrdiff_t row = (--o)->dof * stride;
+            const rbd_real *column = L + m->dof[o->dof].depth;
             rbdi_gathered g;
-            g.X = X, g.x = x, g.at = at + behind, g.n = done - behind, g.d = 0;
+            g.x = x, g.at = at + behind, g.n = done - behind, g.d = 0;
             for (int t = 0; t < g.n; ++t) x[t] = column[end[-1 - behind - t].row];
-            if (g.n > 0) rbdi_gather_rows(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, &X[(ptrdiff_t)i * n]);
-            at[done++] = i * n;
+            for (int j = 0; g.n > 0 && j < count; ++j) {
+                g.X = sides[j].X;
+                rbdi_gather_rows(g, RBDI_PLAIN, rbdi_zero(), sides[j].n, sides[j].X + row);
+            }
+            at[done++] = (rbdi_index)row;
         }
     }
 }
 
-/* L X = D^-1 X, gathering from the dofs on the path. */
-RBDI_PART void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, int n, rbd_real *X) {
+/* And L X = sign D^-1 X, gathering from the dofs on the path. */
+RBDI_PART void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int sign,
+                               const rbdi_sides *sides, int count) {
     rbdi_index *at = (rbdi_index *)w->bias;
     rbdi_gathered g;
-    g.X = X, g.at = at, g.n = g.d = 0;
-    for (int k = 0; k < m->nv; ++k, X += n) {
+    g.at = at, g.n = g.d = 0;
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real inverse;
         g.x = &L[m->dof[k].row];
-        g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
-        rbdi_multiply(X, g.x[g.n], n);
-        rbdi_gather_rows(g, RBDI_PLAIN, rbdi_set(RBD_C(1)), n, X);
+        g.n = rbdi_gather_path(m->dof, k, (int)stride, g.n, at);
+        inverse = sign < 0 ? -g.x[g.n] : g.x[g.n];
+        for (int j = 0; j < count; ++j) {
+            g.X = sides[j].X;
+            rbdi_gather_rows(g, RBDI_SCALED, inverse, sides[j].n, sides[j].X + k * stride);
+        }
     }
+}
+
+/* L from U. */
+RBDI_PART void rbdi_scale_rows(const rbd_model *m, rbd_real *U) {
+    for (int k = 0; k < m->nv; ++k)
+        rbdi_multiply(&U[m->dof[k].row], U[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
 }
 
 /* Column k of Z, n x n, from what its row has up to the diagonal. */
@@ -3927,6 +3952,36 @@ RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_re
     }
 }
 #endif
+
+/* X = sign M^-1 X for count sets of columns, of rows a stride apart. */
+RBDI_PART void rbdi_solve_sides(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                int sign, const rbdi_sides *sides, int count) {
+#ifdef RBDI_GATHER
+    if (!m->nmimic && m->nv * stride <= INT32_MAX) {
+        rbdi_solve_behind(m, w, L, stride, sides, count);
+        rbdi_solve_path(m, w, L, stride, sign, sides, count);
+        return;
+    }
+#endif
+    (void)w;
+    for (int j = 0; j < count; ++j) rbdi_solve_rows(m, L, stride, sign, sides[j].n, sides[j].X);
+}
+
+/* Factors H in place, as rbdi_factor, and gives Z = M^-1 if Z is not NULL. */
+RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *Z) {
+    rbdi_mask doubt;
+#ifdef RBDI_GATHER
+    if (!m->nmimic) {
+        doubt = rbdi_factor_gather(m, w, H);
+        if (Z) rbdi_inverse_gather(m, w, H, Z);
+        rbdi_scale_rows(m, H);
+        return doubt;
+    }
+#endif
+    doubt = rbdi_factor(m, w, H);
+    if (Z) rbdi_inverse(m, H, Z);
+    return doubt;
+}
 
 /* ---- pivots [pivots] ----
    M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint
@@ -4376,18 +4431,13 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
 
 RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
                                            const rbd_real *B, rbd_real *X) {
+    rbdi_sides side;
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
-    for (ptrdiff_t k = 0; k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-#ifdef RBDI_GATHER
-    if (!m->nmimic && (ptrdiff_t)m->nv * n <= INT32_MAX) {
-        rbdi_solve_behind(m, w, L, n, X);
-        rbdi_solve_path(m, w, L, n, X);
-        return RBD_OK;
-    }
-#endif
-    rbdi_solve_many(m, L, n, X);
+    for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+    side.X = X, side.n = n;
+    rbdi_solve_sides(m, w, L, n, 1, &side, 1);
     return RBD_OK;
 }
 #endif
@@ -4402,9 +4452,8 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
     if (!m->nmimic) {
         doubt = rbdi_factor_gather(m, w, w->H);
         rbdi_inverse_gather(m, w, w->H, Minv);
-        w->singular = -1;
-        if (!rbdi_any(doubt)) return RBD_OK;
-        rbd_crba_packed(m, w, q, w->H);
+        if (rbdi_any(doubt)) rbdi_scale_rows(m, w->H);
+        return rbdi_status_of(m, w, doubt, 0, w->H, Minv, m->nv * m->nv);
     }
 #endif
     doubt = rbdi_factor(m, w, w->H);

@@ -706,7 +706,7 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the first components, n = 3 or 9, from x on. A block has its own in its last dof. */
+/* Sums over subtrees of the first components, n of at most 9, from x on. A block has its own in its last dof. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -768,6 +768,15 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
+/* E of a batch of dofs. */
+RBDI_INLINE rbdi_bforce rbdi_E_column(const rbdi_columns *c, const rbdi_constants *k) {
+    const rbdi_sums *s = &c->sum;
+    const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
+    rbdi_bforce E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
+    E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, c->S.omega, f.n), c->S.v, f.f);
+    E.f = rbdi_b_cross_add(E.f, c->S.omega, f.f);
+    return E;
+}
 /* Columns of forces of a batch of dofs. */
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
     const rbdi_sums *s = &c->sum;
@@ -782,13 +791,7 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
                           D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
         c->D = halved ? D : rbdi_b_force_add(D, B);
     }
-    if (need & 4) {
-        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
-        rbdi_bforce E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
-        E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
-        E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
-        c->E = E;
-    }
+    if (need & 4) c->E = rbdi_E_column(c, k);
     c->F = rbdi_subtree_inertia(s, k, S);
 }
 
@@ -1363,32 +1366,95 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     return RBD_OK;
 }
 
-/* ---- derivatives of forward dynamics [forward dynamics code] ---- */
+/* ---- derivatives of forward dynamics [forward dynamics code] ----
+   First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is linear:
+   dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of F_j a_j, dA_p
+   being the parent's. */
 
 #ifndef RBDI_NO_FD_CHOLESKY
-/* X = -M^-1 X for X nv x nv, 0 in the lanes of a singular system. */
-RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, rbd_status status, rbd_real *X) {
-    if (!X) return;
-    rbd_cholesky_solve_many(m, w, w->H, m->nv, X, X);
-    for (int k = 0; k < m->nv * m->nv; ++k) X[k] = -X[k];
-    if (status) (void)rbdi_verdict(m, w, X, m->nv * m->nv);
+/* M into packed rows, without mimic joints. */
+RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
+    for (int i = 0; i < d->n; ++i) {
+        const rbdi_dof *dof = &m->dof[d->entry[i].user];
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        const int end = d->entry[i].end;
+        rbd_real *entry = H + dof->depth;
+        for (int first = i / RBDI_BATCH * RBDI_BATCH, j = i; first < end; first += RBDI_BATCH) {
+            rbd_real x[RBDI_BATCH];
+            *(rbdi_batch *)x = rbdi_b_power(d->columns[first / RBDI_BATCH].F, S, RBDI_BOTH);
+            for (; j < end && j < first + RBDI_BATCH; ++j) entry[m->order[j].row] = x[j - first];
+        }
+        entry[dof->row] = entry[dof->row] + dof->armature;
+    }
+}
+
+/* tau - c. */
+RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
+    rbd_real *c = m->nmimic ? d->work->tx : x;
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *to = &d->columns[b];
+        const rbdi_bforce f = to->sum.f;
+        const rbdi_bmotion S = to->S;
+        to->qdd = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+                  (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+    }
+    for (int k = 0; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+    rbdi_reduce_tau(m, d->work->tx, x);
+    for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
+}
+
+/* What a adds to A_p and f of all dofs. */
+RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
+    rbdi_spread(d, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
+        c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
+    }
+    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Phi, (rbd_real *)&d->columns->dA, rbdi_motion0(), 0);
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) /* of a block the last dof has what it adds */
+        for (int k = r->first; r->block && k < r->end - 1; ++k) {
+            rbd_real *last = RBDI_OF(d, r->end - 1, E);
+            rbdi_store_force(last, RBDI_BATCH,
+                             rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
+                                            rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
+        }
+    rbdi_sum_few(d, (rbd_real *)&d->columns->E, 6);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_bforce f = rbdi_b_force_add(rbdi_subtree_inertia(&c->sum, &d->constants[b], c->Phi), c->E);
+        c->sum.f = rbdi_b_force_add(c->sum.f, f);
+        c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
+        c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
+        c->E = rbdi_E_column(c, &d->constants[b]);
+    }
 }
 
 RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
+    const int nv = m ? m->nv : 0, need = da_dq || da_dv ? RBDI_NEED_V | RBDI_NEED_Q : RBDI_NEED_WRENCH;
+    rbd_real *const result[3] = {da_dq, da_dv, Minv};
+    rbdi_sides sides[2];
+    rbdi_mask doubt;
+    int count = 0;
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
-    status = rbd_fd_cholesky(m, d->work, q, v, tau, f_ext, d->a);
-    for (int k = 0; a && k < m->nv; ++k) a[k] = d->a[k];
-    if (da_dq || da_dv) {
-        rbdi_common(m, d, q, v, d->a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_Q);
-        rbdi_put_entries(m, d, da_dq, da_dv, NULL);
-    }
-    rbdi_solve_columns(m, d->work, status, da_dq);
-    rbdi_solve_columns(m, d->work, status, da_dv);
-    if (Minv) rbdi_inverse(m, d->work->H, Minv);
-    if (Minv && status) (void)rbdi_verdict(m, d->work, Minv, m->nv * m->nv);
+    if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
+    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
+    if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
+    rbdi_net_torque(m, d, tau, d->a);
+    doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
+    rbdi_solve(m, d->work->H, d->a);
+    status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
+    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    if (da_dq) rbdi_add_acceleration(m, d, d->a);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL);
+    for (int k = 0; k < 2; ++k)
+        if (result[k]) sides[count].X = result[k], sides[count++].n = nv;
+    rbdi_solve_sides(m, d->work, d->work->H, nv, -1, sides, count);
+    for (int k = 0; status && k < 3; ++k)
+        if (result[k]) (void)rbdi_verdict(m, d->work, result[k], nv * nv);
     return status;
 }
 #endif
