@@ -65,6 +65,13 @@ static rbd_status run_momentum_matrix(const state *s, double *out) {
     return rbd_momentum_matrix(s->m, s->d, s->q, NULL, out, NULL);
 }
 
+static rbd_status run_joint_wrench(const state *s, double *out) {
+    return rbd_joint_wrench(s->m, s->w, s->q, s->v, s->a, NULL, out);
+}
+static rbd_status run_generalized_momentum(const state *s, double *out) {
+    return rbd_generalized_momentum(s->m, s->w, s->q, s->v, out, out + rbd_nv(s->m));
+}
+
 static rbd_status run_id_derivatives(const state *s, double *out) {
     const int nv = rbd_nv(s->m);
     return rbd_rnea_derivatives(s->m, s->d, s->q, s->v, s->a, NULL, out, out + nv * nv, NULL);
@@ -125,6 +132,9 @@ static const algorithm algorithms[] = {
     {"momentum", "centroidal, and its rate", TAKES_V | TAKES_A, {{"h", ONE, SIX}, {"h_dot", ONE, SIX}},
      run_momentum},
     {"momentum_matrix", "centroidal", 0, {{"A", SIX, DOFS}}, run_momentum_matrix},
+    {"joint_wrench", "from parent on link", TAKES_V | TAKES_A, {{"f", ONE, WRENCHES}}, run_joint_wrench},
+    {"generalized_momentum", "M v and C' v", TAKES_V, {{"p", ONE, DOFS}, {"ctv", ONE, DOFS}},
+     run_generalized_momentum},
     {"id_derivatives", "of inverse dynamics", TAKES_V | TAKES_A,
      {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
     {"fd_derivatives", "of forward dynamics", TAKES_V | TAKES_TAU,
@@ -150,7 +160,7 @@ const algorithm *find_algorithm(const char *name) {
 
 void print_algorithms(void) {
     static const char *const parts[] = {
-        "", ".XYZ", ".ROW", ".DOF", ".LINK.PAR", "p.LINK.x ..., R.LINK.xx ...", ".NUMBER"};
+        "", ".XYZ", ".ROW", ".DOF", ".LINK.PAR", ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...", ".NUMBER"};
     printf("  %-21s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
@@ -218,12 +228,14 @@ static void add_poses(columns *c, const rbd_model *m) {
     }
 }
 
-/* A link without a name is called by its joint. */
-static void add_parameters(columns *c, const rbd_model *m) {
-    static const char *const ten[] = {"m", "mx", "my", "mz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+static const char *const six[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
+static const char *const ten[] = {"m", "mx", "my", "mz", "ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+
+/* n names for every link; one without a name is called by its joint. */
+static void add_links(columns *c, const rbd_model *m, const char *const *names, int n) {
     for (int b = 0; b < rbd_nb(m); b++)
-        for (int k = 0; k < 10; k++)
-            add_name(c, rbd_body_name(m, b) ? rbd_body_name(m, b) : rbd_joint_name(m, b), ten[k], "");
+        for (int k = 0; k < n; k++)
+            add_name(c, rbd_body_name(m, b) ? rbd_body_name(m, b) : rbd_joint_name(m, b), names[k], "");
 }
 
 static void add_rows(columns *c, const state *s) {
@@ -235,7 +247,7 @@ static void add_rows(columns *c, const state *s) {
 }
 
 static void add_axis(columns *c, const state *s, axis a) {
-    static const char *const six[] = {"wx", "wy", "wz", "vx", "vy", "vz"}, *const xyz[] = {"x", "y", "z"};
+    static const char *const xyz[] = {"x", "y", "z"};
     switch (a) {
     case ONE: add_name(c, "", "", ""); break;
     case XYZ:
@@ -245,7 +257,8 @@ static void add_axis(columns *c, const state *s, axis a) {
         for (int k = 0; k < 6; k++) add_name(c, six[k], "", "");
         break;
     case DOFS: add_dofs(c, s->m, ""); break;
-    case PARAMETERS: add_parameters(c, s->m); break;
+    case PARAMETERS: add_links(c, s->m, ten, 10); break;
+    case WRENCHES: add_links(c, s->m, six, 6); break;
     case POSES: add_poses(c, s->m); break;
     case HELD: add_rows(c, s); break;
     }

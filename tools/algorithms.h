@@ -21,8 +21,8 @@ typedef struct state {
 } state;
 
 /* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
-   freedom, the links' inertial parameters, their poses, the axes that constraints hold. */
-typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, POSES, HELD } axis;
+   freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold. */
+typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, WRENCHES, POSES, HELD } axis;
 
 typedef struct output {
     const char *name; /* NULL: no more */

@@ -215,6 +215,28 @@ static void check_matrices(const ref_model *model, const ref_control_state *s) {
     }
 }
 
+static void check_generalized_momentum(const ref_model *model, const ref_control_state *s) {
+    double p[64] = {0}, ctv[64] = {0};
+    const double *const expected[] = {p, ctv};
+    const int nv = model->nv, lengths[] = {nv, nv};
+    for (int i = 0; i < nv; i++)
+        for (int k = 0; k < nv; k++) p[i] += s->M[i * nv + k] * s->v[k], ctv[k] += s->C[i * nv + k] * s->v[i];
+    check_one(model, s, "generalized_momentum", expected, lengths, 2, 1e-11);
+}
+
+/* A joint transmits its torque along its axis, a floating one all of it. */
+static void check_joint_wrench(const ref_model *model, const ref_control_state *s) {
+    static double f[MAX_OUT];
+    const ref_state plain = plain_state(s);
+    ck_assert_int_eq(evaluate(model, &plain, "joint_wrench", f), 6 * model->nb);
+    for (int b = 0; b < model->nb; b++) {
+        const double *axis = model->bodies[b].axis, *n = f + 6 * b,
+                     along = axis[0] * n[0] + axis[1] * n[1] + axis[2] * n[2];
+        const double *tau = s->tau_rnea + model->body_iv[b];
+        expect(model, "joint_wrench", model->body_nv[b] == 6 ? n : &along, tau, model->body_nv[b], 1e-11);
+    }
+}
+
 static void check_points(const ref_model *model, const ref_control_state *s) {
     char algorithm[200];
     for (int i = 0; i < s->npoints; i++) {
@@ -311,6 +333,8 @@ START_TEST(rbd_eval_gives_the_control_results) {
     model.name = robots[_i]; /* of the URDF */
     for (int k = 0; k < STATES; k++) {
         check_matrices(&model, &control->states[k]);
+        check_generalized_momentum(&model, &control->states[k]);
+        check_joint_wrench(&model, &control->states[k]);
         check_points(&model, &control->states[k]);
         check_regressors(&model, &control->states[k]);
         check_steps(&model, &control->states[k]);
