@@ -65,6 +65,9 @@ static rbd_status run_momentum_matrix(const state *s, double *out) {
     return rbd_momentum_matrix(s->m, s->d, s->q, NULL, out, NULL);
 }
 
+static rbd_status run_rates(const state *s, double *out) {
+    return rbd_rates_from_velocity(s->m, s->q, s->v, out);
+}
 static rbd_status run_joint_wrench(const state *s, double *out) {
     return rbd_joint_wrench(s->m, s->w, s->q, s->v, s->a, NULL, out);
 }
@@ -132,6 +135,7 @@ static const algorithm algorithms[] = {
     {"momentum", "centroidal, and its rate", TAKES_V | TAKES_A, {{"h", ONE, SIX}, {"h_dot", ONE, SIX}},
      run_momentum},
     {"momentum_matrix", "centroidal", 0, {{"A", SIX, DOFS}}, run_momentum_matrix},
+    {"rates", "of q, from v", TAKES_V, {{"dq", ONE, COORDINATES}}, run_rates},
     {"joint_wrench", "from parent on link", TAKES_V | TAKES_A, {{"f", ONE, WRENCHES}}, run_joint_wrench},
     {"generalized_momentum", "M v and C' v", TAKES_V, {{"p", ONE, DOFS}, {"ctv", ONE, DOFS}},
      run_generalized_momentum},
@@ -159,8 +163,9 @@ const algorithm *find_algorithm(const char *name) {
 }
 
 void print_algorithms(void) {
-    static const char *const parts[] = {
-        "", ".XYZ", ".ROW", ".DOF", ".LINK.PAR", ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...", ".NUMBER"};
+    static const char *const parts[] = {"",       ".XYZ",      ".ROW",      ".COORDINATE",
+                                        ".DOF",   ".LINK.PAR", ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...",
+                                        ".NUMBER"};
     printf("  %-21s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
@@ -201,12 +206,12 @@ void free_columns(columns *c) {
     free(c->name);
 }
 
-static void add_coordinates(columns *c, const rbd_model *m) {
+static void add_coordinates(columns *c, const rbd_model *m, const char *before) {
     for (int b = 0; b < rbd_nb(m); b++) {
         rbd_joint_info info;
         rbd_joint(m, b, &info);
         for (int k = 0; k < info.nq; k++)
-            add_name(c, "q", rbd_joint_name(m, b), coordinate_names(info.type)[k]);
+            add_name(c, before, rbd_joint_name(m, b), coordinate_names(info.type)[k]);
     }
 }
 
@@ -256,6 +261,7 @@ static void add_axis(columns *c, const state *s, axis a) {
     case SIX:
         for (int k = 0; k < 6; k++) add_name(c, six[k], "", "");
         break;
+    case COORDINATES: add_coordinates(c, s->m, ""); break;
     case DOFS: add_dofs(c, s->m, ""); break;
     case PARAMETERS: add_links(c, s->m, ten, 10); break;
     case WRENCHES: add_links(c, s->m, six, 6); break;
@@ -276,7 +282,7 @@ int mark_dofs(const rbd_model *m, const char *name, unsigned char *marks) {
 }
 
 void add_inputs(columns *c, const rbd_model *m, const algorithm *a) {
-    add_coordinates(c, m);
+    add_coordinates(c, m, "q");
     if (a->takes & TAKES_V) add_dofs(c, m, "v");
     if (a->takes & TAKES_A) add_dofs(c, m, "a");
     if (a->takes & TAKES_TAU) add_dofs(c, m, "tau");

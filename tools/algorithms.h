@@ -20,9 +20,9 @@ typedef struct state {
     unsigned char *given; /* dofs whose acceleration hybrid dynamics takes */
 } state;
 
-/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the degrees of
-   freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold. */
-typedef enum axis { ONE, XYZ, SIX, DOFS, PARAMETERS, WRENCHES, POSES, HELD } axis;
+/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the coordinates,
+   the degrees of freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold. */
+typedef enum axis { ONE, XYZ, SIX, COORDINATES, DOFS, PARAMETERS, WRENCHES, POSES, HELD } axis;
 
 typedef struct output {
     const char *name; /* NULL: no more */

@@ -237,6 +237,24 @@ static void check_joint_wrench(const ref_model *model, const ref_control_state *
     }
 }
 
+/* Of a quaternion p half of p (omega; 0), of a floating base's place its velocity turned into world axes. */
+static void check_rates(const ref_model *model, const ref_control_state *s) {
+    const double *q = s->q, *p = q + 3, *w = s->v, *u = s->v + 3;
+    const int floats = model->nq > model->nv, n = floats ? 7 : 0;
+    double rates[64];
+    const double *const expected[] = {rates};
+    const int length[] = {model->nq};
+    memcpy(rates + n, s->v + (floats ? 6 : 0), (size_t)(model->nq - n) * sizeof *rates);
+    for (int i = 0, j = 1, k = 2; floats && i < 3; i++, j = (i + 1) % 3, k = (i + 2) % 3) {
+        const double t[3] = {2 * (p[j] * u[k] - p[k] * u[j]), 2 * (p[k] * u[i] - p[i] * u[k]),
+                             2 * (p[i] * u[j] - p[j] * u[i])}; /* along i, j, k */
+        rates[i] = u[i] + p[3] * t[0] + p[j] * t[2] - p[k] * t[1];
+        rates[3 + i] = (p[3] * w[i] + p[j] * w[k] - p[k] * w[j]) / 2;
+    }
+    if (floats) rates[6] = -(p[0] * w[0] + p[1] * w[1] + p[2] * w[2]) / 2;
+    check_one(model, s, "rates", expected, length, 1, 1e-11);
+}
+
 static void check_points(const ref_model *model, const ref_control_state *s) {
     char algorithm[200];
     for (int i = 0; i < s->npoints; i++) {
@@ -335,6 +353,7 @@ START_TEST(rbd_eval_gives_the_control_results) {
         check_matrices(&model, &control->states[k]);
         check_generalized_momentum(&model, &control->states[k]);
         check_joint_wrench(&model, &control->states[k]);
+        check_rates(&model, &control->states[k]);
         check_points(&model, &control->states[k]);
         check_regressors(&model, &control->states[k]);
         check_steps(&model, &control->states[k]);
