@@ -972,7 +972,10 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_GAIN);
     ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, x, NULL), RBD_OK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, q, NULL, NULL, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, x, NULL), RBD_ERR_ORDER); /* its results are gone */
     robot_free(&other);
     robot_free(&r);
 }
