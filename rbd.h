@@ -1192,7 +1192,8 @@ RBDI_EXTERN_C_END
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; of [crba] rbdi_source and rbdi_ratio;
    of [cholesky] rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and
-   rbdi_verdict; rbdi_kin and rbdi_body_kin.
+   rbdi_verdict; rbdi_kin and rbdi_body_kin; [descriptions]; rbdi_source and _ratio,
+   rbdi_external, rbdi_rnea_sweep, rbdi_kin_link, rbdi_pivot_inverse and rbdi_status_of.
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.

@@ -291,9 +291,9 @@ struct rbd_constraints {
 
    Rank. Delta = L'DL again, from the last row to the first, without pivoting: pivot d_i over Delta_ii is the
    part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L
-   and its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow from
-   the others: else the set is infeasible. lambda of least norm: projected across the null vectors ([least
-   norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
+   and its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow
+   from the others: else the set is infeasible. lambda of least norm: projected across the null vectors
+   ([least norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
 
 RBDI_CODE_BEGIN
 
@@ -305,11 +305,11 @@ RBD_NO_MANIFOLD undefined"
 
 /* ---- tolerances [tolerances] ---- */
 
-/* Of Delta's diagonal entry a pivot must exceed RBDI_RANK; those of dependent rows are found below 1e-15 of it, of
-   four points a hundredth of a foot apart at 3e-6. Where any pivot is below RBDI_DOUBT of it, rounding may have
-   been magnified before: pivot j and those after it must exceed RBDI_NOISE times the sum of n_k^2 Delta_kk too,
-   for n with n' Delta n = d_j (rbdi_combination). What a dependent row asks for may be off by RBDI_FEASIBLE of
-   its terms: that much a set contradicts itself by drift. */
+/* Of Delta's diagonal entry a pivot must exceed RBDI_RANK; those of dependent rows are found below 1e-15 of
+   it, of four points a hundredth of a foot apart at 3e-6. Where any pivot is below RBDI_DOUBT of it,
+   rounding may have been magnified before: pivot j and those after it must exceed RBDI_NOISE times the sum
+   of n_k^2 Delta_kk too, for n with n' Delta n = d_j (rbdi_combination). What a dependent row asks for may
+   be off by RBDI_FEASIBLE of its terms: that much a set contradicts itself by drift. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_RANK 1e-12
 #define RBDI_FEASIBLE 1e-6
@@ -330,8 +330,8 @@ RBD_NO_MANIFOLD undefined"
 
 #endif
 
-/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be below
-   RBDI_CLOSED. */
+/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
+   below RBDI_CLOSED. */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_NEARING_STEPS 100
 #define RBDI_CLOSING_STEPS 3
@@ -437,7 +437,8 @@ RBDI_INLINE void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constrain
 
 #define RBDI_SIX_ROWS (RBDI_BATCH > 8 ? RBDI_BATCH : 8) /* the rows of a constraint, padded to batches */
 
-/* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear ones. */
+/* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear
+   ones. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
@@ -560,8 +561,8 @@ static rbdi_mask rbdi_eliminate(const rbd_model *m, rbd_constraints *c) {
     return doubt;
 }
 
-/* The packed rows of a matrix to padded ones, in batches where what is behind the row is the matrix's too; and
-   back. */
+/* The packed rows of a matrix to padded ones, in batches where what is behind the row is the matrix's too;
+   and back. */
 static void rbdi_pad_rows(const rbd_model *m, const rbd_constraints *c, const rbd_real *H) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *from = &H[m->dof[k].row];
@@ -658,8 +659,8 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c) {
 
 /* ---- least norm [least norm] ----
    For each dropped row j the vector n = L^-1 e_j, without the other dropped rows, is a null vector: J'n = 0.
-   It stands in the row's part right of the diagonal, which nobody reads. What row j asks for is in order if n'b
-   = 0, and n'b is the b_j that elimination left. lambda loses its components along the null vectors, made
+   It stands in the row's part right of the diagonal, which nobody reads. What row j asks for is in order if
+   n'b = 0, and n'b is the b_j that elimination left. lambda loses its components along the null vectors, made
    orthogonal one after the other (Gram and Schmidt). In lanes that kept the row n is zero. */
 
 static rbdi_mask rbdi_dropped(const rbd_constraints *c, int j) {
@@ -677,7 +678,8 @@ static rbd_real rbdi_demand(const rbd_model *m, const rbd_constraints *c, int j)
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* What J v, gamma and e of a constraint are differences of: the bodies' own motion, the same for both maybe. */
+/* What J v, gamma and e of a constraint are differences of: the bodies' own motion, the same for both maybe.
+   */
 static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
@@ -831,8 +833,9 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
 }
 
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M the same steps solve other problems: L = 1, so that H holds 1/D only.
-   Least squares: x + D^-1 J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
+   With a diagonal matrix D in place of M the same steps solve other problems: L = 1, so that H holds 1/D
+   only. Least squares: x + D^-1 J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2.
+   */
 
 /* n weights are above 0; NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -891,8 +894,8 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
 
 /* ---- assembly [assembly] ----
    Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
-   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the linear
-   picture may be trusted; the last ones only close. */
+   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the
+   linear picture may be trusted; the last ones only close. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {

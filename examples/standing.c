@@ -1,5 +1,5 @@
-/* standing.c - HyQ stands on four feet, which are constraints, and is pushed: torques that hold it, forces under the
-   feet, and the way back. Contacts hold both ways here: that the feet push is checked. */
+/* standing.c - HyQ stands on four feet, which are constraints, and is pushed: torques that hold it, forces
+   under the feet, and the way back. Contacts hold both ways here: that the feet push is checked. */
 #define RBD_IMPLEMENTATION
 #include "rbd_constraints.h"
 #include "models/hyq_model.h"

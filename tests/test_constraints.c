@@ -359,7 +359,8 @@ static void check_mechanism(const robot *r, int number, int kind, const rbd_cons
     free(c.memory);
 }
 
-/* The angle psi of the rocker for that of the crank, and its derivatives: the ends of both are `coupler` apart. */
+/* The angle psi of the rocker for that of the crank, and its derivatives: the ends of both are `coupler`
+   apart. */
 static void four_bar(double theta, double psi[3]) {
     const double x = crank * cos(theta), z = crank * sin(theta), dx = x - ground, d2 = dx * dx + z * z,
                  d = sqrt(d2);
@@ -491,8 +492,8 @@ static void check_impact(const robot *r, const state *s, int number) {
 START_TEST(impacts_on_random_trees) { for_random_trees(300, check_impact); }
 END_TEST
 
-/* Bodies that catch each other change neither the whole momentum nor, with nothing else about, that of others:
-   of a free robot the base's rows of M (v_plus - v) are the change of the whole. */
+/* Bodies that catch each other change neither the whole momentum nor, with nothing else about, that of
+   others: of a free robot the base's rows of M (v_plus - v) are the change of the whole. */
 START_TEST(momentum_stays_when_two_links_are_caught) {
     const ref_control *hyq = control_named("control_hyq");
     robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
@@ -587,7 +588,8 @@ static void check_distribution(const robot *r, const ref_control_state *s, int n
 START_TEST(forces_are_distributed_at_least_cost) { for_control_states(check_distribution); }
 END_TEST
 
-/* A foot alone gives no moment that there is a lever for: what is missing stands in tau, as small as can be. */
+/* A foot alone gives no moment that there is a lever for: what is missing stands in tau, as small as can be.
+   */
 START_TEST(what_contacts_cannot_give_stands_in_tau) {
     const ref_control *hyq = control_named("control_hyq");
     robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
@@ -711,8 +713,8 @@ START_TEST(out_of_reach_names_a_row) {
 }
 END_TEST
 
-/* A four-bar linkage under gravity, by Runge and Kutta's fourth order and put back onto the manifold after each
-   step: over ten seconds no energy is lost. */
+/* A four-bar linkage under gravity, by Runge and Kutta's fourth order and put back onto the manifold after
+   each step: over ten seconds no energy is lost. */
 START_TEST(linkage_keeps_its_energy) {
     const rbd_body bodies[3] = {
         ROD(-1, 0, crank_mass, crank / 2, crank_I),
