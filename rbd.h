@@ -1190,10 +1190,10 @@ RBDI_EXTERN_C_END
    Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory
    of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
-   rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; of [crba] rbdi_source and rbdi_ratio;
-   of [cholesky] rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and
-   rbdi_verdict; rbdi_kin and rbdi_body_kin; [descriptions]; rbdi_source and _ratio,
-   rbdi_external, rbdi_rnea_sweep, rbdi_kin_link, rbdi_pivot_inverse and rbdi_status_of.
+   rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
+   rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] rbdi_factor_invert, rbdi_solve and
+   rbdi_solve_sides; of [pivots] rbdi_status_of and rbdi_verdict; rbdi_kin, rbdi_kin_link and rbdi_body_kin;
+   [descriptions].
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
