@@ -314,6 +314,7 @@ extern "C" {
 #define rbd_jacobian RBDI_SYMBOL(rbd_jacobian)
 #define rbd_relative_jacobian RBDI_SYMBOL(rbd_relative_jacobian)
 #define rbd_jacobian_transpose RBDI_SYMBOL(rbd_jacobian_transpose)
+#define rbd_point_position RBDI_SYMBOL(rbd_point_position)
 #define rbd_point_velocity RBDI_SYMBOL(rbd_point_velocity)
 #define rbd_point_acceleration RBDI_SYMBOL(rbd_point_acceleration)
 #define rbd_point_wrench RBDI_SYMBOL(rbd_point_wrench)
@@ -724,6 +725,10 @@ RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, 
 RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
                                           rbd_real *tau);
+
+/* Position of a point in the world. */
+RBD_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                      const rbd_real point[3], rbd_real position[3]);
 
 /* Motion of a point, J v. */
 RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
@@ -4868,6 +4873,15 @@ RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int b
     }
     if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_vec(point[0], point[1], point[2]), F.f));
     rbdi_store_force(row, 1, F);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                      const rbd_real point[3], rbd_real position[3]) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    if (status) return status;
+    if (!position) return RBD_ERR_NULL;
+    rbdi_store(rbdi_point_place(m, w, body, point), position);
     return RBD_OK;
 }
 

@@ -79,6 +79,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
         CLAIM(rbd_body_velocity(m, w, b, x) == RBD_OK);
         CLAIM(rbd_body_acceleration(m, w, b, x) == RBD_OK);
         CLAIM(rbd_body_acceleration_classical(m, w, b, x) == RBD_OK);
+        CLAIM(rbd_point_position(m, w, b, p, x) == RBD_OK);
         for (int axes = RBD_WORLD_AXES; axes <= RBD_LINK_AXES; axes++) {
             CLAIM(rbd_jacobian(m, w, b, p, (rbd_axes)axes, J) == RBD_OK);
             CLAIM(rbd_relative_jacobian(m, w, b, p, nb - 1 - b, (rbd_axes)axes, J) == RBD_OK);

@@ -73,7 +73,7 @@ holds WRENCH rbd_joint_wrench
 holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
     rbd_fd_cholesky rbd_minverse
 holds MINVERSE rbd_minverse
-points="rbd_jacobian rbd_relative_jacobian rbd_jacobian_transpose rbd_point_velocity rbd_point_acceleration
+points="rbd_jacobian rbd_relative_jacobian rbd_jacobian_transpose rbd_point_position rbd_point_velocity rbd_point_acceleration
     rbd_point_wrench rbd_momentum"
 # shellcheck disable=SC2086 # words wanted
 holds KINEMATICS rbd_kinematics rbd_body_pose rbd_body_velocity rbd_body_acceleration \

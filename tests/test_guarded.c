@@ -170,6 +170,8 @@ static void call_points(const robot *r, const robot *f, const state *s, int numb
              rbd_relative_jacobian(r->m, r->w, b, point, other, axes, plain), J, 6 * r->nv);
         BOTH(rbd_jacobian_transpose(f->m, f->w, b, point, axes, wrench, tau),
              rbd_jacobian_transpose(r->m, r->w, b, point, axes, wrench, plain), tau, r->nv);
+        BOTH(rbd_point_position(f->m, f->w, b, point, x), rbd_point_position(r->m, r->w, b, point, plain), x,
+             3);
         BOTH(rbd_point_velocity(f->m, f->w, b, point, axes, x),
              rbd_point_velocity(r->m, r->w, b, point, axes, plain), x, 6);
         BOTH(rbd_point_acceleration(f->m, f->w, b, point, axes, x),

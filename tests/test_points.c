@@ -43,11 +43,11 @@ START_TEST(jacobians_match_the_reference) { for_reference_states(check_reference
 END_TEST
 
 static void check_control_points(const robot *r, const ref_control_state *s, int number) {
-    double J[MAX_J], found[6], R[9], place[3];
+    double J[MAX_J], found[6], place[3];
     for (int i = 0; i < s->npoints; i++) {
         const ref_point *e = &s->points[i];
         RUN(rbd_kinematics(r->m, r->w, s->q, s->v, s->vdot));
-        pose_of_point(r, number, e->body, e->p, R, place);
+        RUN(rbd_point_position(r->m, r->w, e->body, e->p, place));
         expect_close("place of a point", r, number, place, e->point_pos, 3, 1e-14);
         RUN(rbd_jacobian(r->m, r->w, e->body, e->p, RBD_WORLD_AXES, J));
         expect_close("J of a point, world axes", r, number, J, e->point_J, 6 * r->nv, 1e-14);
@@ -454,6 +454,7 @@ END_TEST
         ck_assert_int_eq(rbd_jacobian(m, w, b, NULL, RBD_WORLD_AXES, J), status); \
         ck_assert_int_eq(rbd_relative_jacobian(m, w, b, NULL, 0, RBD_WORLD_AXES, J), status); \
         ck_assert_int_eq(rbd_jacobian_transpose(m, w, b, NULL, RBD_WORLD_AXES, x, J), status); \
+        ck_assert_int_eq(rbd_point_position(m, w, b, NULL, x), status); \
         ck_assert_int_eq(rbd_point_velocity(m, w, b, NULL, RBD_WORLD_AXES, x), status); \
         ck_assert_int_eq(rbd_point_acceleration(m, w, b, NULL, RBD_WORLD_AXES, x), status); \
         ck_assert_int_eq(rbd_point_wrench(m, w, b, NULL, RBD_WORLD_AXES, x, x), status); \
@@ -484,6 +485,7 @@ START_TEST(errors_have_their_names) {
     ck_assert_int_eq(rbd_relative_jacobian(r.m, r.w, 0, NULL, 1, RBD_WORLD_AXES, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_jacobian_transpose(r.m, r.w, 0, NULL, RBD_WORLD_AXES, NULL, J), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_jacobian_transpose(r.m, r.w, 0, NULL, RBD_WORLD_AXES, x, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_point_position(r.m, r.w, 0, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_point_velocity(r.m, r.w, 0, NULL, RBD_WORLD_AXES, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_point_acceleration(r.m, r.w, 0, NULL, RBD_WORLD_AXES, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_point_wrench(r.m, r.w, 0, NULL, RBD_WORLD_AXES, NULL, x), RBD_ERR_NULL);
