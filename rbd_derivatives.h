@@ -78,6 +78,14 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
+/* What may be left out: see [memory]. */
+#if defined RBD_NO_DERIVATIVES || defined RBDI_NO_FD_CHOLESKY
+#define RBDI_NO_FD_DERIVATIVES
+#endif
+#if defined RBD_NO_DERIVATIVES || defined RBD_NO_MANIFOLD
+#define RBDI_NO_STEP_DERIVATIVES
+#endif
+
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
@@ -116,10 +124,15 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
 /* Bytes that rbd_derivatives_init needs for this model. */
 RBD_API size_t rbd_derivatives_size(const rbd_model *m);
 
+/* For linkers that keep all functions of a file: RBD_NO_MOMENTUM leaves section [momentum] out,
+   RBD_NO_CORIOLIS [coriolis], RBD_NO_REGRESSOR [identification], RBD_NO_DERIVATIVES the rest. Derivatives of
+   forward dynamics go with rbd_fd_cholesky, those of steps with RBD_NO_MANIFOLD too. */
+
 /* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
 /* ---- momentum [momentum] ---- */
 
+#ifndef RBD_NO_MOMENTUM
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
    all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
    the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
@@ -130,15 +143,18 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
 /* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
    no mass. */
 RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J);
+#endif
 
 /* ---- Coriolis matrix [coriolis] ---- */
 
+#ifndef RBD_NO_CORIOLIS
 /* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity) and dM/dt - 2 C
    skew: C = sum over the bodies of J' (I dJ/dt + B J), B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
    the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
    where v are rates of q. Echeandia and Wensing (2021). */
 RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                 rbd_real *C);
+#endif
 
 /* ---- derivatives of inverse dynamics [inverse dynamics] ----
    Row = torque. Column k of a derivative by q: along rbd_integrate(q, t e_k) at t = 0, with the components of
@@ -147,6 +163,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
    its tangent step e, omega in body axes, dp = p (e/2, 0): the derivative by p is two times that by e with
    p' (conjugate) multiplied from the left, d/dp = 2 d/de vec(p' dp). */
 
+#ifndef RBD_NO_DERIVATIVES
 /* Derivatives of tau = rbd_rnea(q, v, a, f_ext): dtau_dq and dtau_dv, nv x nv, and the mass matrix M =
    dtau/da, nv x nv. Any of the three may be NULL, and is then not computed. The common frame's form of
    Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
@@ -157,10 +174,11 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
 /* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            rbd_real *dg_dq);
+#endif
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */
 
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBDI_NO_FD_DERIVATIVES
 /* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
    da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx =
    -M^-1 dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be
@@ -175,6 +193,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
    not the centre of mass; link axes. Torques and energies are linear in them (Atkeson, An and Hollerbach
    1986). */
 
+#ifndef RBD_NO_REGRESSOR
 /* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
    one after the other. Columns of bodies that no joint moves are zero. */
 RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
@@ -197,12 +216,13 @@ RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
    centre of mass, tr(I)/2 - I, has a negative principal value beyond rounding). Errors: RBD_ERR_NULL.
    Traversaro et al. (2016); Wensing, Kim and Slotine (2018). */
 RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
+#endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
    What linearises a step on a floating base. Rows and columns: tangent components, as v; q moves by
    rbd_integrate(q, t e_k), so do results. Either output may be NULL. Errors: RBD_ERR_NULL. */
 
-#ifndef RBD_NO_MANIFOLD
+#ifndef RBDI_NO_STEP_DERIVATIVES
 /* Of q_next = rbd_integrate(q, v, dt) by q and by v: dnext_dq, dnext_dv, nv x nv. They do not depend on q. */
 RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
                                              rbd_real *dnext_dq, rbd_real *dnext_dv);
@@ -1283,6 +1303,7 @@ RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const 
     for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
 }
 
+#ifndef RBD_NO_MOMENTUM
 RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                        const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
@@ -1332,9 +1353,11 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
     }
     return RBD_OK;
 }
+#endif
 
 /* ---- Coriolis matrix [coriolis code] ---- */
 
+#ifndef RBD_NO_CORIOLIS
 RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                 rbd_real *C) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
@@ -1344,9 +1367,11 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     rbdi_put_entries(m, d, NULL, C, NULL);
     return RBD_OK;
 }
+#endif
 
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
+#ifndef RBD_NO_DERIVATIVES
 RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
                                         rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
@@ -1365,13 +1390,14 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     rbdi_put_entries(m, d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
+#endif
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
    First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is linear:
    dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of F_j a_j, dA_p
    being the parent's. */
 
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBDI_NO_FD_DERIVATIVES
 /* M into packed rows, without mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     for (int i = 0; i < d->n; ++i) {
@@ -1461,6 +1487,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 
 /* ---- regressors and inertial parameters [identification code] ---- */
 
+#ifndef RBD_NO_REGRESSOR
 /* A body as described: its axes in the common frame (columns of R), origin, and its link's motion there. */
 typedef struct rbdi_body {
     rbdi_mat R;
@@ -1640,6 +1667,7 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
     return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
 }
+#endif
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
@@ -1658,7 +1686,7 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
-#ifndef RBD_NO_MANIFOLD
+#ifndef RBDI_NO_STEP_DERIVATIVES
 /* f(ad): b, c and their derivatives by x. */
 typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;

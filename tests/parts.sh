@@ -105,6 +105,25 @@ for one in $later; do
     done
 done
 
+# The header on the common frame.
+echo '#include "rbd_derivatives.h"' >"$scratch/declarations.c"
+printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/rbd.c"
+leave_out
+cp "$scratch/defined" "$scratch/all"
+steps="rbd_integrate_derivatives rbd_difference_derivatives"
+holds MOMENTUM rbd_momentum_matrix rbd_com_jacobian
+holds CORIOLIS rbd_coriolis
+holds REGRESSOR rbd_regressor rbd_energy_regressors rbd_body_parameters rbd_set_parameters rbd_check_parameters
+# shellcheck disable=SC2086 # words wanted
+holds DERIVATIVES rbd_rnea_derivatives rbd_gravity_derivatives rbd_fd_derivatives $steps
+# shellcheck disable=SC2086 # words wanted
+holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random $steps
+for part in $parts; do leave_out "$part"; done
+# shellcheck disable=SC2086 # words wanted
+leave_out $parts MOMENTUM CORIOLIS REGRESSOR DERIVATIVES
+echo '#include "rbd.h"' >"$scratch/declarations.c"
+printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/rbd.c"
+
 for part in RNEA CRBA ABA CHOLESKY; do
     if compile -DRBD_BATCH_IMPLEMENTATION -DRBD_LANES=2 "-DRBD_NO_$part" ||
         ! grep -q 'rbd: the batch calls need' "$scratch/messages"; then
