@@ -1228,8 +1228,8 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
-    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
+    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);

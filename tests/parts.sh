@@ -116,9 +116,9 @@ holds CORIOLIS rbd_coriolis
 holds REGRESSOR rbd_regressor rbd_energy_regressors rbd_body_parameters rbd_set_parameters rbd_check_parameters
 # shellcheck disable=SC2086 # words wanted
 holds DERIVATIVES rbd_rnea_derivatives rbd_gravity_derivatives rbd_fd_derivatives $steps
-# shellcheck disable=SC2086 # words wanted
-holds MANIFOLD rbd_neutral rbd_integrate rbd_difference rbd_random $steps
-for part in $parts; do leave_out "$part"; done
+leave_out MANIFOLD
+[ "$(comm -23 "$scratch/all" "$scratch/defined" | grep -c derivatives)" -eq 2 ] || fail "MANIFOLD: $steps"
+leave_out MINVERSE
 # shellcheck disable=SC2086 # words wanted
 leave_out $parts MOMENTUM CORIOLIS REGRESSOR DERIVATIVES
 echo '#include "rbd.h"' >"$scratch/declarations.c"
