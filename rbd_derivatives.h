@@ -726,7 +726,8 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the first components, n of at most 9, from x on. A block has its own in its last dof. */
+/* Sums over subtrees of the first components, n of at most 9, from x on. A block has its own in its last dof.
+   */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -1393,9 +1394,9 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
 #endif
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
-   First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is linear:
-   dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of F_j a_j, dA_p
-   being the parent's. */
+   First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
+   linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
+   F_j a_j, dA_p being the parent's. */
 
 #ifndef RBDI_NO_FD_DERIVATIVES
 /* M into packed rows, without mimic joints. */

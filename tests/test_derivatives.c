@@ -198,8 +198,8 @@ static void check_derivatives(const robot *r, const state *s, int number) {
 START_TEST(derivatives_match_differences_on_random_trees) { for_random_trees(150, check_derivatives); }
 END_TEST
 
-/* M da/dx = -dtau/dx at the a of aba; each alone gives what it gives with the others, and a may be tau. Where the
-   system is singular, all is zero. */
+/* M da/dx = -dtau/dx at the a of aba; each alone gives what it gives with the others, and a may be tau. Where
+   the system is singular, all is zero. */
 static void check_forward(const robot *r, const state *s, int number) {
     const int nv = r->nv;
     static double x[3][MAX_M], by[2][MAX_M], product[MAX_M], M[MAX_M], alone[MAX_M];
@@ -385,7 +385,8 @@ END_TEST
 
 /* ---- steps ---- */
 
-/* A step along v of any length, and back: by the chain rule, d(q, q (+) d) = d is the same for all d and q. */
+/* A step along v of any length, and back: by the chain rule, d(q, q (+) d) = d is the same for all d and q.
+   */
 static void check_steps(const robot *r, const state *s, int number) {
     const int nv = r->nv;
     static double next_q[MAX_M], next_v[MAX_M], back_0[MAX_M], back_1[MAX_M], found[MAX_M], one[MAX_M];
