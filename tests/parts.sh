@@ -10,7 +10,7 @@ root=${1:?usage: parts.sh DIRECTORY_OF_RBD_H}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-parts="BUILD RNEA CRBA ABA HYBRID OBSERVER CHOLESKY MINVERSE KINEMATICS WRENCH POINTS MANIFOLD LOOKUP TEXT"
+parts="BUILD PAYLOAD RNEA CRBA ABA HYBRID OBSERVER CHOLESKY MINVERSE KINEMATICS WRENCH POINTS MANIFOLD LOOKUP TEXT"
 combinations=0
 failures=0
 
@@ -63,7 +63,8 @@ holds() {
 
 leave_out
 cp "$scratch/defined" "$scratch/all"
-holds BUILD rbd_model_build rbd_model_size
+holds BUILD rbd_model_build rbd_model_size rbd_add_payload
+holds PAYLOAD rbd_add_payload
 holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
 holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse
 holds ABA rbd_aba rbd_hybrid
