@@ -347,6 +347,7 @@ extern "C" {
 #define rbd_batch_crba_packed RBDI_OF_SCALAR(rbd_batch_crba_packed)
 #define rbd_batch_aba RBDI_OF_SCALAR(rbd_batch_aba)
 #define rbd_batch_fd_cholesky RBDI_OF_SCALAR(rbd_batch_fd_cholesky)
+#define rbd_batch_minverse RBDI_OF_SCALAR(rbd_batch_minverse)
 #define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
@@ -871,6 +872,11 @@ RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, 
 RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                                RBD_REAL *a);
+
+#ifndef RBDI_NO_MINVERSE
+RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            RBD_REAL *Minv); /* n x nv x nv */
+#endif
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
 RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
@@ -6820,7 +6826,14 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
 }
 
 /* The calls, told apart by a constant so that each wrapper keeps its own alone. */
-enum { RBDI_CALL_RNEA, RBDI_CALL_CRBA, RBDI_CALL_CRBA_PACKED, RBDI_CALL_ABA, RBDI_CALL_FD_CHOLESKY };
+enum {
+    RBDI_CALL_RNEA,
+    RBDI_CALL_CRBA,
+    RBDI_CALL_CRBA_PACKED,
+    RBDI_CALL_ABA,
+    RBDI_CALL_FD_CHOLESKY,
+    RBDI_CALL_MINVERSE
+};
 
 /* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea a = NULL is zero.
    */
@@ -6834,7 +6847,7 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
     if (!b) return RBD_ERR_NULL;
     result = rbdi_check(m, b->w, q && out);
     if (result) return result;
-    width = full ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
+    width = full || call == RBDI_CALL_MINVERSE ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
     b->state = b->dof = -1;
     for (int s = 0, count; s < n; s += count) {
         const size_t at = (size_t)s;
@@ -6848,6 +6861,9 @@ RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b
             status = rbd_rnea(m, b->w, b->q, b->v, a ? b->a : b->w->zero, f_ext ? b->f : NULL, b->out);
         if (full) status = rbd_crba(m, b->w, b->q, b->out);
         if (packed) status = rbd_crba_packed(m, b->w, b->q, b->out);
+#ifndef RBDI_NO_MINVERSE
+        if (call == RBDI_CALL_MINVERSE) status = rbd_minverse(m, b->w, b->q, b->out);
+#endif
         if (call == RBDI_CALL_ABA) status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
         if (call == RBDI_CALL_FD_CHOLESKY)
             status = rbd_fd_cholesky(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
@@ -6927,6 +6943,13 @@ RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b,
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_run(RBDI_CALL_FD_CHOLESKY, m, b, n, q, v, tau, f_ext, a);
 }
+
+#ifndef RBDI_NO_MINVERSE
+RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            RBD_REAL *Minv) {
+    return rbdi_batch_run(RBDI_CALL_MINVERSE, m, b, n, q, NULL, NULL, NULL, Minv);
+}
+#endif
 
 RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
     if (dof) *dof = b ? b->dof : -1;

@@ -152,13 +152,16 @@ static states states_draw(const robot *r, int n) {
 
 /* ---- the calls by number ---- */
 
-typedef enum call { RNEA, BIAS, CRBA, CRBA_PACKED, ABA, FD_CHOLESKY, CALLS } call;
+typedef enum call { RNEA, BIAS, CRBA, CRBA_PACKED, ABA, FD_CHOLESKY, MINVERSE, CALLS } call;
 
-static const char *const call_name[CALLS] = {"rnea", "bias", "crba", "crba_packed", "aba", "fd_cholesky"};
+static const char *const call_name[CALLS] = {"rnea", "bias",        "crba",    "crba_packed",
+                                             "aba",  "fd_cholesky", "minverse"};
 
 static int width_of(const robot *r, call c) {
-    return c == CRBA ? r->nv * r->nv : c == CRBA_PACKED ? rbd_packed_size(r->m) : r->nv;
+    return c == CRBA || c == MINVERSE ? r->nv * r->nv : c == CRBA_PACKED ? rbd_packed_size(r->m) : r->nv;
 }
+
+static int reads_q_alone(call c) { return c == CRBA || c == CRBA_PACKED || c == MINVERSE; }
 
 static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *out) {
     switch (c) {
@@ -166,6 +169,7 @@ static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *
     case BIAS: return rbd_bias(r->m, r->w, x->q, x->v, x->f_ext, out);
     case CRBA: return rbd_crba(r->m, r->w, x->q, out);
     case CRBA_PACKED: return rbd_crba_packed(r->m, r->w, x->q, out);
+    case MINVERSE: return rbd_minverse(r->m, r->w, x->q, out);
     case ABA: return rbd_aba(r->m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     default: return rbd_fd_cholesky(r->m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     }
@@ -177,6 +181,7 @@ static rbd_status run_batch(const robot *r, call c, int n, const states *x, RBD_
     case BIAS: return rbd_batch_bias(r->m, r->b, n, x->q, x->v, x->f_ext, out);
     case CRBA: return rbd_batch_crba(r->m, r->b, n, x->q, out);
     case CRBA_PACKED: return rbd_batch_crba_packed(r->m, r->b, n, x->q, out);
+    case MINVERSE: return rbd_batch_minverse(r->m, r->b, n, x->q, out);
     case ABA: return rbd_batch_aba(r->m, r->b, n, x->q, x->v, x->tau, x->f_ext, out);
     default: return rbd_batch_fd_cholesky(r->m, r->b, n, x->q, x->v, x->tau, x->f_ext, out);
     }
@@ -294,7 +299,7 @@ static void check_any_number(const robot *r) {
     alone.f_ext = NULL;
     for (call c = RNEA; c < CALLS; c++) {
         check_counts(r, c, &x);
-        if (c != CRBA && c != CRBA_PACKED) check_counts(r, c, &alone);
+        if (!reads_q_alone(c)) check_counts(r, c, &alone);
     }
     states_free(&x);
 }
@@ -402,14 +407,14 @@ static trap no_numbers(void) {
     return t;
 }
 
-/* Runs both forward dynamics on states of which those with way[s] >= 0 are singular in that way: they
+/* Runs both forward dynamics and the inverse on states of which those with way[s] >= 0 are singular in that way: they
    become zero. */
 static void expect_first_singular(const trap *t, const states *good, const int way[FEW]) {
     const robot *r = &t->r;
     const rbd_status error = isnan(t->value) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
-    const int nv = r->nv;
-    RBD_REAL expected[16], *found = numbers(FEW, nv);
-    for (call c = ABA; c <= FD_CHOLESKY; c++) {
+    RBD_REAL *expected = numbers(r->nv, r->nv), *found = numbers(FEW, r->nv * r->nv);
+    for (call c = ABA; c <= MINVERSE; c++) {
+        const int n = width_of(r, c);
         states x = states_cut(r, good, FEW);
         int first = -1, first_dof = -1, dof = -2;
         for (int s = 0; s < FEW; s++)
@@ -423,9 +428,9 @@ static void expect_first_singular(const trap *t, const states *good, const int w
                 first = s;
                 first_dof = rbd_singular_dof(r->w);
             }
-            if (!single) expect_row(call_name[c], r, s, found + s * nv, expected, nv, BOUND(c));
-            for (int k = 0; k < nv; k++)
-                ck_assert_msg(way[s] < 0 ? isfinite((double)found[s * nv + k]) : found[s * nv + k] == 0,
+            if (!single) expect_row(call_name[c], r, s, found + s * n, expected, n, BOUND(c));
+            for (int k = 0; k < n; k++)
+                ck_assert_msg(way[s] < 0 ? isfinite((double)found[s * n + k]) : found[s * n + k] == 0,
                               "%s, state %d: neither right nor zero", r->name, s);
         }
         ck_assert_int_eq(status, first < 0 ? RBD_OK : error);
@@ -434,6 +439,7 @@ static void expect_first_singular(const trap *t, const states *good, const int w
         ck_assert_int_eq(dof, first_dof);
         states_free(&x);
     }
+    free(expected);
     free(found);
 }
 
@@ -508,7 +514,7 @@ START_TEST(null_arguments_are_refused) {
         ck_assert_int_eq(run_batch(&no_batch, c, 1, &x, out), RBD_ERR_NULL);
         ck_assert_int_eq(run_batch(&r, c, 1, &no_q, out), RBD_ERR_NULL);
         ck_assert_int_eq(run_batch(&r, c, 1, &x, NULL), RBD_ERR_NULL);
-        if (c != CRBA && c != CRBA_PACKED) ck_assert_int_eq(run_batch(&r, c, 1, &no_v, out), RBD_ERR_NULL);
+        if (!reads_q_alone(c)) ck_assert_int_eq(run_batch(&r, c, 1, &no_v, out), RBD_ERR_NULL);
         if (c == RNEA || c == ABA || c == FD_CHOLESKY)
             ck_assert_int_eq(run_batch(&r, c, 1, &no_third, out), RBD_ERR_NULL);
     }
