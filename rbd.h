@@ -505,15 +505,15 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
 RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 #ifndef RBD_NO_PAYLOAD
-/* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root: what a hand
-   took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good; no call may run
-   meanwhile. A model in a table of constants cannot be changed.
+/* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
+   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good;
+   no call may run meanwhile. A model in a table of constants cannot be changed.
    memory   that was given to rbd_model_build
    mass     kg, may be negative
    com      of the payload, link frame
    inertia  xx xy xz yy yz zz about its com, link axes; NULL = a point
-   Errors, the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; not finite, or of the whole then
-   RBD_ERR_MASS negative, RBD_ERR_INERTIA with a negative eigenvalue; RBD_ERR_COM. */
+   Errors, the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; not finite, or of the whole
+   then RBD_ERR_MASS negative, RBD_ERR_INERTIA with a negative eigenvalue; RBD_ERR_COM. */
 RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
                                    const double inertia[6]);
 #endif
@@ -588,9 +588,10 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
 #endif
 
 #ifndef RBD_NO_OBSERVER
-/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts, since
-   dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of rbd_coriolis,
-   for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i.
+/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
+   since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
+   rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
+   (dS_i/dt)' h_i.
    p, ctv: nv; each may be NULL, not the same array. */
 RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                             const rbd_real *v, rbd_real *p, rbd_real *ctv);
@@ -710,9 +711,9 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
 RBD_API rbd_const rbd_mass(const rbd_model *m);
 
 #ifndef RBD_NO_WRENCH
-/* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and bearings,
-   and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's origin. RBDA
-   table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
+/* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and
+   bearings, and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's
+   origin. RBDA table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
    Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
    Errors: RBD_ERR_NULL, _WORK. */
 RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -2693,9 +2694,10 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
 #endif
 
 #ifndef RBD_NO_OBSERVER
-/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega; v) =
-   (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i = S_i' h_i,
-   and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c. */
+/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
+   v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
+   S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
+   */
 RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
@@ -4680,7 +4682,8 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
 }
 
 #ifndef RBD_NO_WRENCH
-/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass c. */
+/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
+   c. */
 static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_kin k = rbdi_body_kin(m, w, body);

@@ -29,8 +29,8 @@ static void check_reference(const robot *r, const ref_control_state *s, int numb
 START_TEST(results_match_the_reference) { for_control_states(check_reference); }
 END_TEST
 
-/* p = M v by the textbook's matrix; C' v = dM/dt v - C v, C v = c - g, and dM/dt v by a difference of order four
-   along v, which mimic joints take too. */
+/* p = M v by the textbook's matrix; C' v = dM/dt v - C v, C v = c - g, and dM/dt v by a difference of order
+   four along v, which mimic joints take too. */
 static void check_textbook(const robot *r, const state *s, int number) {
     static tb_real M[TB_MAX_DOFS * TB_MAX_DOFS];
     const double none[MAX_V] = {0}, h = 1e-3, weight[4] = {1. / 12, -2. / 3, 2. / 3, -1. / 12},
