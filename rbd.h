@@ -3790,10 +3790,11 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
 
 #if (RBDI_BATCH > 1 || defined RBD_LANES) && !defined RBD_SPECIALISE
 #define RBDI_GATHER
-/* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is a sum of
-   rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of columns of it. The
-   columns go by whole batches from the first on, but for the last batch, which ends with the last column; fewer
-   columns than a batch go one by one. The row made just before comes last, for it has to be waited for. */
+/* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
+   a sum of rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of
+   columns of it. The columns go by whole batches from the first on, but for the last batch, which ends
+   with the last column; fewer columns than a batch go one by one. The row made just before comes last,
+   for it has to be waited for. */
 #define RBDI_ROW 12
 typedef int32_t rbdi_index __attribute__((may_alias));
 
@@ -3803,8 +3804,9 @@ typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[
     int n, d; /* d: see RBDI_OWN */
 } rbdi_gathered;
 
-/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d. RBDI_SCALED: k y
-   less the sum; RBDI_FRESH: -k times the sum. Written once for T = one scalar and T = a batch of them. */
+/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d.
+   RBDI_SCALED: k y less the sum; RBDI_FRESH: -k times the sum. Written once for T = one scalar and T =
+   a batch of them. */
 enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
 #define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
 #define RBDI_DEFINE_GATHER(name, T) \
@@ -3865,8 +3867,8 @@ RBDI_INLINE void rbdi_gather_rows(rbdi_gathered g, int mode, rbd_real k, int n, 
     }
 }
 
-/* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k behind i,
-   which in the solver's order stand together. */
+/* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k
+   behind i, which in the solver's order stand together. */
 RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbdi_order *o = m->order + m->nv;
@@ -3891,8 +3893,8 @@ RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real
     return doubt;
 }
 
-/* The rows of the dofs on the path to dof k, root first, k's row being at k stride; at has that of the dof before,
-   n of them, as long as it is the same. */
+/* The rows of the dofs on the path to dof k, root first, k's row being at k stride; at has that of the
+   dof before, n of them, as long as it is the same. */
 RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, rbdi_index *at) {
     int t = dof[k].depth;
     for (int i = dof[k].lambda; t > 0 && (t > n || at[t - 1] != i * stride); --t, i = dof[i].lambda)
@@ -5648,7 +5650,7 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     row->velocity = (double)u->velocity, row->effort = (double)u->effort;
     row->mimic = NULL;
     row->mimic_ratio = row->mimic_offset = 0;
-    if (first >= m->nv) {
+    if (u->type != RBD_FIXED && first >= m->nv) {
         const rbdi_mimic *k = &m->mimic[first - m->nv];
         row->mimic = m->frame[m->dof[k->source_v].body].joint;
         row->mimic_ratio = (double)k->ratio, row->mimic_offset = (double)k->offset;

@@ -1032,6 +1032,8 @@ RBDI_INLINE void rbdi_put_free(const rbd_derivatives *d, int first, int want, rb
     const rbdi_entry *i = &d->entry[first];
     const ptrdiff_t nv = d->model->nv;
     rbdi_free f;
+    rbdi_free_pairs x;
+    rbdi_clear((rbd_real *)&x, (int)(sizeof x / sizeof(rbd_real))); /* GCC: "may be used uninitialized" */
     for (int k = 0; k < 3; ++k) {
         f.e[k] = rbdi_load_vec(RBDI_OF(d, first + k, S));
         f.U[k] = rbdi_load_motion(RBDI_OF(d, first + k, U));
@@ -1040,7 +1042,6 @@ RBDI_INLINE void rbdi_put_free(const rbd_derivatives *d, int first, int want, rb
     }
     for (int j = first; j < i->end;) {
         const int at = j - j % RBDI_BATCH, end = at + RBDI_BATCH < i->end ? at + RBDI_BATCH : i->end;
-        rbdi_free_pairs x;
         rbdi_free_pairs_of(&d->columns[at / RBDI_BATCH], &f, want, &x);
         for (; j < end; ++j) rbdi_put_free_pairs(&x, j - at, i, &d->entry[j], nv, want, out);
     }

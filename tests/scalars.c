@@ -559,7 +559,8 @@ START_TEST(point_mass_on_the_axis_is_singular) {
 }
 END_TEST
 
-/* The tip of an arm of two rods, held where it is: stretched, only one direction is held, in this lane alone. */
+/* The tip of an arm of two rods, held where it is: stretched, only one direction is held, in this lane
+   alone. */
 START_TEST(rank_may_differ_from_lane_to_lane) {
     static unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE(2, 2)],
         memory[RBD_CONSTRAINTS_SIZE(2, 2)];

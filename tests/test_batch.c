@@ -407,8 +407,8 @@ static trap no_numbers(void) {
     return t;
 }
 
-/* Runs both forward dynamics and the inverse on states of which those with way[s] >= 0 are singular in that way: they
-   become zero. */
+/* Runs both forward dynamics and the inverse on states of which those with way[s] >= 0 are singular in
+   that way: they become zero. */
 static void expect_first_singular(const trap *t, const states *good, const int way[FEW]) {
     const robot *r = &t->r;
     const rbd_status error = isnan(t->value) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;

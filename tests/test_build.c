@@ -634,7 +634,8 @@ START_TEST(fixed_and_mimic_joints_have_no_place) {
 }
 END_TEST
 
-/* In the solver's order the largest subtree follows its parent, so that most links have theirs before them. */
+/* In the solver's order the largest subtree follows its parent, so that most links have theirs before
+   them. */
 START_TEST(largest_subtree_comes_first) {
     static const int parents[5] = {-1, 0, 0, 2, 0}, order[5] = {0, 2, 3, 1, 4};
     rbd_body b[5];
