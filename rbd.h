@@ -72,8 +72,9 @@
                       straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
                       64 bytes the memory of a work must then have
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
-     RBD_NO_BUILD     leave rbd_model_build out (models from generated tables only), and likewise, for
-                      linkers that keep all functions of a file:
+     RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
+                      models from generated tables only; and likewise, for linkers that keep all functions
+                      of a file:
      RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
      RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
      RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, joint, dof_body, describe
@@ -827,10 +828,12 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
 /* The body whose joint has this degree of freedom, -1 if there is none. */
 RBD_API int rbd_dof_body(const rbd_model *m, int dof);
 
+#ifndef RBD_NO_BUILD /* it computes in double */
 /* Reads a body back from the model, of a table in flash too: a row from which rbd_model_build makes the same,
    to rounding. Its parent is the body whose joint carries it: bodies fixed between are left out. Axes are of
    unit length. Errors: RBD_ERR_NULL, _INDEX. */
 RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
+#endif
 #endif
 
 /* ---- batches [batch] ----
@@ -1923,19 +1926,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     return X;
 }
 
-/* IA c, and that of a composite body: its I = tr(Sigma) - Sigma, H = [h]x, M = m. */
+/* IA c; and IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
 RBDI_INLINE rbdi_force rbdi_abi_times(const rbdi_abi *IA, rbdi_motion c) {
     rbdi_force F;
     F.n = rbdi_add(rbdi_mul_sym(IA->I, c.omega), rbdi_mul(IA->H, c.v));
     F.f = rbdi_add(rbdi_mul_t(IA->H, c.omega), rbdi_mul_sym(IA->M, c.v));
-    return F;
-}
-RBDI_INLINE rbdi_force rbdi_rbi_times(const rbdi_rbi *C, rbd_const m, rbdi_motion c) {
-    const rbd_real trace = C->Sigma.xx + C->Sigma.yy + C->Sigma.zz;
-    rbdi_force F;
-    F.n = rbdi_sub(rbdi_scale(trace, c.omega), rbdi_mul_sym(C->Sigma, c.omega));
-    F.n = rbdi_add(F.n, rbdi_cross(C->h, c.v));
-    F.f = rbdi_sub(rbdi_scale(rbdi_set(m), c.v), rbdi_cross(C->h, c.omega));
     return F;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
@@ -5581,7 +5576,7 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 #define RBDI_TEXT(sentence) sentence
 #endif
 
-#ifndef RBD_NO_LOOKUP
+#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
 static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
     for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
     r[0] = (rbdi_wide)at.x, r[1] = (rbdi_wide)at.y, r[2] = (rbdi_wide)at.z;

@@ -207,6 +207,7 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
 /* The parameters of a body of the model, as it was described. Errors: RBD_ERR_NULL, _INDEX. */
 RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
 
+#ifndef RBD_NO_BUILD
 /* Sets mass, com and inertia of a row of a description to these parameters. Without mass com becomes 0.
    Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
@@ -216,6 +217,7 @@ RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
    centre of mass, tr(I)/2 - I, has a negative principal value beyond rounding). Errors: RBD_ERR_NULL.
    Traversaro et al. (2016); Wensing, Kim and Slotine (2018). */
 RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
+#endif
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
@@ -1638,6 +1640,7 @@ RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const p
     return RBD_OK;
 }
 
+#ifndef RBD_NO_BUILD
 RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
     double c[3], mass;
     if (!body || !pi) return RBD_ERR_NULL;
@@ -1669,6 +1672,7 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
     return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
 }
+#endif
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----

@@ -63,7 +63,7 @@ holds() {
 
 leave_out
 cp "$scratch/defined" "$scratch/all"
-holds BUILD rbd_model_build rbd_model_size rbd_add_payload
+holds BUILD rbd_model_build rbd_model_size rbd_add_payload rbd_describe
 holds PAYLOAD rbd_add_payload
 holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
 holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse

@@ -165,6 +165,73 @@ START_TEST(errors_have_their_names) {
 }
 END_TEST
 
+/* What only numbers far from a robot's do. */
+START_TEST(extremes_are_judged_too) {
+    const rbd_body arm[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .armature = {1}},
+        {.parent = 0, .type = RBD_FIXED}};
+    const double none[3] = {0}, away[3] = {1, 0, 0}, far[3] = {1e200, 0, 0}, inertia[6] = {1, 0, 0, 1, 0, 1},
+                 minus[6] = {-1, 0, 0, -1, 0, -1};
+    robot r = BUILD(arm);
+    rbd_model *m = (rbd_model *)(uintptr_t)r.m;
+    expect_refused(&r, RBD_ERR_INERTIA, 0, 1, far, NULL); /* it overflows */
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 1, 0, none, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 0, 0, none, inertia), RBD_OK);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 0, 0, none, minus), RBD_OK);
+    /* so heavy that the arm is lost in its rounding: the bound of the pivot stays above the rotor's inertia */
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 0, 1e17, away, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 0, -1e17, away, NULL), RBD_OK);
+    ck_assert_double_ge(m->dof[0].scale, m->dof[0].armature);
+    m->scalar = 4;
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 0, 1, none, NULL), RBD_ERR_VERSION);
+    m->scalar = sizeof(rbd_const);
+    robot_free(&r);
+}
+END_TEST
+
+/* On what follows another joint: its source carries it as well. */
+START_TEST(followers_pass_it_on) {
+    const rbd_body hand[3] = {{.joint = "source",
+                               .parent = -1,
+                               .type = RBD_REVOLUTE,
+                               .axis = {0, 1, 0},
+                               .mass = 1,
+                               .com = {0, 0, 0.5},
+                               .inertia = {0.1, 0, 0, 0.1, 0, 0.1}},
+                              {.joint = "knuckle",
+                               .parent = 0,
+                               .type = RBD_REVOLUTE,
+                               .axis = {1, 0, 0},
+                               .position = {0, 0, 1},
+                               .mass = 1,
+                               .com = {0, 0.2, 0.3},
+                               .inertia = {0.1, 0, 0, 0.1, 0, 0.1}},
+                              {.joint = "follower",
+                               .parent = 1,
+                               .type = RBD_REVOLUTE,
+                               .axis = {0, 1, 0},
+                               .position = {0, 0, 1},
+                               .mass = 1,
+                               .com = {0.1, 0, 0.5},
+                               .inertia = {0.1, 0, 0, 0.1, 0, 0.1},
+                               .mimic = "source",
+                               .mimic_ratio = 2}};
+    rbd_body loaded[3];
+    const payload load = {3, {0.1, 0.2, 0.3}, {0.2, 0, 0, 0.2, 0, 0.2}};
+    uint64_t seed = 1;
+    state s;
+    memcpy(loaded, hand, sizeof loaded);
+    merge(&loaded[2], &load);
+    robot r = BUILD(hand), expected = BUILD(loaded);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], 2, load.mass, load.com, load.inertia), RBD_OK);
+    draw_state(&r, &seed, &s);
+    expect_alike(&r, &expected, &s, 0, 1e-12);
+    for (int k = 0; k < 3; k++) ck_assert_double_eq_tol(r.m->dof[k].scale, expected.m->dof[k].scale, 1e-9);
+    robot_free(&r);
+    robot_free(&expected);
+}
+END_TEST
+
 Suite *payload_suite(void) {
     Suite *suite = suite_create("payload");
     TCase *c = tcase_create("payload");
@@ -172,6 +239,8 @@ Suite *payload_suite(void) {
     tcase_add_test(c, results_are_those_of_a_new_build);
     tcase_add_test(c, every_joint_type_passes_it_on);
     tcase_add_test(c, errors_have_their_names);
+    tcase_add_test(c, extremes_are_judged_too);
+    tcase_add_test(c, followers_pass_it_on);
     suite_add_tcase(suite, c);
     return suite;
 }
