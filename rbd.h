@@ -2620,8 +2620,8 @@ RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i
     tau[l->iv] = t;
     return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
 }
-RBDI_PART rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
-                                        rbdi_force F, const rbd_real *a, rbd_real *tau) {
+RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                          rbdi_force F, const rbd_real *a, rbd_real *tau) {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
@@ -2689,6 +2689,11 @@ RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *
 #endif
 
 #ifndef RBD_NO_OBSERVER
+RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                           rbdi_force F, const rbd_real *a, rbd_real *out) {
+    return rbdi_rnea_up_block(m, w, l, F, a, out);
+}
+
 /* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
    v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
    S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
@@ -2709,8 +2714,8 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
         turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         turned.f = rbdi_cross(h.f, V.omega);
         if (l->kind == RBDI_BLOCK) {
-            h = rbdi_rnea_up_block(m, w, l, h, v, p);
-            rbdi_rnea_up_block(m, w, l, turned, w->zero, ctv);
+            h = rbdi_momenta_up_block(m, w, l, h, v, p);
+            rbdi_momenta_up_block(m, w, l, turned, w->zero, ctv);
         } else {
             h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
             rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
