@@ -1,6 +1,6 @@
-/* payload_identification.c - what an iiwa took up, from the torques of a motion: those that the arm alone does
-   not explain are linear in the ten inertial parameters of its last link, by the regressor (Atkeson, An and
-   Hollerbach 1986); least squares, then the model is corrected at run time. */
+/* payload_identification.c - what an iiwa took up, from the torques of a motion: those that the arm alone
+   does not explain are linear in the ten inertial parameters of its last link, by the regressor (Atkeson, An
+   and Hollerbach 1986); least squares, then the model is corrected at run time. */
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "models/iiwa.h"
