@@ -4692,9 +4692,11 @@ static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int bo
     const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
     const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
     const rbdi_sym I = rbdi_sym_c(u->I);
+    const rbdi_v3 g = rbdi_mul_t(k.R, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
     rbdi_force F;
-    F.f = rbdi_scale(rbdi_set(u->mass), rbdi_sub(acc, rbdi_mul_t(k.R, rbdi_vec_c(w->gravity))));
-    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, rbdi_mul_sym(I, omega)));
+    F.f = rbdi_sub(acc, g);
+    F.f = rbdi_scale(rbdi_set(u->mass), F.f);
+    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, h));
     F.n = rbdi_add(F.n, rbdi_cross(c, F.f));
     return F;
 }
@@ -4731,11 +4733,11 @@ RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_r
     for (int b = m->nb - 1; b >= 0; --b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real *up;
+        rbdi_force F;
         if (u->parent < 0) continue;
         up = wrench + 6 * u->parent;
-        rbdi_store_force(up, 1,
-                         rbdi_force_add(rbdi_load_force(up, 1),
-                                        rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1))));
+        F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1));
+        rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
     }
     return RBD_OK;
 }
@@ -5081,8 +5083,11 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
         rbdi_store(rbdi_scale(half, rbdi_vec(v[0], v[1], v[2])), turn);
         turn[3] = rbdi_zero();
         rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
-        if (u->type == RBD_FLOATING)
-            rbdi_store(rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_vec(v[3], v[4], v[5])), rates);
+        if (u->type == RBD_FLOATING) {
+            const rbdi_mat E = rbdi_quaternion_down(q + 3);
+            const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
+            rbdi_store(rbdi_mul_t(E, linear), rates);
+        }
         break;
     default:
         for (int k = 0; k < u->nv; ++k) rates[k] = v[k];
@@ -5109,8 +5114,11 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         for (int i = 0; i < 3; ++i) x[i] = -x[i];
         rbdi_quaternion_product(x, &rates[u->nq - 4], x);
         rbdi_store(rbdi_scale(k + k, rbdi_vec(x[0], x[1], x[2])), v);
-        if (u->type == RBD_FLOATING)
-            rbdi_store(rbdi_mul(rbdi_quaternion_down(q + 3), rbdi_vec(rates[0], rates[1], rates[2])), v + 3);
+        if (u->type == RBD_FLOATING) {
+            const rbdi_mat E = rbdi_quaternion_down(q + 3);
+            const rbdi_v3 linear = rbdi_vec(rates[0], rates[1], rates[2]);
+            rbdi_store(rbdi_mul(E, linear), v + 3);
+        }
         break;
     default:
         for (int i = 0; i < u->nv; ++i) v[i] = rates[i];
