@@ -85,7 +85,8 @@ def arduino():
     categories = {"Display", "Communication", "Signal Input/Output", "Sensors", "Device Control", "Timing",
                   "Data Storage", "Data Processing", "Other"}
     check(name, fields["category"] in categories, f"no such category: {fields['category']}")
-    check(name, (root / fields["includes"]).is_file(), f"no {fields['includes']}")
+    for header in fields["includes"].split(","):
+        check(name, (root / header).is_file(), f"no {header}")
     # Without src/ the root is the include path, and sources in it and in utility/ would be compiled.
     for folder in "src", "utility", "include":
         check(name, not (root / folder).exists(), f"the folder {folder} changes what is compiled")
