@@ -26,6 +26,16 @@
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
 */
 /* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("Z")
+#undef Z
 #pragma push_macro("A")
 #undef A
 #pragma push_macro("B")
@@ -1832,3 +1842,8 @@ RBDI_CODE_END
 #pragma pop_macro("W")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
+#pragma pop_macro("H")
+#pragma pop_macro("L")
+#pragma pop_macro("O")
+#pragma pop_macro("Q")
+#pragma pop_macro("Z")
