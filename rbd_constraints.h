@@ -256,11 +256,14 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
 typedef struct rbdi_constraint {
     rbd_const R[2][9]; /* frame vectors into link axes, row-major */
     rbdi_c3 p[2];
+    rbdi_c3 held[6]; /* of each row, the axis that it holds: a column of R[1] */
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
     int16_t row, rows; /* the first, and how many */
     int16_t angular;   /* how many of them are angular; they come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
+    int16_t tip[2];    /* last dof of the path to each body, -1 = none */
+    int16_t trunk;     /* number of dofs that both paths begin with */
 } rbdi_constraint;
 
 /* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
@@ -268,39 +271,44 @@ typedef struct rbdi_span {
     int16_t first, end, n;
 } rbdi_span;
 
+/* A dof on the path of a constraint: where its rows of L and of Y start. */
+typedef struct rbdi_step {
+    int32_t L, Y;
+    int16_t dof, depth;
+} rbdi_step;
+
 struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
-    int n, rows, stride, height; /* stride: of rows, padded; height: of paths to the root, padded */
+    int n, rows, stride;         /* stride: of rows, padded */
     int infeasible;              /* row, -1 = none */
     rbdi_constraint *constraint; /* n */
     rbdi_span *span;             /* nv */
+    rbdi_step *path;             /* nv: of the constraint at hand */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
-    rbd_real *D;             /* rows x stride: J M^-1 J', then its factor; above the diagonal null vectors */
-    rbd_real *H;             /* nv x height: rows of M, then L and 1/D */
-    rbd_real *x;             /* nv */
-    rbd_real *b, *lambda;    /* stride each: right-hand side, solution */
-    rbd_real *u, *gamma, *e; /* rows each: J v, gamma, position error */
-    rbd_real *target;        /* rows: wanted J a */
-    rbd_real *inverse;       /* rows: of the pivots, 0 where a row depends on those behind it */
-    rbd_real *diagonal;      /* rows: of J M^-1 J' */
-    rbdi_v3 world;           /* acceleration of the world */
+    rbd_real *D;                 /* rows x stride: Delta, then D L; above the diagonal null vectors */
+    rbd_real *x, *stack;         /* nv each: solution; of it what is on a path, by depth */
+    rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
+    rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
+                                                      position error, wanted J a */
+    rbd_real *inverse;  /* rows: of the pivots, 0 where a row depends on those behind it */
+    rbd_real *diagonal; /* rows: of Delta */
+    rbdi_v3 world;      /* acceleration of the world */
 };
 
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, height) \
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + \
-     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + (size_t)(height) + 1) + \
-                         (size_t)(rows) * ((size_t)(stride) + 6) + 2 * (size_t)(stride)))
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_step)) + \
+     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 3) + (size_t)(rows) * ((size_t)(stride) + 2) + \
+                         6 * (size_t)(stride)))
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_ROW_SURPLUS 0
 #else
-#define RBDI_ROW_SURPLUS (RBDI_CHUNK - 1) /* paths are padded to whole batches, rows twice */
+#define RBDI_ROW_SURPLUS (3 * RBDI_CHUNK - 3) /* rows are padded by two batches, and to whole ones */
 #endif
 
 /* Bytes that suffice for any set that holds this many axes. */
-#define RBD_CONSTRAINTS_SIZE(nv, rows) \
-    RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + 2 * RBDI_ROW_SURPLUS, (nv) + RBDI_ROW_SURPLUS)
+#define RBD_CONSTRAINTS_SIZE(nv, rows) RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_ROW_SURPLUS + 1)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
@@ -370,27 +378,23 @@ RBD_NO_MANIFOLD undefined"
 
 /* ---- kinematics [kinematics] ---- */
 
-/* A frame on a link: pose, velocity and acceleration at a = 0, of the frame and its origin, world axes. */
+/* The origin of a frame on a link: place, velocity and acceleration at a = 0, and the link's angular ones. */
 typedef struct rbdi_station {
-    rbdi_mat R;
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
 /* The world accelerates upward by -gravity if the links do. */
 RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
-    const rbdi_mat R = rbdi_mat_c(on->R[side]);
     const rbdi_kin *k;
     rbdi_station s;
     if (on->link[side] < 0) {
-        s.R = R;
         s.p = x;
         s.omega = s.v = s.omega_dot = rbdi_vec0();
         s.acc = c->world;
         return s;
     }
     k = &c->w->kin[on->link[side]];
-    s.R = rbdi_mul_mat(k->R, R);
     s.p = rbdi_add(k->p, rbdi_mul(k->R, x));
     s.omega = rbdi_mul(k->R, k->state.omega);
     s.v = rbdi_mul(k->R, rbdi_add(k->v, rbdi_cross(k->state.omega, x)));
@@ -398,6 +402,12 @@ RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_co
     s.acc = rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x);
     s.acc = rbdi_mul(k->R, rbdi_add(k->state.acc, s.acc));
     return s;
+}
+
+/* Orientation of the frame in the world. */
+static rbdi_mat rbdi_station_axes(const rbd_constraints *c, const rbdi_constraint *on, int side) {
+    const rbdi_mat R = rbdi_mat_c(on->R[side]);
+    return on->link[side] < 0 ? R : rbdi_mul_mat(c->w->kin[on->link[side]].R, R);
 }
 
 /* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
@@ -432,41 +442,6 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The components of (angular; linear) that a constraint holds, world axes to those of frame 2. */
-RBDI_INLINE void rbdi_held(const rbdi_constraint *k, rbdi_mat axes, rbdi_v3 angular, rbdi_v3 linear,
-                           rbd_real *out) {
-    rbd_real all[6];
-    rbdi_store(rbdi_mul_t(axes, angular), all);
-    rbdi_store(rbdi_mul_t(axes, linear), all + 3);
-    for (int r = 0; r < k->rows; ++r) out[r] = all[k->axis[r]];
-}
-
-enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
-
-/* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
-RBDI_INLINE void rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k, const rbdi_station *one,
-                                        const rbdi_station *two, int want) {
-    const rbdi_v3 s = rbdi_sub(one->p, two->p), w2 = two->omega;
-    rbdi_v3 u = one->v, spin = one->omega, a = rbdi_sub(one->acc, two->acc), alpha = one->omega_dot;
-    if (k->link[1] >= 0) {
-        const rbdi_v3 ws = rbdi_cross(w2, s);
-        u = rbdi_sub(rbdi_sub(u, two->v), ws);
-        spin = rbdi_sub(spin, w2);
-        alpha = rbdi_sub(rbdi_sub(alpha, two->omega_dot), rbdi_cross(w2, spin));
-        a = rbdi_sub(a, rbdi_cross(two->omega_dot, s));
-        a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
-    }
-    rbdi_held(k, two->R, alpha, a, &c->gamma[k->row]);
-    if (want & RBDI_HELD_RATES) rbdi_held(k, two->R, spin, u, &c->u[k->row]);
-    if (want & RBDI_HELD_ERRORS) {
-        rbdi_v3 turn = rbdi_vec0();
-        if (k->angular) turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(two->R), one->R));
-        rbdi_held(k, two->R, rbdi_mul(two->R, turn), s, &c->e[k->row]);
-    }
-}
-
-/* ---- rows [rows] ---- */
-
 #define RBDI_SIX_ROWS (RBDI_BATCH > 8 ? RBDI_BATCH : 8) /* the rows of a constraint, padded to batches */
 
 /* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear
@@ -475,35 +450,71 @@ typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_INLINE void rbdi_set_axes(const rbdi_constraint *k, rbdi_mat R, rbdi_axes_held *h) {
-    const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy),
-                             rbdi_vec(R.xz, R.yz, R.zz)};
-    for (int i = 0; i < 6; ++i) rbdi_clear(h->x[i], RBDI_SIX_ROWS);
+RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+    for (int i = k->angular ? 0 : 3; i < 6; ++i) rbdi_clear(h->x[i], RBDI_SIX_ROWS);
     for (int r = 0; r < k->rows; ++r) {
-        const rbdi_v3 e = axis[k->axis[r] % 3];
-        const int first = k->axis[r] < 3 ? 0 : 3;
+        const rbdi_v3 a = rbdi_vec_c(k->held[r]),
+                      e = k->link[1] < 0 ? a : rbdi_mul(c->w->kin[k->link[1]].R, a);
+        const int first = r < k->angular ? 0 : 3;
         h->x[first][r] = e.x, h->x[first + 1][r] = e.y, h->x[first + 2][r] = e.z;
     }
 }
 
-/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
-RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
-                                        rbdi_v3 linear) {
-    rbd_real *y = &c->Y[rbdi_source(m, dof) * c->stride + k->row];
-    if (sign < 0 || dof >= m->nv) {
-        const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
-        angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
-    }
+/* Adds the components of (angular; linear), world axes, that a constraint holds. */
+RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
+                               rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        rbdi_batch sum = *(const rbdi_batch *)&y[r];
+        rbdi_batch sum = *(const rbdi_batch *)&out[r];
         sum = sum + *(const rbdi_batch *)&h->x[3][r] * linear.x +
               *(const rbdi_batch *)&h->x[4][r] * linear.y + *(const rbdi_batch *)&h->x[5][r] * linear.z;
         if (k->angular)
             sum = sum + *(const rbdi_batch *)&h->x[0][r] * angular.x +
                   *(const rbdi_batch *)&h->x[1][r] * angular.y + *(const rbdi_batch *)&h->x[2][r] * angular.z;
-        *(rbdi_batch *)&y[r] = sum;
+        *(rbdi_batch *)&out[r] = sum;
     }
+}
+
+enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
+
+/* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
+RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k,
+                                           const rbdi_axes_held *h, int want) {
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
+    const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
+    rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
+    if (k->link[1] >= 0) {
+        const rbdi_v3 ws = rbdi_cross(w2, s);
+        u = rbdi_sub(rbdi_sub(u, two.v), ws);
+        spin = rbdi_sub(spin, w2);
+        alpha = rbdi_sub(rbdi_sub(alpha, two.omega_dot), rbdi_cross(w2, spin));
+        a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
+        a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
+    }
+    rbdi_add_held(k, h, alpha, a, &c->gamma[k->row]);
+    if (want & RBDI_HELD_RATES) rbdi_add_held(k, h, spin, u, &c->u[k->row]);
+    if (want & RBDI_HELD_ERRORS) {
+        rbdi_v3 turn = rbdi_vec0();
+        if (k->angular) {
+            const rbdi_mat R = rbdi_station_axes(c, k, 1);
+            turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(R), rbdi_station_axes(c, k, 0)));
+            turn = rbdi_mul(R, turn);
+        }
+        rbdi_add_held(k, h, turn, s, &c->e[k->row]);
+    }
+    return one.p;
+}
+
+/* ---- rows [rows] ---- */
+
+/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
+RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
+                                        rbdi_v3 linear) {
+    if (sign < 0 || dof >= m->nv) {
+        const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
+        angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
+    }
+    rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
 }
 
 /* The columns of the dofs of a link that carries the point p. */
@@ -531,8 +542,9 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Motion of all links at a = 0, into the work, where rbd_kinematics has its own; with the wrenches that it
-   takes, gravity being an acceleration of the world. What only depends on q is there already. */
+/* Motion of all links at a = 0, into the work, where rbd_kinematics has its own, poses of those on a path;
+   with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
+   there already. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, const rbd_real *v,
                                        rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
@@ -543,83 +555,108 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_link(m, w, i, &world, v, w->zero, s, wrench);
         w->kin[i].state = s;
-        rbdi_kin_link(m, w, i, v);
+        if (c->span[rbdi_source(m, m->link[i].iv)].end > 0) rbdi_kin_link(m, w, i, v);
     }
 }
 
-/* Y = J', gamma, and what else is wanted, of the constraints. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, int want) {
+/* Before the rows of all constraints. */
+static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
     for (int k = 0; k < m->nv; ++k) rbdi_clear(&c->Y[k * c->stride + c->span[k].first], c->span[k].n);
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_constraint *k = &c->constraint[i];
-        const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
-        rbdi_axes_held h;
-        rbdi_set_axes(k, two.R, &h);
-        rbdi_constraint_motion(c, k, &one, &two,
-                               want | (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0));
-        RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, one.p, link, sign);
-    }
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+}
+
+/* Y = J', gamma, and what else is wanted, of a constraint. */
+RBDI_INLINE void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                      int want) {
+    rbdi_axes_held h;
+    rbdi_v3 p;
+    rbdi_set_axes(c, k, &h);
+    p = rbdi_constraint_motion(c, k, &h, want);
+    RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
 /* ---- solution [solution] ---- */
 
-/* y -= k x, n scalars rounded up to batches. */
-RBDI_INLINE void rbdi_subtract_batches(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
-    for (int j = 0; j < n; j += RBDI_BATCH)
-        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
+RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
 }
 
-/* M = L'DL as in rbd.h, and by the same steps x = L^-T x, Y = L^-T Y, rows being lanes; then z = D^-1 x in
-   place of x and b = target - Y'z. The rows of M and L are padded to batches here. */
-static rbdi_mask rbdi_eliminate(const rbd_model *m, rbd_constraints *c) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int r = 0; r < c->rows; ++r) c->b[r] = c->target[r];
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const int first = c->span[k].first, n = c->span[k].n, d = m->dof[k].depth;
-        rbd_real *h = &c->H[k * c->height], *y = &c->Y[k * c->stride + first], x = c->x[k];
-        const rbd_real inverse = rbdi_pivot_inverse(h[d], m->dof[k].scale, &doubt);
-        c->w->pivot[k] = h[d];
-        h[d] = inverse;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real l = h[t] * inverse;
-            rbdi_subtract_batches(&c->H[i * c->height], l, h, t + 1);
-            rbdi_subtract_batches(&c->Y[i * c->stride + first], l, y, n);
-            c->x[i] = c->x[i] - l * x;
-            h[t] = l;
+/* The dofs that a constraint's rows of L^-T J' reach, root first: the path to body 1, then what is only on
+   that to body 2, from `one` on. Returns their number. */
+RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k,
+                              int *one) {
+    int n = 0;
+    *one = 0;
+    for (int side = 0; side < 2; ++side) {
+        const int first = side ? k->trunk : 0, base = n - first;
+        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda) {
+            rbdi_step *s = &c->path[base + m->dof[i].depth];
+            s->L = m->dof[i].row, s->Y = (int32_t)(i * c->stride), s->dof = (int16_t)i;
+            s->depth = m->dof[i].depth;
+            ++n;
         }
-        c->x[k] = x * inverse;
-        rbdi_subtract_batches(&c->b[first], c->x[k], y, n);
+        if (side == 0) *one = n;
     }
-    return doubt;
+    return n;
 }
 
-/* The packed rows of a matrix to padded ones, in batches where what is behind the row is the matrix's too;
-   and back. */
-static void rbdi_pad_rows(const rbd_model *m, const rbd_constraints *c, const rbd_real *H) {
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *from = &H[m->dof[k].row];
-        rbd_real *to = &c->H[k * c->height];
-        const int n = m->dof[k].depth + 1, fits = m->dof[k].row + n + RBDI_BATCH <= m->nh;
-        int t = 0;
-        for (; fits && t < n; t += RBDI_BATCH) *(rbdi_batch *)&to[t] = *(const rbdi_batch *)&from[t];
-        for (; t < n; ++t) to[t] = from[t];
+/* Y = L^-T Y, if there is an L, of a constraint's rows, which are lanes; and b = target - Y'x. Gathered: a
+   dof takes from those behind it on the path, on which the bodies' own parts do not know each other. The
+   lanes behind the rows are those of the next constraint, and still zero. */
+RBDI_INLINE void rbdi_sweep_up(const rbd_constraints *c, const rbdi_constraint *k, const rbd_real *L, int one,
+                               int n) {
+    const rbdi_step *path = c->path;
+    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
+        rbd_real *Y = c->Y + r;
+        rbdi_batch b = *(const rbdi_batch *)&c->target[r];
+        for (int t = n - 1; t >= 0; --t) {
+            rbdi_batch y = *(const rbdi_batch *)&Y[path[t].Y];
+            if (L) {
+                const rbd_real *l = L + path[t].depth;
+                for (int u = t < k->trunk || t >= one ? n - 1 : one - 1; u > t; --u)
+                    y = y - *(const rbdi_batch *)&Y[path[u].Y] * l[path[u].L];
+                *(rbdi_batch *)&Y[path[t].Y] = y;
+            }
+            b = b - y * c->x[path[t].dof];
+        }
+        *(rbdi_batch *)&c->b[r] = b;
     }
-}
-static void rbdi_pack_rows(const rbd_model *m, const rbd_constraints *c, rbd_real *H) {
-    for (int k = 0; k < m->nv; ++k)
-        for (int t = 0; t <= m->dof[k].depth; ++t) H[m->dof[k].row + t] = c->H[k * c->height + t];
 }
 
-/* Lower triangle of Delta = Y' D^-1 Y. */
-static void rbdi_delta(const rbd_model *m, rbd_constraints *c) {
-    rbdi_clear(c->D, c->rows * c->stride);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &c->Y[k * c->stride], inverse = c->H[k * c->height + m->dof[k].depth];
-        const rbdi_span s = c->span[k];
-        for (int r = s.first; r < s.end; ++r)
-            rbdi_subtract_batches(&c->D[r * c->stride + s.first], -(y[r] * inverse), &y[s.first],
-                                  r + 1 - s.first);
+/* Rows of Delta = Y' D^-1 Y up to the diagonal, of a constraint and those before it, three at a time. */
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, const rbdi_constraint *k, int n) {
+    const rbdi_step *path = c->path;
+    const int last = k->row + k->rows - 1;
+    for (int i0 = k->row; i0 <= last; i0 += 3) {
+        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
+        for (int j = 0; j <= i2; j += RBDI_BATCH) {
+            rbdi_batch d0 = rbdi_zero_batch(), d1 = d0, d2 = d0;
+            for (int t = 0; t < n; ++t) {
+                const rbd_real *y = c->Y + path[t].Y;
+                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->D_inverse[path[t].dof];
+                d0 = d0 + z * y[i0];
+                d1 = d1 + z * y[i1];
+                d2 = d2 + z * y[i2];
+            }
+            *(rbdi_batch *)&c->D[i0 * c->stride + j] = d0;
+            *(rbdi_batch *)&c->D[i1 * c->stride + j] = d1;
+            *(rbdi_batch *)&c->D[i2 * c->stride + j] = d2;
+        }
     }
+}
+
+/* Of a constraint, after all before it: L^-T J' from J', b, and its rows of Delta. */
+static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                   const rbd_real *L) {
+    int one;
+    const int n = rbdi_lay_path(m, c, k, &one);
+    rbdi_sweep_up(c, k, L, one, n);
+    rbdi_delta_rows(c, k, n);
 }
 
 /* sum of x_k y_k */
@@ -640,7 +677,8 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
 static void rbdi_combination(const rbd_constraints *c, int j) {
     rbd_real *n = &c->D[j * c->stride];
     n[j] = rbdi_set(RBD_C(1));
-    for (int k = j + 1; k < c->rows; ++k) n[k] = -rbdi_rows_product(&c->D[k * c->stride + j], &n[j], k - j);
+    for (int k = j + 1; k < c->rows; ++k)
+        n[k] = -c->inverse[k] * rbdi_rows_product(&c->D[k * c->stride + j], &n[j], k - j);
 }
 
 /* Whether pivot d of row j is more than rounding: [tolerances]. */
@@ -652,39 +690,58 @@ static rbdi_mask rbdi_judge_row(const rbd_constraints *c, int j, rbd_real d) {
     return rbdi_and(rbdi_less(c->diagonal[j] * RBDI_RANK, d), rbdi_less(noise * RBDI_NOISE, d));
 }
 
-/* Delta = L'DL in place, as M in rbd.h, and b = L^-T b; 1/d = 0 where the pivot is only rounding. */
+/* Delta = L'DL, D L in place of Delta, and b = L^-T b; 1/d = 0 where the pivot is only rounding. Gathered: a
+   row takes from those behind it. */
 static void rbdi_delta_factor(rbd_constraints *c) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero()), none = doubt;
+    rbd_real *l = c->lambda; /* column i of L */
     for (int i = 0; i < c->rows; ++i) c->diagonal[i] = c->D[i * c->stride + i];
     for (int i = c->rows - 1; i >= 0; --i) {
-        rbd_real *h = &c->D[i * c->stride], d = h[i], inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
+        rbd_real *h = &c->D[i * c->stride], d, inverse;
+        for (int k = c->rows - 1; k > i; --k) {
+            l[k] = c->D[k * c->stride + i] * c->inverse[k];
+            c->b[i] = c->b[i] - l[k] * c->b[k];
+        }
+        for (int j = 0; j <= i; j += 2 * RBDI_BATCH) {
+            const rbd_real *u = &c->D[(c->rows - 1) * c->stride + j];
+            rbdi_batch x = *(const rbdi_batch *)&h[j], y = *(const rbdi_batch *)&h[j + RBDI_BATCH];
+            for (int k = c->rows - 1; k > i; --k, u -= c->stride) {
+                x = x - *(const rbdi_batch *)u * l[k];
+                y = y - *(const rbdi_batch *)(u + RBDI_BATCH) * l[k];
+            }
+            *(rbdi_batch *)&h[j] = x;
+            *(rbdi_batch *)&h[j + RBDI_BATCH] = y;
+        }
+        d = h[i], inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
         doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[i] * RBDI_DOUBT, d)));
         if (rbdi_any(doubt)) inverse = rbdi_select(rbdi_judge_row(c, i, d), inverse, rbdi_zero());
         c->inverse[i] = inverse;
-        for (int t = i - 1; t >= 0; --t) {
-            const rbd_real x = h[t] * inverse;
-            rbdi_subtract_batches(&c->D[t * c->stride], x, h, t + 1);
-            c->b[t] = c->b[t] - x * c->b[i];
-            h[t] = x;
-        }
     }
 }
 
 /* lambda = L^-1 D^-1 b. */
 static void rbdi_delta_solve(rbd_constraints *c) {
     for (int i = 0; i < c->rows; ++i)
-        c->lambda[i] = c->b[i] * c->inverse[i] - rbdi_rows_product(&c->D[i * c->stride], c->lambda, i);
+        c->lambda[i] = c->inverse[i] * (c->b[i] - rbdi_rows_product(&c->D[i * c->stride], c->lambda, i));
+    rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
 }
 
-/* x = L^-1 (z + D^-1 Y lambda). */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c) {
+/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof at hand,
+   root first; of the last dof's path it keeps what is on the new one too. */
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    int known = 0;
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &c->H[k * c->height];
         const rbdi_span s = c->span[k];
         const int d = m->dof[k].depth;
-        rbd_real x =
-            c->x[k] + l[d] * rbdi_rows_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x = x - l[t] * c->x[i];
+        rbd_real x = rbdi_rows_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
+        x = c->x[k] + c->D_inverse[k] * x;
+        if (L) {
+            for (int i = m->dof[k].lambda, t = d - 1; t >= 0 && (t >= known || c->path[t].dof != i);
+                 --t, i = m->dof[i].lambda)
+                c->path[t].dof = (int16_t)i, c->stack[t] = c->x[i];
+            x = x - rbdi_rows_product(&L[m->dof[k].row], c->stack, d);
+            known = d;
+        }
         c->x[k] = x;
     }
 }
@@ -771,26 +828,35 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* lambda from L, D, L^-T J' and b; with it x. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c) {
-    rbdi_delta(m, c);
+/* lambda from Delta and b; with it x. */
+static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
     rbdi_delta_factor(c);
     rbdi_delta_solve(c);
     rbdi_least_norm(m, c);
-    rbdi_sweep_down(m, c);
+    rbdi_sweep_down(m, c, L);
 }
 
-/* M x = x + J' lambda, J x = target: Y is J', the work's H the mass matrix. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbd_real *out,
+/* M = L'DL of the work's H, and x = D^-1 L^-T x. */
+static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
+    const rbd_real *L = c->w->H;
+    const rbdi_mask doubt = rbdi_factor_invert(m, c->w, c->w->H, NULL);
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
+        const int d = m->dof[k].depth;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            c->x[i] = c->x[i] - l[t] * x;
+        c->x[k] = x * l[d];
+        c->D_inverse[k] = l[d];
+    }
+    return doubt;
+}
+
+/* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt,
                                          rbd_real *lambda) {
     rbd_status status;
-    rbdi_mask doubt;
-    rbdi_pad_rows(m, c, c->w->H);
-    doubt = rbdi_eliminate(m, c);
-    rbdi_multipliers(m, c);
-    if (rbdi_any(doubt)) rbdi_pack_rows(m, c, c->w->H);
-    for (int k = 0; k < m->nv; ++k) out[k] = c->x[k];
-    status = rbdi_status_of(m, c->w, doubt, 0, c->w->H, out, m->nv);
+    rbdi_multipliers(m, c, c->w->H);
+    status = rbdi_status_of(m, c->w, doubt, 0, c->w->H, c->x, m->nv);
     if (status) rbdi_clear(c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
@@ -798,21 +864,19 @@ static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c,
 }
 
 /* r - gamma, by Baumgarte. */
-static void rbdi_stabilise(rbd_constraints *c) {
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_constraint *k = &c->constraint[i];
-        for (int r = k->row; r < k->row + k->rows; ++r) {
-            c->target[r] = -c->gamma[r];
-            if (k->kd > 0) c->target[r] = c->target[r] - c->u[r] * k->kd;
-            if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
-        }
+RBDI_INLINE void rbdi_stabilise(rbd_constraints *c, const rbdi_constraint *k) {
+    for (int r = k->row; r < k->row + k->rows; ++r) {
+        c->target[r] = -c->gamma[r];
+        if (k->kd > 0) c->target[r] = c->target[r] - c->u[r] * k->kd;
+        if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
     }
 }
 
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda) {
-    const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    rbdi_mask doubt;
     rbd_work *w;
     if (status) return status;
     w = c->w;
@@ -822,32 +886,52 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
     rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
-    rbdi_constraint_rows(m, c, 0);
-    rbdi_stabilise(c);
-    return rbdi_constrained_solve(m, c, a, lambda);
+    doubt = rbdi_constrained_factor(m, c);
+    rbdi_clear_rows(m, c);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_constraint_rows(m, c, k, (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0));
+        rbdi_stabilise(c, k);
+        rbdi_reduce_constraint(m, c, k, w->H);
+    }
+    status = rbdi_constrained_solve(m, c, doubt, lambda);
+    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
+    return status;
 }
 
-/* The rows at a state, without gravity. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                    const rbd_real *v, int want) {
+/* The motion of all links without gravity. */
+static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                     const rbd_real *v) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, none, 0);
-    rbdi_constraint_rows(m, c, want);
+    rbdi_clear_rows(m, c);
+}
+
+/* The rows there. */
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                    const rbd_real *v, int want) {
+    rbdi_constraint_state_at(m, c, q, v);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_constraint_rows(m, c, k, want);
 }
 
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
+    rbdi_mask doubt;
     if (status) return status;
-    rbdi_constraint_rows_at(m, c, q, v, RBDI_HELD_RATES);
-    for (int r = 0; r < c->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
     rbd_crba_packed(m, c->w, q, c->w->H);
     rbdi_clear(c->x, m->nv);
-    for (int k = 0; k < m->nv; ++k) c->w->bias[k] = v[k];
-    status = rbdi_constrained_solve(m, c, v_plus, impulse);
-    if (status == RBD_OK || status == RBD_ERR_INFEASIBLE)
-        for (int k = 0; k < m->nv; ++k) v_plus[k] = v_plus[k] + c->w->bias[k];
+    doubt = rbdi_constrained_factor(m, c);
+    rbdi_constraint_state_at(m, c, q, v);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_constraint_rows(m, c, k, RBDI_HELD_RATES);
+        for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
+        rbdi_reduce_constraint(m, c, k, c->w->H);
+    }
+    status = rbdi_constrained_solve(m, c, doubt, impulse);
+    for (int k = 0; k < m->nv; ++k)
+        v_plus[k] = status && status != RBD_ERR_INFEASIBLE ? c->x[k] : v[k] + c->x[k];
     return status;
 }
 
@@ -865,9 +949,8 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
 }
 
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M the same steps solve other problems: L = 1, so that H holds 1/D
-   only. Least squares: x + D^-1 J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2.
-   */
+   With a diagonal matrix D in place of M the same steps solve other problems, L = 1. Least squares: x + D^-1
+   J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
 
 /* n weights are above 0; NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -876,19 +959,11 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
     return 1;
 }
 
-static void rbdi_set_weight(const rbd_model *m, rbd_constraints *c, int k, rbd_const inverse) {
-    rbdi_clear(&c->H[k * c->height], m->dof[k].depth);
-    c->H[k * c->height + m->dof[k].depth] = rbdi_set(inverse);
-}
-
 /* x += D^-1 J' lambda, of least norm, J x = target. */
 static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
-    for (int r = 0; r < c->rows; ++r) c->b[r] = c->target[r];
-    for (int k = 0; k < m->nv; ++k) {
-        const rbdi_span s = c->span[k];
-        rbdi_subtract_batches(&c->b[s.first], c->x[k], &c->Y[k * c->stride + s.first], s.n);
-    }
-    rbdi_multipliers(m, c);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_reduce_constraint(m, c, k, NULL);
+    rbdi_multipliers(m, c, NULL);
 }
 
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
@@ -913,7 +988,7 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
         for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
         tau[k] = c->x[k];
         c->x[k] = passive ? -tau[k] : rbdi_zero();
-        rbdi_set_weight(m, c, k, passive ? RBD_C(1) : RBD_C(0));
+        c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
     rbdi_weighted_solve(m, c);
@@ -961,7 +1036,7 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     if (status) return status;
     if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
-    for (int k = 0; k < m->nv; ++k) rbdi_set_weight(m, c, k, weight ? RBD_C(1) / weight[k] : RBD_C(1));
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length;
         rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
@@ -1082,22 +1157,14 @@ static int rbdi_held_axes(const rbd_constraint *k) {
 
 static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
 
-/* Rows from one dof to the next: a batch may begin at any row. */
-static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + RBDI_BATCH - 1); }
-
-/* The longest path to the root. */
-static int rbdi_path_height(const rbd_model *m) {
-    int height = 0;
-    for (int k = 0; k < m->nv; ++k)
-        if (height < m->dof[k].depth + 1) height = m->dof[k].depth + 1;
-    return rbdi_whole_batches(height);
-}
+/* Rows from one dof to the next: two batches may begin at any row. */
+static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + 2 * RBDI_BATCH - 1); }
 
 RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows = 0;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_path_height(m));
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
 
 /* The link that carries a body, -1 = world; NULL frames are the world's. */
@@ -1163,22 +1230,35 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     to->rows = to->angular = 0;
     for (int j = 0; j < 6; ++j) {
         if (!from->axes[j]) continue;
+        to->held[to->rows].x = to->R[1][j % 3], to->held[to->rows].y = to->R[1][3 + j % 3];
+        to->held[to->rows].z = to->R[1][6 + j % 3];
         to->axis[to->rows++] = (int16_t)j;
         to->angular = (int16_t)(to->angular + (j < 3));
     }
 }
 
-/* The rows of a constraint reach the dofs of the paths to its bodies and, in L^-T J', those before them. */
-static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k) {
-    RBDI_FOR_PATHS(m, k, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int dofs = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
-        for (int j = 0; j < dofs; ++j)
-            for (int i = rbdi_source(m, l->iv + j); i >= 0; i = m->dof[i].lambda) {
-                rbdi_span *s = &c->span[i];
-                if (s->end == 0) s->first = k->row;
-                s->end = (int16_t)(k->row + k->rows);
-            }
+/* The last dof of the path to a link, mimic joints standing for those that they follow; -1 = none. */
+static int rbdi_tip_of(const rbd_model *m, int link) {
+    int tip = -1;
+    for (; link >= 0; link = m->link[link].parent)
+        for (int j = rbdi_link_dofs(m, &m->link[link]) - 1; j >= 0; --j) {
+            const int i = rbdi_source(m, m->link[link].iv + j);
+            if (tip < 0 || m->dof[i].depth > m->dof[tip].depth) tip = i;
+        }
+    return tip;
+}
+
+/* The rows of a constraint reach the dofs of the paths to its bodies: L^-T J' those that J' does not, too. */
+static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+    k->trunk = 0;
+    for (int side = 0; side < 2; ++side) {
+        k->tip[side] = (int16_t)rbdi_tip_of(m, k->link[side]);
+        for (int i = k->tip[side]; i >= 0; i = m->dof[i].lambda) {
+            rbdi_span *s = &c->span[i];
+            if (s->end == 0) s->first = k->row;
+            if (side && s->end == k->row + k->rows) ++k->trunk;
+            s->end = (int16_t)(k->row + k->rows);
+        }
     }
 }
 
@@ -1211,19 +1291,18 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
     c->w = w, c->n = n, c->rows = rows, c->infeasible = -1;
-    c->stride = rbdi_row_stride(rows), c->height = rbdi_path_height(m);
+    c->stride = rbdi_row_stride(rows);
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
+    c->path = (rbdi_step *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_step)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * c->stride, sizeof(rbd_real));
-    c->H = (rbd_real *)rbdi_take(&p, m->nv * c->height, sizeof(rbd_real));
     c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
     c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->b = (rbd_real *)rbdi_take(&p, c->stride, sizeof(rbd_real));
-    c->lambda = (rbd_real *)rbdi_take(&p, c->stride, sizeof(rbd_real));
-    c->u = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    c->gamma = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    c->e = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    c->target = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    c->b = (rbd_real *)rbdi_take(&p, 6 * c->stride, sizeof(rbd_real));
+    c->lambda = c->b + c->stride, c->target = c->lambda + c->stride;
+    c->u = c->target + c->stride, c->gamma = c->u + c->stride, c->e = c->gamma + c->stride;
     c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
@@ -1233,10 +1312,9 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     }
     for (int k = 0; k < m->nv; ++k)
         c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
-    rbdi_clear(c->H, m->nv * c->height);
     rbdi_clear(c->Y, m->nv * c->stride);
-    rbdi_clear(c->b, c->stride);
-    rbdi_clear(c->lambda, c->stride);
+    rbdi_clear(c->b, 6 * c->stride);
+    rbdi_clear(c->D, rows * c->stride);
     rbdi_clear(c->inverse, rows);
     *constraints = c;
     return RBD_OK;
