@@ -271,12 +271,6 @@ typedef struct rbdi_span {
     int16_t first, end, n;
 } rbdi_span;
 
-/* A dof on the path of a constraint: where its rows of L and of Y start. */
-typedef struct rbdi_step {
-    int32_t L, Y;
-    int16_t dof, depth;
-} rbdi_step;
-
 struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
@@ -284,9 +278,10 @@ struct rbd_constraints {
     int infeasible;              /* row, -1 = none */
     rbdi_constraint *constraint; /* n */
     rbdi_span *span;             /* nv */
-    rbdi_step *path;             /* nv: of the constraint at hand */
+    int32_t *path;               /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
     rbd_real *D;                 /* rows x stride: Delta, then D L; above the diagonal null vectors */
+    rbd_real *P;                 /* nv x RBDI_BATCH: rows of Y, by the path */
     rbd_real *x, *stack;         /* nv each: solution; of it what is on a path, by depth */
     rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
@@ -296,19 +291,22 @@ struct rbd_constraints {
     rbdi_v3 world;      /* acceleration of the world */
 };
 
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batch) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_step)) + \
-     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 3) + (size_t)(rows) * ((size_t)(stride) + 2) + \
-                         6 * (size_t)(stride)))
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 3 + (batch)) + \
+                         (size_t)(rows) * ((size_t)(stride) + 2) + 6 * (size_t)(stride)))
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_ROW_SURPLUS 0
+#define RBDI_ROW_BATCH 1
 #else
 #define RBDI_ROW_SURPLUS (3 * RBDI_CHUNK - 3) /* rows are padded by two batches, and to whole ones */
+#define RBDI_ROW_BATCH RBDI_CHUNK
 #endif
 
 /* Bytes that suffice for any set that holds this many axes. */
-#define RBD_CONSTRAINTS_SIZE(nv, rows) RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_ROW_SURPLUS + 1)
+#define RBD_CONSTRAINTS_SIZE(nv, rows) \
+    RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_ROW_SURPLUS + 1, RBDI_ROW_BATCH)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
@@ -377,6 +375,15 @@ RBD_NO_MANIFOLD undefined"
 #define RBDI_CLOSING_STEPS 3
 
 /* ---- kinematics [kinematics] ---- */
+
+RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
+}
 
 /* The origin of a frame on a link: place, velocity and acceleration at a = 0, and the link's angular ones. */
 typedef struct rbdi_station {
@@ -451,7 +458,9 @@ typedef struct rbdi_axes_held {
 } rbdi_axes_held;
 
 RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *k, rbdi_axes_held *h) {
-    for (int i = k->angular ? 0 : 3; i < 6; ++i) rbdi_clear(h->x[i], RBDI_SIX_ROWS);
+    const rbdi_batch zero = rbdi_zero_batch();
+    for (int r = 0; r < k->rows; r += RBDI_BATCH)
+        for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
     for (int r = 0; r < k->rows; ++r) {
         const rbdi_v3 a = rbdi_vec_c(k->held[r]),
                       e = k->link[1] < 0 ? a : rbdi_mul(c->w->kin[k->link[1]].R, a);
@@ -561,13 +570,17 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
 
 /* Before the rows of all constraints. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
-    for (int k = 0; k < m->nv; ++k) rbdi_clear(&c->Y[k * c->stride + c->span[k].first], c->span[k].n);
+    const rbdi_batch zero = rbdi_zero_batch();
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_span s = c->span[k];
+        rbd_real *y = &c->Y[k * c->stride + s.first];
+        for (int r = 0; r < s.n; r += RBDI_BATCH) *(rbdi_batch *)&y[r] = zero;
+    }
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
 /* Y = J', gamma, and what else is wanted, of a constraint. */
-RBDI_INLINE void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                      int want) {
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, k, &h);
@@ -577,75 +590,68 @@ RBDI_INLINE void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, co
 
 /* ---- solution [solution] ---- */
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return zero;
-#else
-    return rbdi_zero();
-#endif
+/* y_t -= l_t x, batches one behind the other. */
+RBDI_INLINE void rbdi_subtract_path(rbd_real *y, const rbd_real *l, rbdi_batch x, int n) {
+    RBDI_UNROLL_TWO for (int t = 0; t < n; ++t) {
+        rbdi_batch *row = (rbdi_batch *)&y[t * RBDI_BATCH];
+        *row = *row - x * l[t];
+    }
 }
 
 /* The dofs that a constraint's rows of L^-T J' reach, root first: the path to body 1, then what is only on
-   that to body 2, from `one` on. Returns their number. */
-RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k,
-                              int *one) {
+   that to body 2. Returns their number. */
+RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
     int n = 0;
-    *one = 0;
     for (int side = 0; side < 2; ++side) {
         const int first = side ? k->trunk : 0, base = n - first;
-        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda) {
-            rbdi_step *s = &c->path[base + m->dof[i].depth];
-            s->L = m->dof[i].row, s->Y = (int32_t)(i * c->stride), s->dof = (int16_t)i;
-            s->depth = m->dof[i].depth;
-            ++n;
-        }
-        if (side == 0) *one = n;
+        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda, ++n)
+            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride),
+                           c->stack[base + m->dof[i].depth] = c->D_inverse[i];
     }
     return n;
 }
 
-/* Y = L^-T Y, if there is an L, of a constraint's rows, which are lanes; and b = target - Y'x. Gathered: a
-   dof takes from those behind it on the path, on which the bodies' own parts do not know each other. The
-   lanes behind the rows are those of the next constraint, and still zero. */
-RBDI_INLINE void rbdi_sweep_up(const rbd_constraints *c, const rbdi_constraint *k, const rbd_real *L, int one,
-                               int n) {
-    const rbdi_step *path = c->path;
-    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
-        rbd_real *Y = c->Y + r;
-        rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        for (int t = n - 1; t >= 0; --t) {
-            rbdi_batch y = *(const rbdi_batch *)&Y[path[t].Y];
-            if (L) {
-                const rbd_real *l = L + path[t].depth;
-                for (int u = t < k->trunk || t >= one ? n - 1 : one - 1; u > t; --u)
-                    y = y - *(const rbdi_batch *)&Y[path[u].Y] * l[path[u].L];
-                *(rbdi_batch *)&Y[path[t].Y] = y;
-            }
-            b = b - y * c->x[path[t].dof];
+/* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
+   parts of the path, which do not know each other, come before what they share. The lanes behind the rows
+   are those of the next constraint, and still zero. */
+RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k, int r,
+                               const rbd_real *L, int n) {
+    const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
+    const rbdi_dof *dof = m->dof;
+    const rbd_real *x = c->x;
+    const int32_t *path = c->path;
+    rbd_real *Y = c->Y + r, *P = c->P;
+    rbdi_batch b = *(const rbdi_batch *)&c->target[r];
+    int t = n - 1;
+    for (int u = 0; u < n; ++u) *(rbdi_batch *)&P[u * RBDI_BATCH] = *(const rbdi_batch *)&Y[path[u]];
+    for (int side = 1; side >= 0; --side)
+        for (int i = k->tip[side], end = side ? one : 0; t >= end; --t, i = dof[i].lambda) {
+            const rbdi_batch y = *(const rbdi_batch *)&P[t * RBDI_BATCH];
+            b = b - y * x[i];
+            if (!L) continue;
+            *(rbdi_batch *)&Y[path[t]] = y;
+            rbdi_subtract_path(P, L + dof[i].row, y, side ? k->trunk : t);
+            if (side) rbdi_subtract_path(&P[one * RBDI_BATCH], L + dof[i].row + k->trunk, y, t - one);
         }
-        *(rbdi_batch *)&c->b[r] = b;
-    }
+    *(rbdi_batch *)&c->b[r] = b;
 }
 
 /* Rows of Delta = Y' D^-1 Y up to the diagonal, of a constraint and those before it, three at a time. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, const rbdi_constraint *k, int n) {
-    const rbdi_step *path = c->path;
+    const int32_t *path = c->path;
+    const rbd_real *Y = c->Y, *inverse = c->stack;
     const int last = k->row + k->rows - 1;
     for (int i0 = k->row; i0 <= last; i0 += 3) {
         const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
+        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
         for (int j = 0; j <= i2; j += RBDI_BATCH) {
-            rbdi_batch d0 = rbdi_zero_batch(), d1 = d0, d2 = d0;
+            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
             for (int t = 0; t < n; ++t) {
-                const rbd_real *y = c->Y + path[t].Y;
-                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->D_inverse[path[t].dof];
-                d0 = d0 + z * y[i0];
-                d1 = d1 + z * y[i1];
-                d2 = d2 + z * y[i2];
+                const rbd_real *y = Y + path[t];
+                const rbdi_batch z = *(const rbdi_batch *)&y[j] * inverse[t];
+                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
             }
-            *(rbdi_batch *)&c->D[i0 * c->stride + j] = d0;
-            *(rbdi_batch *)&c->D[i1 * c->stride + j] = d1;
-            *(rbdi_batch *)&c->D[i2 * c->stride + j] = d2;
+            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
         }
     }
 }
@@ -653,22 +659,29 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, const rbdi_constraint
 /* Of a constraint, after all before it: L^-T J' from J', b, and its rows of Delta. */
 static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
                                    const rbd_real *L) {
-    int one;
-    const int n = rbdi_lay_path(m, c, k, &one);
-    rbdi_sweep_up(c, k, L, one, n);
+    const int n = rbdi_lay_path(m, c, k);
+    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
     rbdi_delta_rows(c, k, n);
+}
+
+RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
+#if RBDI_BATCH > 1
+    rbd_real sum = x[0];
+    for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
+    return sum;
+#else
+    return x;
+#endif
 }
 
 /* sum of x_k y_k */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
+    rbdi_batch lanes = rbdi_zero_batch();
     rbd_real sum = rbdi_zero();
     int k = 0;
-#if RBDI_BATCH > 1
-    rbdi_batch lanes = {0};
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
         lanes = lanes + *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k];
-    for (int j = 0; k > 0 && j < RBDI_BATCH; ++j) sum = sum + lanes[j];
-#endif
+    if (k > 0) sum = rbdi_sum_lanes(lanes);
     for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
 }
@@ -729,20 +742,26 @@ static void rbdi_delta_solve(rbd_constraints *c) {
 /* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof at hand,
    root first; of the last dof's path it keeps what is on the new one too. */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
-    int known = 0;
-    for (int k = 0; k < m->nv; ++k) {
+    rbd_real *x = c->x, *stack = c->stack;
+    int32_t *path = c->path;
+    for (int k = 0, known = 0; k < m->nv; ++k) {
         const rbdi_span s = c->span[k];
-        const int d = m->dof[k].depth;
-        rbd_real x = rbdi_rows_product(&c->Y[k * c->stride + s.first], &c->lambda[s.first], s.n);
-        x = c->x[k] + c->D_inverse[k] * x;
-        if (L) {
-            for (int i = m->dof[k].lambda, t = d - 1; t >= 0 && (t >= known || c->path[t].dof != i);
-                 --t, i = m->dof[i].lambda)
-                c->path[t].dof = (int16_t)i, c->stack[t] = c->x[i];
-            x = x - rbdi_rows_product(&L[m->dof[k].row], c->stack, d);
-            known = d;
-        }
-        c->x[k] = x;
+        const rbdi_dof *dof = &m->dof[k];
+        const int d = L ? dof->depth : 0;
+        const rbd_real *y = &c->Y[k * c->stride + s.first], *lambda = &c->lambda[s.first], *l = L + dof->row;
+        rbdi_batch sum = rbdi_zero_batch();
+        rbd_real rest = x[k];
+        int t = d - 1;
+        for (int i = dof->lambda; t >= 0 && (t >= known || path[t] != i); --t, i = m->dof[i].lambda)
+            path[t] = i, stack[t] = x[i];
+        for (int r = 0; r < s.n; r += RBDI_BATCH)
+            sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
+        sum = sum * c->D_inverse[k];
+        for (t = 0; t + RBDI_BATCH <= d; t += RBDI_BATCH)
+            sum = sum - *(const rbdi_batch *)&l[t] * *(const rbdi_batch *)&stack[t];
+        for (; t < d; ++t) rest = rest - l[t] * stack[t];
+        x[k] = rest + rbdi_sum_lanes(sum);
+        known = d;
     }
 }
 
@@ -838,15 +857,16 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
 
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
 static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
-    const rbd_real *L = c->w->H;
     const rbdi_mask doubt = rbdi_factor_invert(m, c->w, c->w->H, NULL);
+    const rbd_real *L = c->w->H;
+    const rbdi_dof *dof = m->dof;
+    rbd_real *x = c->x, *inverse = c->D_inverse;
     for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
-        const int d = m->dof[k].depth;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            c->x[i] = c->x[i] - l[t] * x;
-        c->x[k] = x * l[d];
-        c->D_inverse[k] = l[d];
+        const rbd_real *l = &L[dof[k].row], y = x[k];
+        const int d = dof[k].depth;
+        for (int t = d - 1, i = dof[k].lambda; t >= 0; --t, i = dof[i].lambda) x[i] = x[i] - l[t] * y;
+        x[k] = y * l[d];
+        inverse[k] = l[d];
     }
     return doubt;
 }
@@ -1164,7 +1184,7 @@ RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *li
     int rows = 0;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), RBDI_BATCH);
 }
 
 /* The link that carries a body, -1 = world; NULL frames are the world's. */
@@ -1294,9 +1314,10 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->stride = rbdi_row_stride(rows);
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
-    c->path = (rbdi_step *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_step)));
+    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * c->stride, sizeof(rbd_real));
     c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
+    c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
     c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
