@@ -349,6 +349,8 @@ extern "C" {
 #define rbd_batch_aba RBDI_OF_SCALAR(rbd_batch_aba)
 #define rbd_batch_fd_cholesky RBDI_OF_SCALAR(rbd_batch_fd_cholesky)
 #define rbd_batch_minverse RBDI_OF_SCALAR(rbd_batch_minverse)
+#define rbd_batch_jacobian RBDI_OF_SCALAR(rbd_batch_jacobian)
+#define rbd_batch_momentum RBDI_OF_SCALAR(rbd_batch_momentum)
 #define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
@@ -880,6 +882,16 @@ RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b,
 #ifndef RBDI_NO_MINVERSE
 RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             RBD_REAL *Minv); /* n x nv x nv */
+#endif
+
+#ifndef RBD_NO_POINTS
+/* rbd_kinematics and what follows it: of the same body and point in all states, J n x 6 x nv; h, h_dot n x 6,
+   each may be NULL, and v, a as there. */
+RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J);
+RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                            RBD_REAL *h_dot);
 #endif
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
@@ -6741,14 +6753,28 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
 
 RBDI_EXTERN_C_BEGIN
 
+enum { RBDI_ARGUMENTS = 4 };
+
 struct rbd_batch {
     rbd_work *w;
-    rbd_real *q, *v, *a, *f, *out; /* inputs and output of the states at hand, a lane each */
-    int state, dof;                /* first singular state of the last call, -1 = none */
+    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
+    int state, dof;                  /* first singular state of the last call, -1 = none */
 };
 
-/* Largest output of a call: M. */
-static int rbdi_batch_output(const rbd_model *m) { return m->nv * m->nv > m->nv ? m->nv * m->nv : m->nv; }
+/* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
+   and of those at hand in lanes. NULL = none. */
+typedef struct rbdi_task {
+    const RBD_REAL *in[RBDI_ARGUMENTS];
+    RBD_REAL *out[RBDI_ARGUMENTS];
+    int width[RBDI_ARGUMENTS];
+    rbd_real *x[RBDI_ARGUMENTS], *y[RBDI_ARGUMENTS];
+    rbd_work *w;
+    void *more; /* what else the call needs */
+} rbdi_task;
+typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
+
+/* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
+static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
 /* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
 #if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
@@ -6838,55 +6864,59 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
     }
 }
 
-/* The calls, told apart by a constant so that each wrapper keeps its own alone. */
-enum {
-    RBDI_CALL_RNEA,
-    RBDI_CALL_CRBA,
-    RBDI_CALL_CRBA_PACKED,
-    RBDI_CALL_ABA,
-    RBDI_CALL_FD_CHOLESKY,
-    RBDI_CALL_MINVERSE
-};
+/* Notes the first of these states that is singular. */
+static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
+    for (int i = 0; i < count && b->state < 0; ++i)
+        for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
+            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* judged */
+}
 
-/* Runs a call on n states. v and a (or tau) may be NULL where the call has none; for rnea a = NULL is zero.
-   */
-RBDI_INLINE rbd_status rbdi_batch_run(int call, const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                      const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                      RBD_REAL *out) {
-    const size_t nq = (size_t)rbd_nq(m), nv = (size_t)rbd_nv(m), nf = 6 * (size_t)rbd_nb(m);
-    const int full = call == RBDI_CALL_CRBA, packed = call == RBDI_CALL_CRBA_PACKED;
-    size_t width;
-    rbd_status result;
-    if (!b) return RBD_ERR_NULL;
-    result = rbdi_check(m, b->w, q && out);
+/* Runs a call on n states; y: lanes for its outputs, one after the other. */
+static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
+                                 rbdi_task *t) {
+    const int width[RBDI_ARGUMENTS] = {rbd_nq(m), rbd_nv(m), rbd_nv(m), 6 * rbd_nb(m)};
+    rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
     if (result) return result;
-    width = full || call == RBDI_CALL_MINVERSE ? nv * nv : packed ? (size_t)rbd_packed_size(m) : nv;
+    t->w = b->w;
     b->state = b->dof = -1;
+    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
+        t->x[k] = t->in[k] ? b->x[k] : NULL;
+        t->y[k] = t->out[k] ? y : NULL;
+    }
     for (int s = 0, count; s < n; s += count) {
-        const size_t at = (size_t)s;
-        rbd_status status = RBD_OK;
+        rbd_status status;
         count = n - s < RBD_LANES ? n - s : RBD_LANES;
-        rbdi_gather(q + at * nq, (int)nq, n - s, b->q);
-        if (v) rbdi_gather(v + at * nv, (int)nv, n - s, b->v);
-        if (a) rbdi_gather(a + at * nv, (int)nv, n - s, b->a);
-        if (f_ext) rbdi_gather(f_ext + at * nf, (int)nf, n - s, b->f);
-        if (call == RBDI_CALL_RNEA)
-            status = rbd_rnea(m, b->w, b->q, b->v, a ? b->a : b->w->zero, f_ext ? b->f : NULL, b->out);
-        if (full) status = rbd_crba(m, b->w, b->q, b->out);
-        if (packed) status = rbd_crba_packed(m, b->w, b->q, b->out);
-#ifndef RBDI_NO_MINVERSE
-        if (call == RBDI_CALL_MINVERSE) status = rbd_minverse(m, b->w, b->q, b->out);
-#endif
-        if (call == RBDI_CALL_ABA) status = rbd_aba(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
-        if (call == RBDI_CALL_FD_CHOLESKY)
-            status = rbd_fd_cholesky(m, b->w, b->q, b->v, b->a, f_ext ? b->f : NULL, b->out);
-        for (int i = 0; status && i < count && b->state < 0; ++i)
-            for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
-                if (!(b->w->pivot[k][i] > 0)) b->state = s + i, b->dof = k; /* judged */
-        if (status) result = status;
-        rbdi_scatter(b->out, (int)width, count, out + at * width);
+        for (int k = 0; k < RBDI_ARGUMENTS; ++k)
+            if (t->x[k]) rbdi_gather(t->in[k] + (size_t)s * (size_t)width[k], width[k], n - s, t->x[k]);
+        status = call(m, t);
+        if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN) return status;
+        if (status) rbdi_note_singular(m, b, s, count), result = status;
+        for (int k = 0; k < RBDI_ARGUMENTS; ++k)
+            if (t->y[k])
+                rbdi_scatter(t->y[k], t->width[k], count, t->out[k] + (size_t)s * (size_t)t->width[k]);
     }
     return result;
+}
+
+static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                              const RBD_REAL *f_ext) {
+    rbdi_task t;
+    t.in[0] = q, t.in[1] = v, t.in[2] = a, t.in[3] = f_ext;
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) t.out[k] = NULL, t.width[k] = 0;
+    t.w = NULL, t.more = NULL;
+    return t;
+}
+static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
+    t->out[k] = out, t->width[k] = width;
+}
+
+/* A call with one output. */
+static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                 const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                 const RBD_REAL *f_ext, RBD_REAL *out, int width) {
+    rbdi_task t = rbdi_task_of(q, v, a, f_ext);
+    rbdi_task_output(&t, 0, out, width);
+    return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
 
 RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
@@ -6905,11 +6935,11 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
     b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
-    b->q = (rbd_real *)rbdi_take(&p, m->nq, sizeof(rbd_real));
-    b->v = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    b->a = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    b->f = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
-    b->out = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
+    b->x[0] = (rbd_real *)rbdi_take(&p, m->nq, sizeof(rbd_real));
+    b->x[1] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->x[2] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->x[3] = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
+    b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
     b->state = b->dof = -1;
     status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
     if (!status) *batch = b;
@@ -6920,47 +6950,102 @@ RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gra
     return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
 }
 
+static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+    return rbd_rnea(m, t->w, t->x[0], t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
                                         RBD_REAL *tau) {
     if (!v || !a) return RBD_ERR_NULL;
-    return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, a, f_ext, tau);
+    return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
 }
-
 RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
-    return rbdi_batch_run(RBDI_CALL_RNEA, m, b, n, q, v, NULL, f_ext, c);
+    return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, NULL, f_ext, c, rbd_nv(m));
 }
 
+static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba(m, t->w, t->x[0], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         RBD_REAL *M) {
-    return rbdi_batch_run(RBDI_CALL_CRBA, m, b, n, q, NULL, NULL, NULL, M);
+    return rbdi_batch_one(rbdi_lanes_crba, m, b, n, q, NULL, NULL, NULL, M, rbd_nv(m) * rbd_nv(m));
 }
 
+static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                RBD_REAL *H) {
-    return rbdi_batch_run(RBDI_CALL_CRBA_PACKED, m, b, n, q, NULL, NULL, NULL, H);
+    return rbdi_batch_one(rbdi_lanes_crba_packed, m, b, n, q, NULL, NULL, NULL, H, rbd_packed_size(m));
 }
 
+static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                        RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
-    return rbdi_batch_run(RBDI_CALL_ABA, m, b, n, q, v, tau, f_ext, a);
+    return rbdi_batch_one(rbdi_lanes_aba, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
+static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+    return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                                RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
-    return rbdi_batch_run(RBDI_CALL_FD_CHOLESKY, m, b, n, q, v, tau, f_ext, a);
+    return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
 #ifndef RBDI_NO_MINVERSE
+static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+    return rbd_minverse(m, t->w, t->x[0], t->y[0]);
+}
 RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             RBD_REAL *Minv) {
-    return rbdi_batch_run(RBDI_CALL_MINVERSE, m, b, n, q, NULL, NULL, NULL, Minv);
+    return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
+}
+#endif
+
+#ifndef RBD_NO_POINTS
+typedef struct rbdi_lane_point {
+    int body;
+    rbd_axes axes;
+    const rbd_real *point;
+} rbdi_lane_point;
+
+static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
+    const rbdi_lane_point *p = (const rbdi_lane_point *)t->more;
+    const rbd_status status = rbd_kinematics(m, t->w, t->x[0], NULL, NULL);
+    return status ? status : rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
+    rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
+    rbdi_lane_point p;
+    rbd_real lanes[3];
+    for (int k = 0; k < 3; ++k) lanes[k] = rbdi_set(point ? point[k] : RBD_C(0));
+    p.body = body, p.axes = axes, p.point = lanes;
+    t.more = &p;
+    rbdi_task_output(&t, 0, J, 6 * rbd_nv(m));
+    return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
+}
+
+static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
+    const rbd_status status = rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
+    return status ? status : rbd_momentum(m, t->w, t->y[0], t->y[1]);
+}
+RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                            RBD_REAL *h_dot) {
+    rbdi_task t = rbdi_task_of(q, v, a, NULL);
+    rbdi_task_output(&t, 0, h, 6);
+    rbdi_task_output(&t, 1, h_dot, 6);
+    return rbdi_batch_run(rbdi_lanes_momentum, m, b, n, b ? b->y : NULL, &t);
 }
 #endif
 
