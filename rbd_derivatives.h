@@ -301,7 +301,6 @@ typedef struct rbdi_run {
     int16_t first, end; /* dofs first .. end - 1, in the solver's order as everywhere here */
     int16_t parent;     /* dof before the first towards the root, -1 = none */
     int16_t block;      /* whether they are those of a block */
-    int16_t free;       /* whether they are the six of a root, and nothing mimics: see rbdi_put_free */
     int16_t link;       /* that has the first */
     int16_t origin;     /* first of a root: end of the dofs up to the common origin's link, else 0 */
 } rbdi_run;
@@ -314,7 +313,8 @@ typedef struct rbdi_entry {
     int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
     int16_t parent; /* the dof before it towards the root, -1 = none */
     int16_t form;   /* what is known of its motion: RBDI_FORM_... */
-    int32_t at;     /* where its lane of the first component is, in scalars */
+    int32_t lane;   /* counted from the first batch's first */
+    int32_t at;     /* where that of the first component is, in scalars */
     int32_t row;    /* where the caller's row starts in a square matrix */
 } rbdi_entry;
 
@@ -323,6 +323,9 @@ struct rbd_derivatives {
     const rbd_model *model;
     rbd_work *work;
     int n, batches, runs;  /* dofs, those of mimic joints too */
+    int base, behind;      /* dofs of a free base, if it is one; batch that begins with the dof behind them */
+    rbdi_motion V;         /* of the base, its axes */
+    rbdi_v3 up;            /* - gravity there */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
     rbd_real *a;       /* n: acceleration of forward dynamics */
@@ -337,7 +340,7 @@ struct rbd_derivatives {
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
 #else
-#define RBDI_SURPLUS (RBDI_CHUNK - 1) /* dofs are padded to whole batches */
+#define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
 #endif
 
 /* Bytes for nl links and n dofs, padded. */
@@ -397,6 +400,12 @@ RBDI_CODE_BEGIN
        F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
+
+   A free base, of whose six dofs all others are behind (d->base), can have its own axes for the frame's.
+   There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
+   + w x v - gravity). Of its dofs, e a unit vector, are then
+
+       turns   U = (w x e; e x v), Psi = (0; e x v), Phi = (0; (A - v_dot) x e)      shifts   U = (0; w x e)
    Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
    B. */
 
@@ -572,8 +581,8 @@ RBDI_INLINE rbdi_v3 rbdi_pose_block(const rbdi_pose *X, int root, rbdi_v3 R[3], 
     return x;
 }
 
-/* R and x of all links. */
-RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
+/* R and x of all links; base: in the base's axes. */
+RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const rbdi_v3 ex = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
     rbdi_v3 R[3] = {ex, rbdi_uncycle(ex), rbdi_cycle(ex)}, x = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
@@ -587,7 +596,9 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
             R[2] = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
             x = p.r;
         }
-        if (l->kind == RBDI_BLOCK)
+        if (i == 0 && base)
+            x = rbdi_vec0();
+        else if (l->kind == RBDI_BLOCK)
             x = rbdi_pose_block(&d->work->block[l->block].X, l->parent < 0, R, x);
         else
             RBDI_BY_FORM(form, l, x = rbdi_pose_axis(l, form, rbdi_trig_of(m, d->work, i, form), R, x));
@@ -599,14 +610,14 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d) {
             rbdi_put_pose(RBDI_OF(d, l->first, ex), R, x, 2);
             continue;
         }
-        for (int k = l->first, n = d->entry[k].joint; k < n; ++k)
+        for (int k = i == 0 && base ? base - 1 : l->first, n = d->entry[l->first].joint; k < n; ++k)
             rbdi_put_pose(RBDI_OF(d, k, ex), R, x, rbdi_dof_axis(m, l, k));
     }
 }
 
-/* S of all dofs. */
-RBDI_PART void rbdi_motion_columns(rbd_derivatives *d) {
-    for (int b = 0; b < d->batches; ++b) {
+/* S of the dofs from a batch on. */
+RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
+    for (; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         const rbdi_b3 z = rbdi_b_vec(c->ez.x * k->rho, c->ez.y * k->rho, c->ez.z * k->rho);
@@ -616,11 +627,15 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d) {
     }
 }
 
-/* Sums over ancestors: Vp, dV or Ap, dA; world: that of the roots' parent. Where the frame moves with its
-   origin's link, that is what the velocities before it add up to. */
-RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, rbd_real *Vp, rbd_real *dV, rbdi_motion world,
-                                    int moves) {
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+/* Sums over ancestors: Vp, dV or Ap, dA; world: that of the roots' parent, or with base that of its link.
+   Where the frame moves with its origin's link, that is what the velocities before it add up to. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbd_real *dV,
+                                    rbdi_motion world, int moves) {
+    if (base) {
+        rbdi_store_motion(Vp + d->entry[base - 1].at, world);
+        rbdi_store_motion(dV + d->entry[base - 1].at, rbdi_motion0());
+    }
+    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r) {
         rbdi_motion V = world;
         if (r->parent >= 0)
             V = rbdi_motion_add(rbdi_load_motion(Vp + d->entry[r->parent].at),
@@ -644,26 +659,44 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, rbd_real *Vp, rbd_real *
     }
 }
 
-/* Components of v, or a, to the dofs. */
-RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, const rbd_real *v, rbd_real *out) {
-    for (int k = 0; k < d->n; ++k) out[d->entry[k].at] = v[d->entry[k].source];
+/* Components of v, or a, to the dofs from k on. */
+RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
+    for (; k < d->n; ++k) out[d->entry[k].at] = v[d->entry[k].source];
+}
+
+/* S and U of a free base's dofs, for its own block. */
+RBDI_PART void rbdi_base_columns(rbd_derivatives *d) {
+    const rbdi_v3 o = rbdi_vec0(), w = d->V.omega, v = d->V.v, x = rbdi_vec(rbdi_set(RBD_C(1)), o.x, o.x),
+                  e[3] = {x, rbdi_uncycle(x), rbdi_cycle(x)};
+    for (int k = 0; k < 3; ++k) {
+        const rbdi_v3 we = rbdi_cross(w, e[k]);
+        rbdi_store_vec(RBDI_OF(d, k, S.omega), e[k]), rbdi_store_vec(RBDI_OF(d, k, S.v), o);
+        rbdi_store_vec(RBDI_OF(d, 3 + k, S.omega), o), rbdi_store_vec(RBDI_OF(d, 3 + k, S.v), e[k]);
+        rbdi_store_vec(RBDI_OF(d, k, U.omega), we);
+        rbdi_store_vec(RBDI_OF(d, k, U.v), rbdi_cross(e[k], v));
+        rbdi_store_vec(RBDI_OF(d, 3 + k, U.omega), o), rbdi_store_vec(RBDI_OF(d, 3 + k, U.v), we);
+    }
 }
 
 /* V_p, dV, Psi and U. coriolis: U = V x S, without Psi. */
-RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, const rbd_real *v, int coriolis) {
-    rbdi_spread(d, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
-    for (int b = 0; b < d->batches; ++b) {
+RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
+                                 int coriolis) {
+    const int first = base ? d->behind : 0;
+    rbdi_motion V = rbdi_motion0();
+    if (base) V.omega = d->V.omega;
+    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
         c->dV.v = rbdi_b_scale(c->qd, c->S.v);
     }
-    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Vp, (rbd_real *)&d->columns->dV, rbdi_motion0(), 1);
-    for (int b = 0; b < d->batches; ++b) {
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, (rbd_real *)&d->columns->dV, V, 1);
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
         c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
     }
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
+    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r)
         for (int k = r->first; r->block && k < r->end; ++k) {
             const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
             rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
@@ -674,18 +707,23 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, const r
 }
 
 /* A_p, dA and Phi, the world accelerating upward by -gravity. */
-RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, const rbd_real *a,
+RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *a,
                                     rbdi_c3 gravity) {
-    rbdi_motion world = rbdi_motion0();
-    world.v = rbdi_sub(world.v, rbdi_vec_c(gravity));
-    rbdi_spread(d, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
-    for (int b = 0; b < d->batches; ++b) {
+    const int first = base ? d->behind : 0;
+    rbdi_motion A = rbdi_motion0();
+    A.v = rbdi_sub(A.v, rbdi_vec_c(gravity));
+    if (base) {
+        A = rbdi_motion_from_array(a);
+        A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
+    }
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
         c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
     }
-    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, world, 0);
-    for (int b = 0; b < d->batches; ++b) {
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, A, 0);
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
     }
@@ -693,10 +731,12 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, cons
 
 /* What the layer is asked for beyond F, which needs q only. */
 enum {
-    RBDI_NEED_V = 1,       /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,  /* sums of f, from v and a */
-    RBDI_NEED_Q = 4 | 2,   /* E and T */
-    RBDI_NEED_CORIOLIS = 8 /* D and T halved, and U = V x S: B instead of 2 B */
+    RBDI_NEED_V = 1,        /* D and T, from v */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a */
+    RBDI_NEED_Q = 4 | 2,    /* E and T */
+    RBDI_NEED_CORIOLIS = 8, /* D and T halved, and U = V x S: B instead of 2 B */
+    RBDI_NEED_OWN = 16,     /* in a free base's own axes, at v = 0 and without gravity */
+    RBDI_NEED_WHOLE = 32    /* the same with both */
 };
 
 /* Sigma and h of the links. */
@@ -871,21 +911,27 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
 }
 
 /* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
-RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
-    rbdi_poses(m, d);
-    rbdi_motion_columns(d);
-    if (need) rbdi_velocities(m, d, v, need & RBDI_NEED_CORIOLIS);
-    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, a, gravity);
+    if (base) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
+    if (base && need & RBDI_NEED_WHOLE) {
+        d->V.v = rbdi_vec(v[3], v[4], v[5]);
+        d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
+    }
+    rbdi_poses(m, d, base);
+    rbdi_motion_columns(d, base ? d->behind : 0);
+    if (need) rbdi_velocities(m, d, base, v, need & RBDI_NEED_CORIOLIS);
+    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
 /* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
    columns of forces. */
-RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
-    rbdi_common_motion(m, d, q, v, a, gravity, need);
-    for (int b = 0; b < d->batches; ++b) {
+RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
+                                const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
+                                int need, int whole) {
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | whole);
+    for (int b = base ? d->entry[base - 1].lane / RBDI_BATCH : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         rbdi_bmotion V;
@@ -898,21 +944,28 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, const rb
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
     rbdi_sum_subtrees(d, need);
-    for (int b = 0; b < d->batches; ++b) rbdi_force_columns(&d->columns[b], &d->constants[b], need);
+    if (base) rbdi_base_columns(d);
+    for (int b = 0; b < (base ? d->behind : 0); ++b)
+        rbdi_force_columns(&d->columns[b], &d->constants[b], need & (RBDI_NEED_V | RBDI_NEED_CORIOLIS));
+    for (int b = base ? d->behind : 0; b < d->batches; ++b)
+        rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for q alone, for C, for the wrench alone, and else for everything. */
+/* The same for q alone, for C, for the wrench alone, and else for everything; the last two in the axes of a
+   free base, if own. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_Q;
+    const int base = need & RBDI_NEED_OWN ? d->base : 0, whole = need & RBDI_NEED_WHOLE;
+    need &= ~(RBDI_NEED_OWN | RBDI_NEED_WHOLE);
     if (!need)
-        rbdi_common_of(m, d, q, v, a, gravity, f_ext, 0);
+        rbdi_common_of(m, d, 0, q, v, a, gravity, f_ext, 0, 0);
     else if (need == coriolis)
-        rbdi_common_of(m, d, q, v, a, gravity, f_ext, coriolis);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
     else if (need == RBDI_NEED_WRENCH)
-        rbdi_common_of(m, d, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, 0);
     else
-        rbdi_common_of(m, d, q, v, a, gravity, f_ext, all);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, whole);
 }
 
 /* ---- entries [entries] ----
@@ -1015,11 +1068,11 @@ RBDI_INLINE void rbdi_entries_of(const rbd_derivatives *d, int i, int form, int 
     const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S)), U = rbdi_load_motion(RBDI_OF(d, i, U)),
                       Phi = rbdi_load_motion(RBDI_OF(d, i, Phi));
     const rbdi_v3 Psi = rbdi_load_vec(RBDI_OF(d, i, Psi));
-    const int end = d->entry[i].end;
+    const int end = d->entry[i].end, lane = d->entry[i].lane;
     int from = i;
-    for (int first = i / RBDI_BATCH * RBDI_BATCH; first < end; from = first += RBDI_PAIRS) {
+    for (int first = i - lane % RBDI_BATCH; first < end; from = first += RBDI_PAIRS) {
         const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
-        const rbdi_columns *c = &d->columns[first / RBDI_BATCH];
+        const rbdi_columns *c = &d->columns[(first + lane - i) / RBDI_BATCH];
         rbdi_pairs x;
         for (int k = 0; k < to - first; k += RBDI_BATCH, ++c)
             rbdi_pairs_of(c, form, want, S, U, Psi, Phi, k, &x);
@@ -1037,67 +1090,60 @@ RBDI_INLINE void rbdi_entries_by_form(const rbd_derivatives *d, int i, int want,
     }
 }
 
-/* A free root, six dofs that turn about and slide through the origin: half of all entries of a robot that
-   walks. They are as above; what is zero is left out, of the columns dtau/dposition all of it. */
-typedef struct rbdi_free {
-    rbdi_v3 e[3], shift_U[3], Phi[3]; /* of the turns: axes, linear half of Phi; of the shifts: that of U */
-    rbdi_motion U[3];
-} rbdi_free;
-typedef struct rbdi_free_pairs {
-    rbd_real M[6][RBDI_BATCH], v_row[6][RBDI_BATCH], v_column[6][RBDI_BATCH], q_row[6][RBDI_BATCH],
-        q_column[3][RBDI_BATCH];
-} rbdi_free_pairs;
+/* With a free base the frame has its axes: of S_i' F_j nothing is left but the components of F_j, and
 
-RBDI_INLINE void rbdi_free_rows(rbdi_bforce F, const rbdi_v3 e[3], rbd_real out[6][RBDI_BATCH]) {
-    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
-        *(rbdi_batch *)out[k] = rbdi_b_dot(F.n, e[k]);
-        *(rbdi_batch *)out[3 + k] = rbdi_b_dot(F.f, e[k]);
-    }
+       dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
+
+   (n; f) being F_j; by the base's place nothing changes. Half of all entries of a robot that walks. Of the
+   base with itself the rows go by v, the columns by q. */
+/* a x b, and with c added, of a batch with one vector. */
+RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
+    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
-RBDI_INLINE void rbdi_free_pairs_of(const rbdi_columns *c, const rbdi_free *f, int want, rbdi_free_pairs *x) {
-    const rbdi_bforce F = c->F;
-    const rbdi_b3 T = c->T;
-    if (want & RBDI_WANT_M) rbdi_free_rows(F, f->e, x->M);
-    if (want & RBDI_WANT_V) rbdi_free_rows(c->D, f->e, x->v_row);
-    if (want & RBDI_WANT_Q) rbdi_free_rows(c->E, f->e, x->q_row);
-    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
-        if (want & RBDI_WANT_V) {
-            *(rbdi_batch *)x->v_column[k] = rbdi_b_dot_add(rbdi_b_power(F, f->U[k], RBDI_BOTH), T, f->e[k]);
-            *(rbdi_batch *)x->v_column[3 + k] = rbdi_b_dot(F.f, f->shift_U[k]);
-        }
-        if (want & RBDI_WANT_Q) *(rbdi_batch *)x->q_column[k] = rbdi_b_dot(F.f, f->Phi[k]);
-    }
+RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
+    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
-RBDI_INLINE void rbdi_put_free_pairs(const rbdi_free_pairs *x, int lane, const rbdi_entry *i,
-                                     const rbdi_entry *j, ptrdiff_t nv, int want, rbdi_wanted out) {
-    const ptrdiff_t right = i->row + j->user, down = j->row + i->user;
-    const int own = j->joint == i->joint; /* within the joint: see above */
-    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
-        if (want & RBDI_WANT_V) (out.by_v + right)[k * nv] = x->v_row[k][lane];
-        if (want & RBDI_WANT_V) (out.by_v + down)[k] = x->v_column[k][lane];
-        if (want & RBDI_WANT_M) (out.M + right)[k * nv] = (out.M + down)[k] = x->M[k][lane];
-    }
-    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-        if (want & RBDI_WANT_Q && !own) (out.by_q + right)[k * nv] = x->q_row[k][lane];
-    RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k)
-        if (want & RBDI_WANT_Q) (out.by_q + down)[k] = x->q_column[k][lane];
-}
-RBDI_INLINE void rbdi_put_free(const rbd_derivatives *d, int first, int want, rbdi_wanted out) {
-    const rbdi_entry *i = &d->entry[first];
+/* Rows of the base from dof j on: F, or D or E, of all of them. */
+RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, int j, const rbd_real *F, rbd_real *out) {
     const ptrdiff_t nv = d->model->nv;
-    rbdi_free f;
-    rbdi_free_pairs x;
-    rbdi_clear((rbd_real *)&x, (int)(sizeof x / sizeof(rbd_real))); /* GCC: "may be used uninitialized" */
-    for (int k = 0; k < 3; ++k) {
-        f.e[k] = rbdi_load_vec(RBDI_OF(d, first + k, S));
-        f.U[k] = rbdi_load_motion(RBDI_OF(d, first + k, U));
-        f.shift_U[k] = rbdi_load_vec(RBDI_OF(d, first + 3 + k, U.v));
-        f.Phi[k] = rbdi_load_vec(RBDI_OF(d, first + k, Phi.v));
+    const rbdi_entry *e = d->entry + j, *end = d->entry + d->n;
+    for (; e < end; ++e) {
+        const rbd_real *in = F + e->at;
+        rbd_real *to = out + e->user, *low = to + 3 * nv;
+        RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
+            to[k * nv] = in[k * RBDI_BATCH];
+            low[k * nv] = in[(3 + k) * RBDI_BATCH];
+        }
     }
-    for (int j = first; j < i->end;) {
-        const int at = j - j % RBDI_BATCH, end = at + RBDI_BATCH < i->end ? at + RBDI_BATCH : i->end;
-        rbdi_free_pairs_of(&d->columns[at / RBDI_BATCH], &f, want, &x);
-        for (; j < end; ++j) rbdi_put_free_pairs(&x, j - at, i, &d->entry[j], nv, want, out);
+}
+/* Its columns from dof j on: n batches a time, as the first n entries of as many rows. */
+RBDI_INLINE void rbdi_put_base_columns(const rbdi_entry *e, const rbdi_entry *end, const rbd_real *in, int n,
+                                       rbd_real *out) {
+    for (; e < end; ++e, ++in) RBDI_UNROLL_SIX
+        for (int k = 0; k < n; ++k) (out + e->row)[k] = in[k * RBDI_BATCH];
+}
+RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
+    const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
+    const rbdi_entry *e = d->entry, *last = e + d->n;
+    if (want & RBDI_WANT_M) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->F, out.M);
+    if (want & RBDI_WANT_V) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->D, out.by_v);
+    if (want & RBDI_WANT_Q) rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->E, out.by_q);
+    for (int b = e->lane / RBDI_BATCH; b < d->batches; ++b) {
+        const rbdi_columns *c = &d->columns[b];
+        const int lane = e->lane % RBDI_BATCH,
+                  n = RBDI_BATCH - lane < last - e ? RBDI_BATCH - lane : (int)(last - e);
+        const rbdi_bforce F = c->F;
+        rbdi_b3 x[2];
+        x[0] = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v);
+        x[1] = rbdi_b_cross_vec(F.f, w);
+        if (want & RBDI_WANT_M) rbdi_put_base_columns(e, e + n, (const rbd_real *)&c->F + lane, 6, out.M);
+        if (want & RBDI_WANT_V && e >= d->entry + d->base)
+            rbdi_put_base_columns(e, e + n, (const rbd_real *)x + lane, 6, out.by_v);
+        if (want & RBDI_WANT_Q) {
+            x[0] = rbdi_b_cross_vec(F.f, up);
+            rbdi_put_base_columns(e, e + n, (const rbd_real *)x + lane, 3, out.by_q);
+        }
+        e += n;
     }
 }
 
@@ -1109,8 +1155,8 @@ RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
            rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
 }
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
-        for (int i = r->first; r->block && !r->free && i < r->end; ++i)
+    for (const rbdi_run *r = d->run + (d->base > 0); r < d->run + d->runs; ++r)
+        for (int i = r->first; r->block && i < r->end; ++i)
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
 }
@@ -1141,11 +1187,8 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
 }
 
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, rbdi_wanted out) {
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r)
-        if (r->free)
-            rbdi_put_free(d, r->first, want, out);
-        else
-            for (int i = r->first; i < r->end; ++i) rbdi_entries_by_form(d, i, want, out);
+    if (d->base) rbdi_put_base(d, want, out);
+    for (int i = d->base; i < d->n; ++i) rbdi_entries_by_form(d, i, want, out);
 }
 
 /* All entries of the matrices that are wanted. */
@@ -1167,15 +1210,30 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 
 /* ---- memory [memory code] ---- */
 
+/* The dofs of a free base that all others hang on, else 0: its coordinates come first. */
+RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
+    const rbdi_link *l = m->link;
+    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->n == 6 && l->iv == 0 &&
+                   l->end == m->nv
+               ? 6
+               : 0;
+}
+/* Lanes left out before the first dof, so that those behind the base begin a batch. */
+RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
+    return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
+}
+
 RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
     const int n = m ? m->nv + m->nmimic : 0;
     if (!m) return 0;
-    return RBDI_DERIVATIVES_BYTES(m->nl, n, (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+    return RBDI_DERIVATIVES_BYTES(m->nl, n,
+                                  (n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
 }
 
 /* The constants of dof k, component by component. */
 RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
-    return (rbd_const *)&d->constants[k / RBDI_BATCH] + k % RBDI_BATCH;
+    const int lane = d->entry[k].lane;
+    return (rbd_const *)&d->constants[lane / RBDI_BATCH] + lane % RBDI_BATCH;
 }
 RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
     for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
@@ -1238,7 +1296,8 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->end = l->end;
         e->joint = (int16_t)(l->first + n);
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
-        e->at = k / RBDI_BATCH * RBDI_COLUMN * RBDI_BATCH + k % RBDI_BATCH;
+        e->lane = k + rbdi_lanes_before(m);
+        e->at = e->lane / RBDI_BATCH * RBDI_COLUMN * RBDI_BATCH + e->lane % RBDI_BATCH;
         e->row = e->user * m->nv;
         e->form = (int16_t)rbdi_form_of(m, l, k);
     }
@@ -1247,7 +1306,6 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         r = &d->run[d->runs++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
-        r->free = (int16_t)(n == 6 && l->parent < 0 && !m->nmimic);
     }
     r->end = (int16_t)(l->first + n);
 }
@@ -1279,7 +1337,9 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
     d->model = m, d->work = w;
     d->n = m->nv + m->nmimic;
-    d->batches = (d->n + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->base = rbdi_free_dofs(m);
+    d->batches = (d->n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->behind = (d->base + rbdi_lanes_before(m)) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
@@ -1419,7 +1479,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
-    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
+    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS | RBDI_NEED_OWN);
     rbdi_put_entries(m, d, NULL, C, NULL);
     return RBD_OK;
 }
@@ -1433,7 +1493,8 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
                                         rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
-    rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_Q);
+    rbdi_common(m, d, q, v, a, d->work->gravity, f_ext,
+                RBDI_NEED_V | RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M);
     return RBD_OK;
 }
@@ -1442,7 +1503,8 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
                                            rbd_real *dg_dq) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
     if (status) return status;
-    rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL, RBDI_NEED_Q);
+    rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
+                RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
@@ -1451,22 +1513,74 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
    First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
    linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
-   F_j a_j, dA_p being the parent's. */
+   F_j a_j, dA_p being the parent's.
+
+   With a free base, v and gravity are in its A only, and A is what is solved of: y = (w_dot; v_dot + w x v -
+   gravity; those of the others) at v = 0 without gravity. y changes with neither place, attitude nor v of the
+   base; from y to a
+
+       v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBDI_NO_FD_DERIVATIVES
 /* M into packed rows, without mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
-    for (int i = 0; i < d->n; ++i) {
-        const rbdi_dof *dof = &m->dof[d->entry[i].user];
+    const rbdi_order *o = m->order;
+    for (int j = 0; d->base && j < d->n; ++j) { /* a base's own rows are shorter: its later dofs write over */
+        const rbd_real *F = RBDI_OF(d, j, F);
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
+            (H + o[j].row)[k] = F[k * RBDI_BATCH];
+    }
+    for (int i = d->base; i < d->n; ++i) {
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
-        const int end = d->entry[i].end;
-        rbd_real *entry = H + dof->depth;
-        for (int first = i / RBDI_BATCH * RBDI_BATCH, j = i; first < end; first += RBDI_BATCH) {
-            rbd_real x[RBDI_BATCH];
-            *(rbdi_batch *)x = rbdi_b_power(d->columns[first / RBDI_BATCH].F, S, RBDI_BOTH);
-            for (; j < end && j < first + RBDI_BATCH; ++j) entry[m->order[j].row] = x[j - first];
+        const int end = d->entry[i].end, lane = d->entry[i].lane;
+        const rbdi_columns *c = &d->columns[lane / RBDI_BATCH];
+        rbd_real *entry = H + m->dof[o[i].dof].depth;
+        int j = i;
+        for (int first = i - lane % RBDI_BATCH; first < end; first += RBDI_PAIRS) {
+            const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
+            rbd_real x[RBDI_PAIRS];
+            for (int k = 0; k < to - first; k += RBDI_BATCH, ++c)
+                *(rbdi_batch *)&x[k] = rbdi_b_power(c->F, S, RBDI_BOTH);
+            for (const rbd_real *y = x + (j - first); j < to; ++j) entry[o[j].row] = *y++;
         }
-        entry[dof->row] = entry[dof->row] + dof->armature;
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real *pivot = H + m->dof[k].row + m->dof[k].depth;
+        *pivot = *pivot + m->dof[k].armature;
+    }
+}
+
+/* Sum of x[k] y[k], a batch at a time. */
+RBDI_INLINE rbd_real rbdi_sum_products(const rbd_real *x, const rbd_real *y, int n) {
+    rbd_real sum = rbdi_zero();
+    int k = 0;
+#if RBDI_BATCH > 1
+    rbdi_batch all = {0};
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
+        all = all + *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k];
+    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + all[j];
+#endif
+    for (; k < n; ++k) sum = sum + x[k] * y[k];
+    return sum;
+}
+/* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right after
+   it: one array, of a dof's path by depth, has all that the dof needs. */
+RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    rbd_real *path = w->F;
+    rbdi_clear(path, m->nv);
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbdi_order o = m->order[k];
+        const int d = m->dof[o.dof].depth;
+        const rbd_real y = x[o.dof] + path[d];
+        x[o.dof] = y;
+        path[d] = rbdi_zero();
+        rbdi_subtract(path, y, L + o.row, d);
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_order o = m->order[k];
+        const int d = m->dof[o.dof].depth;
+        const rbd_real *l = L + o.row;
+        path[d] = x[o.dof] = x[o.dof] * l[d] - rbdi_sum_products(path, l, d);
     }
 }
 
@@ -1487,14 +1601,17 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
 
 /* What a adds to A_p and f of all dofs. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
-    rbdi_spread(d, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
-    for (int b = 0; b < d->batches; ++b) {
+    const int base = d->base, first = base ? d->behind : 0;
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
-    rbdi_sum_ancestors(d, (rbd_real *)&d->columns->Phi, (rbd_real *)&d->columns->dA, rbdi_motion0(), 0);
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) /* of a block the last dof has what it adds */
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, (rbd_real *)&d->columns->dA,
+                       base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
+    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs;
+         ++r) /* of a block the last dof has what it adds */
         for (int k = r->first; r->block && k < r->end - 1; ++k) {
             rbd_real *last = RBDI_OF(d, r->end - 1, E);
             rbdi_store_force(last, RBDI_BATCH,
@@ -1502,13 +1619,37 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
                                             rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
         }
     rbdi_sum_few(d, (rbd_real *)&d->columns->E, 6);
-    for (int b = 0; b < d->batches; ++b) {
+    for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f = rbdi_b_force_add(rbdi_subtree_inertia(&c->sum, &d->constants[b], c->Phi), c->E);
         c->sum.f = rbdi_b_force_add(c->sum.f, f);
         c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
         c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
         c->E = rbdi_E_column(c, &d->constants[b]);
+    }
+}
+
+/* From y and its derivatives to a and its; v: velocity of the base. Outputs may be NULL. */
+RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *a,
+                              rbd_real *by_q, rbd_real *by_v) {
+    const ptrdiff_t nv = m->nv;
+    const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
+                  up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
+    const rbd_real W[3] = {w.x, w.y, w.z}, U[3] = {up.x, up.y, up.z};
+    for (int k = 0; k < nv && by_q; ++k) rbdi_clear(by_q + k * nv, 6);
+    for (int k = 0; k < nv && by_v; ++k) rbdi_clear(by_v + k * nv + 3, 3);
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        if (a) a[3 + i] = a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
+        if (by_q) {
+            rbd_real *row = by_q + (3 + i) * nv;
+            row[j] = U[k], row[k] = -U[j];
+        }
+        if (by_v) {
+            rbd_real *row = by_v + (3 + i) * nv;
+            row[j] = row[j] - v[3 + k], row[k] = row[k] + v[3 + j];
+            row[3 + j] = W[k], row[3 + k] = -W[j];
+        }
     }
 }
 
@@ -1523,18 +1664,23 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
     if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
-    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
+    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need | RBDI_NEED_OWN);
     if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
     doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
-    rbdi_solve(m, d->work->H, d->a);
+    if (m->nmimic)
+        rbdi_solve(m, d->work->H, d->a);
+    else
+        rbdi_solve_packed(m, d->work, d->work->H, d->a);
     status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL);
-    for (int k = 0; k < 2; ++k)
-        if (result[k]) sides[count].X = result[k], sides[count++].n = nv;
+    if (da_dq) sides[count].X = da_dq + d->base, sides[count++].n = nv - d->base;
+    if (da_dv) sides[count].X = da_dv, sides[count++].n = nv;
     rbdi_solve_sides(m, d->work, d->work->H, nv, -1, sides, count);
+    if (d->base) rbdi_from_base(m, d, v, a, da_dq, da_dv);
+    if (status && a) (void)rbdi_verdict(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
         if (result[k]) (void)rbdi_verdict(m, d->work, result[k], nv * nv);
     return status;
@@ -1624,7 +1770,7 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
     if (status) return status;
-    rbdi_common_motion(m, d, q, v, a, d->work->gravity, RBDI_NEED_WRENCH);
+    rbdi_common_motion(m, d, 0, q, v, a, d->work->gravity, RBDI_NEED_WRENCH);
     rbdi_clear_all(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i) {
         const rbdi_frame *u = &m->frame[i];
@@ -1648,7 +1794,7 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
     const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
     const int need = Y_kinetic ? RBDI_NEED_V : 0;
     if (status) return status;
-    rbdi_common_motion(m, d, q, v, NULL, d->work->gravity, need);
+    rbdi_common_motion(m, d, 0, q, v, NULL, d->work->gravity, need);
     if (Y_kinetic) rbdi_clear(Y_kinetic, 10 * m->nb);
     if (Y_potential) rbdi_clear(Y_potential, 10 * m->nb);
     for (int i = 0; i < m->nb; ++i) {

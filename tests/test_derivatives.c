@@ -522,6 +522,40 @@ static void check_floating(const robot *r, const state *s, int number) {
 START_TEST(place_of_a_floating_base_does_not_matter) { for_random_states(3, check_floating); }
 END_TEST
 
+/* A free base's dofs have closed forms in its own axes: the general way, forced, gives the same. */
+static void check_ways(const robot *r, const state *s, int number) {
+    const int n = r->nv * r->nv;
+    static double x[2][6][MAX_M], M[MAX_M];
+    double a[2][MAX_V];
+    rbd_derivatives *d = derivatives_of(r);
+    const int base = d->base;
+    tb_real expected[TB_MAX_DOFS];
+    const double condition =
+        (double)tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
+    for (int k = 0; k < 2 && base && condition > 0 && condition < 1e10; k++) {
+        double(*y)[MAX_M] = x[k];
+        d->base = k == 0 ? base : 0;
+        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, y[0], y[1], k == 0 ? y[2] : M));
+        RUN(rbd_coriolis(r->m, d, s->q, s->v, y[3]));
+        RUN(rbd_fd_derivatives(r->m, d, s->q, s->v, s->tau, s->f_ext, a[k], y[4], y[5], y[2]));
+        if (k == 0) continue;
+        expect_close("dtau/dq, both ways", r, number, x[0][0], x[1][0], n, 1e-12);
+        expect_close("dtau/dv, both ways", r, number, x[0][1], x[1][1], n, 1e-12);
+        expect_close("C, both ways", r, number, x[0][3], x[1][3], n, 1e-12);
+        expect_close("a, both ways", r, number, a[0], a[1], r->nv, inverse_bound(condition));
+        for (int j = 4; j < 6; j++)
+            expect_close("da/dq, da/dv, both ways", r, number, x[0][j], x[1][j], n, inverse_bound(condition));
+        expect_close("M^-1, both ways", r, number, x[0][2], x[1][2], n, inverse_bound(condition));
+    }
+    free(d_memory);
+}
+
+START_TEST(closed_forms_of_a_free_base) {
+    for_random_states(3, check_ways);
+    for_random_trees(150, check_ways);
+}
+END_TEST
+
 /* Nor do a far place and a great velocity of the root cost digits. */
 static void travel(rbd_joint_type type, int position, int velocity) {
     rbd_body bodies[4];
@@ -676,6 +710,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, parameters_and_back);
     tcase_add_test(c, what_no_body_can_have_is_refused);
     tcase_add_test(c, place_of_a_floating_base_does_not_matter);
+    tcase_add_test(c, closed_forms_of_a_free_base);
     tcase_add_test(c, distance_and_speed_of_the_root_cost_no_digits);
     tcase_add_test(c, bad_arguments_are_refused);
     tcase_add_test(c, size_at_compile_time_suffices);
