@@ -3756,12 +3756,6 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
     }
 }
 
-/* Right-hand sides: n columns of the rows X, X + stride ... of the dofs. */
-typedef struct rbdi_sides {
-    rbd_real *X;
-    int n;
-} rbdi_sides;
-
 /* X = sign M^-1 X for n columns of the rows X, X + stride ... */
 RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
                                rbd_real *X) {
@@ -3821,6 +3815,29 @@ typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[
    a batch of them. */
 enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
 #define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
+#define RBDI_BY_BLOCKS(blocks, n, call) \
+    switch (n) { \
+        RBDI_OF_BLOCKS(blocks, 1, call) \
+        RBDI_OF_BLOCKS(blocks, 2, call) \
+        RBDI_OF_BLOCKS(blocks, 3, call) \
+        RBDI_OF_BLOCKS(blocks, 4, call) \
+        RBDI_OF_BLOCKS(blocks, 5, call) \
+        RBDI_OF_BLOCKS(blocks, 6, call) \
+        RBDI_OF_BLOCKS(blocks, 7, call) \
+        RBDI_OF_BLOCKS(blocks, 8, call) \
+        RBDI_OF_BLOCKS(blocks, 9, call) \
+        RBDI_OF_BLOCKS(blocks, 10, call) \
+        RBDI_OF_BLOCKS(blocks, 11, call) \
+    default: { \
+        enum { blocks = RBDI_ROW }; \
+        call; \
+    } break; \
+    }
+#define RBDI_OF_BLOCKS(blocks, n, call) \
+    case n: { \
+        enum { blocks = n }; \
+        call; \
+    } break;
 #define RBDI_DEFINE_GATHER(name, T) \
     RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int blocks, int last, \
                                    rbd_real *y) { \
@@ -3844,25 +3861,24 @@ enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
     } \
     RBDI_INLINE void name(rbdi_gathered g, int mode, rbd_real k, int columns, rbd_real *y) { \
         const int width = (int)(sizeof(T) / sizeof *y), last = columns - width; \
-        switch ((unsigned)(columns + width - 1) / (unsigned)width) { \
-        case 1: name##_blocks(g, mode, k, 1, last, y); break; \
-        case 2: name##_blocks(g, mode, k, 2, last, y); break; \
-        case 3: name##_blocks(g, mode, k, 3, last, y); break; \
-        case 4: name##_blocks(g, mode, k, 4, last, y); break; \
-        case 5: name##_blocks(g, mode, k, 5, last, y); break; \
-        case 6: name##_blocks(g, mode, k, 6, last, y); break; \
-        case 7: name##_blocks(g, mode, k, 7, last, y); break; \
-        case 8: name##_blocks(g, mode, k, 8, last, y); break; \
-        case 9: name##_blocks(g, mode, k, 9, last, y); break; \
-        case 10: name##_blocks(g, mode, k, 10, last, y); break; \
-        case 11: name##_blocks(g, mode, k, 11, last, y); break; \
-        default: name##_blocks(g, mode, k, 12, last, y); break; \
-        } \
+        RBDI_BY_BLOCKS(blocks, (columns + width - 1) / width, name##_blocks(g, mode, k, blocks, last, y)) \
     }
 RBDI_DEFINE_GATHER(rbdi_gather_scalars, rbd_real)
 #if RBDI_BATCH > 1
 RBDI_DEFINE_GATHER(rbdi_gather_batches, rbdi_batch)
 #endif
+
+RBDI_INLINE void rbdi_gather_blocks(rbdi_gathered g, int mode, rbd_real k, int wide, int blocks, int last,
+                                    rbd_real *y) {
+#if RBDI_BATCH > 1
+    if (wide) {
+        rbdi_gather_batches_blocks(g, mode, k, blocks, last, y);
+        return;
+    }
+#endif
+    (void)wide;
+    rbdi_gather_scalars_blocks(g, mode, k, blocks, last, y);
+}
 
 /* The same for the first n columns. */
 RBDI_INLINE void rbdi_gather_rows(rbdi_gathered g, int mode, rbd_real k, int n, rbd_real *y) {
@@ -3914,47 +3930,54 @@ RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, 
     return dof[k].depth;
 }
 
-/* Solve L' X = X, gathering from the dofs behind, for count sets of columns. */
-RBDI_PART void rbdi_solve_behind(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                 const rbdi_sides *sides, int count) {
+/* X = sign M^-1 X for count sets of columns, so many blocks each: L' X = X, gathering from the dofs behind,
+   then L X = sign D^-1 X, gathering from those on the path, which the last dofs up to each depth are. */
+RBDI_INLINE void rbdi_sweep_blocks(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                   int sign, rbd_real *const *X, int count, int wide, int blocks, int last) {
     const rbdi_order *o = m->order + m->nv, *end = o;
-    rbdi_index *at = (rbdi_index *)w->bias;
+    rbdi_index *at = (rbdi_index *)w->bias, *path = (rbdi_index *)w->F; /* at: last dof first */
     rbd_real *x = w->F;
+    rbdi_gathered g;
     int done = 0;
+    g.x = x, g.d = 0;
     for (int p = m->nl - 1; p >= 0; --p) {
         const rbdi_link *l = &m->link[p];
         const int behind = m->nv - l->end;
         for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
             const ptrdiff_t row = (--o)->dof * stride;
             const rbd_real *column = L + m->dof[o->dof].depth;
-            rbdi_gathered g;
-            g.x = x, g.at = at + behind, g.n = done - behind, g.d = 0;
-            for (int t = 0; t < g.n; ++t) x[t] = column[end[-1 - behind - t].row];
+            const rbdi_order *e = end - 1 - behind;
+            g.at = at + behind, g.n = done - behind;
+            for (int t = 0; t < g.n; ++t, --e) x[t] = column[e->row];
             for (int j = 0; g.n > 0 && j < count; ++j) {
-                g.X = sides[j].X;
-                rbdi_gather_rows(g, RBDI_PLAIN, rbdi_zero(), sides[j].n, sides[j].X + row);
+                g.X = X[j];
+                rbdi_gather_blocks(g, RBDI_PLAIN, rbdi_zero(), wide, blocks, last, X[j] + row);
             }
             at[done++] = (rbdi_index)row;
         }
     }
-}
-
-/* And L X = sign D^-1 X, gathering from the dofs on the path. */
-RBDI_PART void rbdi_solve_path(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int sign,
-                               const rbdi_sides *sides, int count) {
-    rbdi_index *at = (rbdi_index *)w->bias;
-    rbdi_gathered g;
-    g.at = at, g.n = g.d = 0;
-    for (int k = 0; k < m->nv; ++k) {
+    for (g.at = path; o < end; ++o) {
+        const rbdi_index row = at[--done];
         rbd_real inverse;
-        g.x = &L[m->dof[k].row];
-        g.n = rbdi_gather_path(m->dof, k, (int)stride, g.n, at);
+        g.x = L + o->row, g.n = m->dof[o->dof].depth;
+        path[g.n] = row;
         inverse = sign < 0 ? -g.x[g.n] : g.x[g.n];
         for (int j = 0; j < count; ++j) {
-            g.X = sides[j].X;
-            rbdi_gather_rows(g, RBDI_SCALED, inverse, sides[j].n, sides[j].X + k * stride);
+            g.X = X[j];
+            rbdi_gather_blocks(g, RBDI_SCALED, inverse, wide, blocks, last, X[j] + row);
         }
     }
+}
+RBDI_PART void rbdi_sweep_gather(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                 int sign, int n, rbd_real *const *X, int count) {
+#if RBDI_BATCH > 1
+    if (n >= RBDI_BATCH) {
+        RBDI_BY_BLOCKS(blocks, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                       rbdi_sweep_blocks(m, w, L, stride, sign, X, count, 1, blocks, n - RBDI_BATCH))
+        return;
+    }
+#endif
+    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, count, 0, blocks, n - 1))
 }
 
 /* L from U. */
@@ -3997,18 +4020,23 @@ RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_re
 }
 #endif
 
-/* X = sign M^-1 X for count sets of columns, of rows a stride apart. */
+/* X = sign M^-1 X for count (at most 2) sets of n columns, of rows a stride apart. */
 RBDI_PART void rbdi_solve_sides(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                int sign, const rbdi_sides *sides, int count) {
+                                int sign, int n, rbd_real *const *X, int count) {
 #ifdef RBDI_GATHER
+    const int most = RBDI_ROW * RBDI_BATCH;
     if (!m->nmimic && m->nv * stride <= INT32_MAX) {
-        rbdi_solve_behind(m, w, L, stride, sides, count);
-        rbdi_solve_path(m, w, L, stride, sign, sides, count);
+        for (int k = 0, columns; k < n; k += columns) {
+            rbd_real *from[2];
+            columns = n - k < most ? n - k : most;
+            for (int j = 0; j < count; ++j) from[j] = X[j] + k;
+            rbdi_sweep_gather(m, w, L, stride, sign, columns, from, count);
+        }
         return;
     }
 #endif
     (void)w;
-    for (int j = 0; j < count; ++j) rbdi_solve_rows(m, L, stride, sign, sides[j].n, sides[j].X);
+    for (int j = 0; j < count; ++j) rbdi_solve_rows(m, L, stride, sign, n, X[j]);
 }
 
 /* Factors H in place, as rbdi_factor, and gives Z = M^-1 if Z is not NULL. */
@@ -4475,13 +4503,11 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
 
 RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
                                            const rbd_real *B, rbd_real *X) {
-    rbdi_sides side;
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    side.X = X, side.n = n;
-    rbdi_solve_sides(m, w, L, n, 1, &side, 1);
+    rbdi_solve_sides(m, w, L, n, 1, n, &X, 1);
     return RBD_OK;
 }
 #endif

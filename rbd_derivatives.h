@@ -1147,6 +1147,30 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
+/* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
+   others, so that both matrices have as many to solve for. */
+RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
+    turn[0] = by_v + (by_q ? 4 : 3);
+    turn[1] = turn[0] + 1;
+    turn[2] = by_q ? by_q + 5 : by_v + 5;
+}
+RBDI_PART void rbdi_put_base_sides(const rbd_derivatives *d, rbdi_wanted out) {
+    const rbdi_entry *e = d->entry + d->base, *last = d->entry + d->n;
+    rbd_real *turn[3];
+    if (out.by_q) rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->E, out.by_q);
+    if (!out.by_v) return;
+    rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->D, out.by_v);
+    rbdi_place_turns(out.by_q, out.by_v, turn);
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 6; ++i) turn[k][i * d->model->nv] = RBDI_OF(d, k, D)[i * RBDI_BATCH];
+    for (int b = d->behind; b < d->batches; ++b) {
+        const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
+        const rbd_real *x = (const rbd_real *)&y;
+        for (int k = 0; k < RBDI_BATCH && e < last; ++k, ++e)
+            for (int j = 0; j < 3; ++j) turn[j][e->row] = x[j * RBDI_BATCH + k];
+    }
+}
+
 /* dtau_i/dq_j for dofs i before j of one block. */
 RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
     const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
@@ -1186,14 +1210,17 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
 }
 
-RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, rbdi_wanted out) {
-    if (d->base) rbdi_put_base(d, want, out);
+RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int sides, rbdi_wanted out) {
+    if (d->base && sides)
+        rbdi_put_base_sides(d, out);
+    else if (d->base)
+        rbdi_put_base(d, want, out);
     for (int i = d->base; i < d->n; ++i) rbdi_entries_by_form(d, i, want, out);
 }
 
-/* All entries of the matrices that are wanted. */
+/* All entries of the matrices that are wanted, as they are or as sides of rbd_fd_derivatives. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
-                                rbd_real *M) {
+                                rbd_real *M, int sides) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
     rbdi_wanted out;
     out.by_q = by_q, out.by_v = by_v, out.M = M;
@@ -1201,9 +1228,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     if (by_v) rbdi_clear_matrix(m, by_v);
     if (M) rbdi_clear_matrix(m, M);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, out);
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, sides, out);
     else
-        rbdi_put_all(d, want, out);
+        rbdi_put_all(d, want, sides, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1480,7 +1507,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS | RBDI_NEED_OWN);
-    rbdi_put_entries(m, d, NULL, C, NULL);
+    rbdi_put_entries(m, d, NULL, C, NULL, 0);
     return RBD_OK;
 }
 #endif
@@ -1495,7 +1522,7 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext,
                 RBDI_NEED_V | RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
-    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M);
+    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 0);
     return RBD_OK;
 }
 
@@ -1505,7 +1532,7 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     if (status) return status;
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
                 RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
-    rbdi_put_entries(m, d, dg_dq, NULL, NULL);
+    rbdi_put_entries(m, d, dg_dq, NULL, NULL, 0);
     return RBD_OK;
 }
 #endif
@@ -1636,8 +1663,16 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
     const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
                   up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
     const rbd_real W[3] = {w.x, w.y, w.z}, U[3] = {up.x, up.y, up.z};
-    for (int k = 0; k < nv && by_q; ++k) rbdi_clear(by_q + k * nv, 6);
-    for (int k = 0; k < nv && by_v; ++k) rbdi_clear(by_v + k * nv + 3, 3);
+    rbd_real *turn[3];
+    if (by_v) rbdi_place_turns(by_q, by_v, turn);
+    for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
+        if (by_v) {
+            rbd_real *row = by_v + r, x = turn[0][r], y = turn[1][r], z = turn[2][r];
+            row[0] = x, row[1] = y, row[2] = z;
+            row[3] = row[4] = row[5] = rbdi_zero();
+        }
+        if (by_q) rbdi_clear(by_q + r, 6);
+    }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         if (a) a[3 + i] = a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
@@ -1658,9 +1693,9 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
     const int nv = m ? m->nv : 0, need = da_dq || da_dv ? RBDI_NEED_V | RBDI_NEED_Q : RBDI_NEED_WRENCH;
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
-    rbdi_sides sides[2];
+    rbd_real *sides[2];
     rbdi_mask doubt;
-    int count = 0;
+    int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
     if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
@@ -1675,10 +1710,11 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL);
-    if (da_dq) sides[count].X = da_dq + d->base, sides[count++].n = nv - d->base;
-    if (da_dv) sides[count].X = da_dv, sides[count++].n = nv;
-    rbdi_solve_sides(m, d->work, d->work->H, nv, -1, sides, count);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 1);
+    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
+    if (da_dq) sides[count++] = da_dq + unsolved;
+    if (da_dv) sides[count++] = da_dv + unsolved;
+    rbdi_solve_sides(m, d->work, d->work->H, nv, -1, nv - unsolved, sides, count);
     if (d->base) rbdi_from_base(m, d, v, a, da_dq, da_dv);
     if (status && a) (void)rbdi_verdict(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
