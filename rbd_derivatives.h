@@ -313,9 +313,9 @@ typedef struct rbdi_entry {
     int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
     int16_t parent; /* the dof before it towards the root, -1 = none */
     int16_t form;   /* what is known of its motion: RBDI_FORM_... */
-    int32_t lane;   /* counted from the first batch's first */
-    int32_t at;     /* where that of the first component is, in scalars */
-    int32_t row;    /* where the caller's row starts in a square matrix */
+    int16_t batch, lane;
+    int32_t at;  /* where its lane of the first component is, in scalars */
+    int32_t row; /* where the caller's row starts in a square matrix */
 } rbdi_entry;
 
 struct rbd_derivatives {
@@ -931,7 +931,7 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int whole) {
     rbdi_common_motion(m, d, base, q, v, a, gravity, need | whole);
-    for (int b = base ? d->entry[base - 1].lane / RBDI_BATCH : 0; b < d->batches; ++b) {
+    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         rbdi_bmotion V;
@@ -1005,9 +1005,13 @@ typedef struct rbdi_wanted {
 } rbdi_wanted;
 enum { RBDI_WANT_Q = 1, RBDI_WANT_V = 2, RBDI_WANT_M = 4 };
 
-/* Of dof i, of this form, with batch b, to x[k] on. */
-RBDI_INLINE void rbdi_pairs_of(const rbdi_columns *c, int form, int want, rbdi_motion S, rbdi_motion U,
-                               rbdi_v3 Psi, rbdi_motion Phi, int k, rbdi_pairs *x) {
+/* Of a dof of this form, a lane of its own batch, with the batch c, to x[k] on. */
+RBDI_INLINE void rbdi_pairs_of(const rbdi_columns *c, int form, int want, const rbdi_columns *own, int lane,
+                               int k, rbdi_pairs *x) {
+    const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S + lane),
+                      U = rbdi_load_motion((const rbd_real *)&own->U + lane),
+                      Phi = rbdi_load_motion((const rbd_real *)&own->Phi + lane);
+    const rbdi_v3 Psi = rbdi_load_vec((const rbd_real *)&own->Psi + lane);
     const int S_halves = form == RBDI_FORM_SLIDES ? RBDI_LINEAR
                          : form == RBDI_FORM_ROOT ? RBDI_ANGULAR
                                                   : RBDI_BOTH;
@@ -1065,17 +1069,13 @@ RBDI_PART void rbdi_add_pairs(const rbd_derivatives *d, int i, int j, int end, c
 
 /* All entries of dof i, of this form, with its subtree. */
 RBDI_INLINE void rbdi_entries_of(const rbd_derivatives *d, int i, int form, int want, rbdi_wanted out) {
-    const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S)), U = rbdi_load_motion(RBDI_OF(d, i, U)),
-                      Phi = rbdi_load_motion(RBDI_OF(d, i, Phi));
-    const rbdi_v3 Psi = rbdi_load_vec(RBDI_OF(d, i, Psi));
     const int end = d->entry[i].end, lane = d->entry[i].lane;
+    const rbdi_columns *own = &d->columns[d->entry[i].batch], *c = own;
     int from = i;
-    for (int first = i - lane % RBDI_BATCH; first < end; from = first += RBDI_PAIRS) {
+    for (int first = i - lane; first < end; from = first += RBDI_PAIRS) {
         const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
-        const rbdi_columns *c = &d->columns[(first + lane - i) / RBDI_BATCH];
         rbdi_pairs x;
-        for (int k = 0; k < to - first; k += RBDI_BATCH, ++c)
-            rbdi_pairs_of(c, form, want, S, U, Psi, Phi, k, &x);
+        for (int k = 0; k < to - first; k += RBDI_BATCH) rbdi_pairs_of(c++, form, want, own, lane, k, &x);
         if (d->model->nmimic)
             rbdi_add_pairs(d, i, from, to, &x, first, out);
         else
@@ -1128,10 +1128,9 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     if (want & RBDI_WANT_M) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->F, out.M);
     if (want & RBDI_WANT_V) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->D, out.by_v);
     if (want & RBDI_WANT_Q) rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->E, out.by_q);
-    for (int b = e->lane / RBDI_BATCH; b < d->batches; ++b) {
+    for (int b = e->batch; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
-        const int lane = e->lane % RBDI_BATCH,
-                  n = RBDI_BATCH - lane < last - e ? RBDI_BATCH - lane : (int)(last - e);
+        const int lane = e->lane, n = RBDI_BATCH - lane < last - e ? RBDI_BATCH - lane : (int)(last - e);
         const rbdi_bforce F = c->F;
         rbdi_b3 x[2];
         x[0] = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v);
@@ -1259,8 +1258,7 @@ RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
 
 /* The constants of dof k, component by component. */
 RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
-    const int lane = d->entry[k].lane;
-    return (rbd_const *)&d->constants[lane / RBDI_BATCH] + lane % RBDI_BATCH;
+    return (rbd_const *)&d->constants[d->entry[k].batch] + d->entry[k].lane;
 }
 RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
     for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
@@ -1323,8 +1321,9 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->end = l->end;
         e->joint = (int16_t)(l->first + n);
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
-        e->lane = k + rbdi_lanes_before(m);
-        e->at = e->lane / RBDI_BATCH * RBDI_COLUMN * RBDI_BATCH + e->lane % RBDI_BATCH;
+        e->batch = (int16_t)((k + rbdi_lanes_before(m)) / RBDI_BATCH);
+        e->lane = (int16_t)((k + rbdi_lanes_before(m)) % RBDI_BATCH);
+        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
         e->row = e->user * m->nv;
         e->form = (int16_t)rbdi_form_of(m, l, k);
     }
@@ -1558,16 +1557,16 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
             (H + o[j].row)[k] = F[k * RBDI_BATCH];
     }
     for (int i = d->base; i < d->n; ++i) {
-        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
         const int end = d->entry[i].end, lane = d->entry[i].lane;
-        const rbdi_columns *c = &d->columns[lane / RBDI_BATCH];
+        const rbdi_columns *own = &d->columns[d->entry[i].batch], *c = own;
+        const rbd_real *S = (const rbd_real *)&own->S + lane;
         rbd_real *entry = H + m->dof[o[i].dof].depth;
         int j = i;
-        for (int first = i - lane % RBDI_BATCH; first < end; first += RBDI_PAIRS) {
+        for (int first = i - lane; first < end; first += RBDI_PAIRS) {
             const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
             rbd_real x[RBDI_PAIRS];
-            for (int k = 0; k < to - first; k += RBDI_BATCH, ++c)
-                *(rbdi_batch *)&x[k] = rbdi_b_power(c->F, S, RBDI_BOTH);
+            for (int k = 0; k < to - first; k += RBDI_BATCH)
+                *(rbdi_batch *)&x[k] = rbdi_b_power((c++)->F, rbdi_load_motion(S), RBDI_BOTH);
             for (const rbd_real *y = x + (j - first); j < to; ++j) entry[o[j].row] = *y++;
         }
     }
