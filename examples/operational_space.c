@@ -42,7 +42,8 @@ static void solve(double A[3][3], double b[3]) {
     }
 }
 
-/* tau = M a + c + J' f, for the posture's acceleration a and the force f that gives the tool the command. */
+/* tau = M a + c + J' f, for the posture's acceleration a and the force f that gives the tool the command: the
+   operational-space inertia Lambda = A^-1, A = J M^-1 J', times what it lacks of acceleration. */
 static void control(double t, const double *q, const double *v, double stiffness, double *tau,
                     double error[3]) {
     double J[6 * NV], Jt[NV * 3], M[NV * NV], MJ[NV * 3], x[3], velocity[6], bias[6], A[3][3] = {{0}},

@@ -154,7 +154,7 @@ def prove(target, folder):
                 problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
     if len(lines) < 10:
         problem(f"{target}: libraries are missing: {lines}")
-    for program in ("computed_torque", "gravity_compensation"):
+    for program in ("collision", "computed_torque", "gravity_compensation"):
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
         unwanted = sorted(n for n in names if DOUBLE.fullmatch(n) or n in ("malloc", "free", "sbrk", "_sbrk"))

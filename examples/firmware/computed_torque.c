@@ -58,7 +58,7 @@ int main(void) {
     uint32_t start = board_now();
     for (int step = 0; step < STEPS && status == RBD_OK; step++) {
         status = control(w, (rbd_real)step * PERIOD, q, v, tau);
-        if (status == RBD_OK) status = simulate(&iiwa_model, w, q, v, tau, scratch);
+        if (status == RBD_OK) status = simulate(&iiwa_model, w, q, v, tau, NULL, scratch);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
         worst = fmaxf(worst, deviation((rbd_real)(step + 1) * PERIOD, q));
     }

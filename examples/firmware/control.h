@@ -1,4 +1,4 @@
-/* control.h - what both examples share: rate, and the robot that stands in for the real one.
+/* control.h - what the examples share: rate, and the robot that stands in for the real one.
    SPDX-License-Identifier: MIT */
 #ifndef CONTROL_H
 #define CONTROL_H
@@ -16,11 +16,11 @@
 #endif
 #define PERIOD ((rbd_real)PERIOD_US * 1e-6f)
 
-/* The robot, in place of encoders and motors: holds tau for one period, moving q and v. next: nv scalars of
-   scratch. */
+/* The robot, in place of encoders and motors: holds tau, and f_ext or NULL, for one period, moving q and v.
+   next: nv scalars of scratch. */
 static rbd_status simulate(const rbd_model *m, rbd_work *w, rbd_real *q, rbd_real *v, const rbd_real *tau,
-                           rbd_real *next) {
-    rbd_status status = rbd_aba(m, w, q, v, tau, NULL, next);
+                           const rbd_real *f_ext, rbd_real *next) {
+    rbd_status status = rbd_aba(m, w, q, v, tau, f_ext, next);
     for (int i = 0; i < rbd_nv(m); i++) { /* next: the acceleration, then the mean velocity of the period */
         const rbd_real change = PERIOD * next[i];
         next[i] = v[i] + change / 2;

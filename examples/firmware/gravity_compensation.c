@@ -47,7 +47,7 @@ int main(void) {
     for (int step = 0; step < STEPS && status == RBD_OK; step++) {
         status = control(w, q, v, g, tau);
         weight = fmaxf(weight, weight_error(g));
-        if (status == RBD_OK) status = simulate(&hyq_model, w, q, v, tau, scratch);
+        if (status == RBD_OK) status = simulate(&hyq_model, w, q, v, tau, NULL, scratch);
         late += !board_wait(&start, BOARD_TICKS(PERIOD_US));
     }
     for (int i = 0; i < NV; i++) fastest = fmaxf(fastest, fabsf(v[i]));
