@@ -453,6 +453,34 @@ static void check_set(const ref_model *r, const ref_control_state *s, const ref_
     free(memory);
 }
 
+/* Without wrenches. The reference's derivatives are good to 1.5e-13. */
+static void check_set_derivatives(const ref_model *r, const ref_control_state *s,
+                                  const ref_constraint_set *set) {
+    static rbd_real of_a[3][40 * 40], of_lambda[3][24 * 40];
+    const double *const a[3] = {set->dqdd_c_dq, set->dqdd_c_dv, set->dqdd_c_dtau}, *const lambda[3] = {
+                                                                                       set->dlambda_dq,
+                                                                                       set->dlambda_dv,
+                                                                                       set->dlambda_dtau};
+    const double bound = fmax(1e-12, INVERSE(s->cond_M + set->cond));
+    void *memory, *scratch = malloc(rbd_derivatives_size(model));
+    rbd_constraints *c = set_of(set, &memory);
+    rbd_derivatives *d;
+    RUN(rbd_derivatives_init(model, work, scratch, rbd_derivatives_size(model), &d));
+    RUN(rbd_constrained_derivatives(model, c, d, q, v, tau, NULL, NULL, NULL, of_a[0], of_a[1], of_a[2],
+                                    of_lambda[0], of_lambda[1], of_lambda[2]));
+    EACH_LANE {
+        for (int x = 0; x < 3 && a[x]; x++) {
+            const double by_a = error_of(lane, of_a[x], a[x], r->nv * r->nv),
+                         by_lambda = error_of(lane, of_lambda[x], lambda[x], set->rows * r->nv);
+            ck_assert_msg(by_a <= bound && by_lambda <= bound,
+                          "%s, %s: %s, lane %d: derivatives %d of a %.3g, lambda %.3g exceed %.3g",
+                          SCALAR_NAME, r->name, set->name, lane, x, by_a, by_lambda, bound);
+        }
+    }
+    free(scratch);
+    free(memory);
+}
+
 START_TEST(constrained_dynamics_match_the_reference) {
     for (int i = 0; i < control_count; i++) {
         const ref_control *control = reference_control(i);
@@ -465,8 +493,10 @@ START_TEST(constrained_dynamics_match_the_reference) {
             rbd_const gravity[3];
             for (int j = 0; j < 3; j++) gravity[j] = (rbd_const)control->states[k].gravity[j];
             RUN(rbd_set_gravity(work, gravity));
-            for (int j = 0; j < control->states[k].nconstraint_sets; j++)
+            for (int j = 0; j < control->states[k].nconstraint_sets; j++) {
                 check_set(r, &control->states[k], &control->states[k].constraint_sets[j]);
+                check_set_derivatives(r, &control->states[k], &control->states[k].constraint_sets[j]);
+            }
         }
         free(work_memory);
         free(model_memory);

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rbd_derivatives.h"
+
 #include "rbd_constraints.h"
 
 #include "suites.h"
@@ -100,6 +102,68 @@ static void check_reference_set(const robot *r, const ref_control_state *s,
     free(c.memory);
 }
 
+/* ---- derivatives ---- */
+
+typedef struct slopes { /* of a and lambda by q, v, tau */
+    double a[3][MAX_V * MAX_V], lambda[3][MAX_ROWS * MAX_V];
+} slopes;
+
+static rbd_derivatives *derivatives_of(const robot *r, void **memory) {
+    rbd_derivatives *d;
+    *memory = malloc(rbd_derivatives_size(r->m));
+    ck_assert_int_eq(rbd_derivatives_init(r->m, r->w, *memory, rbd_derivatives_size(r->m), &d), RBD_OK);
+    return d;
+}
+
+static rbd_status differentiate(const robot *r, const set *c, const double *q, const double *v,
+                                const double *tau, const double *f_ext, double *a, double *lambda,
+                                slopes *out) {
+    void *memory;
+    rbd_derivatives *d = derivatives_of(r, &memory);
+    const rbd_status status =
+        rbd_constrained_derivatives(r->m, c->c, d, q, v, tau, f_ext, a, lambda, out->a[0], out->a[1],
+                                    out->a[2], out->lambda[0], out->lambda[1], out->lambda[2]);
+    free(memory);
+    return status;
+}
+
+static void check_reference_derivatives(const robot *r, const ref_control_state *s,
+                                        const ref_constraint_set *expected, int number) {
+    static slopes found;
+    const char *const names[2][6] = {
+        {"da/dq", "da/dv", "da/dtau", "dlambda/dq", "dlambda/dv", "dlambda/dtau"},
+        {"da/dq, stabilised", "da/dv, stabilised", "da/dtau, stabilised", "dlambda/dq, stabilised",
+         "dlambda/dv, stabilised", "dlambda/dtau, stabilised"}};
+    const double bound = fmax(inverse_bound(s->cond_M), 1e-15 * expected->cond);
+    const int nv = r->nv, rows = expected->rows;
+    for (int stabilised = 0; stabilised < 2; stabilised++) {
+        const double *const of_a[3] = {stabilised ? expected->dqdd_b_dq : expected->dqdd_c_dq,
+                                       stabilised ? expected->dqdd_b_dv : expected->dqdd_c_dv,
+                                       expected->dqdd_c_dtau},
+                            *const of_lambda[3] = {stabilised ? expected->dlambda_b_dq : expected->dlambda_dq,
+                                                   stabilised ? expected->dlambda_b_dv : expected->dlambda_dv,
+                                                   expected->dlambda_dtau};
+        rbd_constraint list[MAX_SET];
+        double a[MAX_V], lambda[MAX_ROWS];
+        copy_constraints(expected, stabilised ? expected->kp : 0, stabilised ? expected->kd : 0, list);
+        set c = set_of(r, list, expected->count);
+        RUN(differentiate(r, &c, s->q, s->v, s->tau, NULL, a, lambda, &found));
+        expect_close("a beside its derivatives", r, number, a, stabilised ? expected->qdd_b : expected->qdd_c,
+                     nv, bound);
+        expect_close("lambda beside its derivatives", r, number, lambda,
+                     stabilised ? expected->lambda_b : expected->lambda, rows, bound);
+        for (int x = 0; x < 3 && of_a[x]; x++) {
+            expect_close(names[stabilised][x], r, number, found.a[x], of_a[x], nv * nv, bound);
+            expect_close(names[stabilised][3 + x], r, number, found.lambda[x], of_lambda[x], rows * nv,
+                         bound);
+        }
+        RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, NULL, a, lambda)); /* as before it */
+        expect_close("a after derivatives", r, number, a, stabilised ? expected->qdd_b : expected->qdd_c, nv,
+                     bound);
+        free(c.memory);
+    }
+}
+
 START_TEST(every_set_of_the_reference) {
     int sets = 0, redundant = 0;
     for (int i = 0; i < control_count; i++) {
@@ -110,6 +174,7 @@ START_TEST(every_set_of_the_reference) {
             ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
             for (int j = 0; j < s->nconstraint_sets; j++, sets++) {
                 check_reference_set(&r, s, &s->constraint_sets[j], k);
+                check_reference_derivatives(&r, s, &s->constraint_sets[j], k);
                 redundant += s->constraint_sets[j].rank < s->constraint_sets[j].rows;
             }
         }
@@ -313,6 +378,81 @@ START_TEST(both_equations_hold_on_random_trees) {
     solved = dependent = 0;
     for_random_trees(500, check_residuals);
     ck_assert_msg(solved > 500 && dependent > 100, "%d solved, %d of dependent rows", solved, dependent);
+}
+END_TEST
+
+/* a and lambda of a step t along dof k of q, v or tau. */
+static rbd_status stepped(const robot *r, const set *c, const state *s, int x, int k, double t, double *a,
+                          double *lambda) {
+    double q[MAX_Q], v[MAX_V], tau[MAX_V], step[MAX_V] = {0};
+    step[k] = 1;
+    memcpy(v, s->v, sizeof v);
+    memcpy(tau, s->tau, sizeof tau);
+    ck_assert_int_eq(rbd_integrate(r->m, s->q, step, x == 0 ? t : 0, q), RBD_OK);
+    if (x == 1) v[k] += t;
+    if (x == 2) tau[k] += t;
+    return rbd_constrained_fd(r->m, c->c, q, v, tau, s->f_ext, a, lambda);
+}
+
+static int differentiated, redundantly;
+
+/* Of dependent rows J' dlambda is what is unique. Differences at two steps, extrapolated; what they truncate
+   is large where a set is nearly dependent. */
+static void check_differences(const robot *r, const state *s, int number) {
+    static slopes found;
+    static const char *const names[3] = {"by differences: q", "by differences: v", "by differences: tau"};
+    uint64_t seed = 41 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    tb_real free_a[TB_MAX_DOFS];
+    double a[4][MAX_V], lambda[4][MAX_ROWS], J[MAX_ROWS * MAX_V];
+    const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, free_a);
+    const int n = random_set(r, &seed, list), nv = r->nv;
+    set c = set_of(r, list, n);
+    const int rows = c.rows;
+    if (condition > 0 && condition < 1e4L &&
+        differentiate(r, &c, s->q, s->v, s->tau, s->f_ext, a[0], lambda[0], &found) == RBD_OK) {
+        const int redundant = rbd_constraint_rank(c.c) < rows;
+        RUN(rbd_constraint_jacobian(r->m, c.c, s->q, NULL, J, NULL, NULL));
+        for (int x = 0; x < 3; x++) {
+            double size[2] = {largest(found.a[x], nv * nv), largest(found.lambda[x], rows * nv)},
+                   worst[2] = {0, 0};
+            for (int k = 0; k < nv; k++) {
+                const double h = 1e-4;
+                double off[MAX_ROWS];
+                for (int i = 0; i < 4; i++) /* h, -h, h / 2, -h / 2 */
+                    if (stepped(r, &c, s, x, k, (i % 2 ? -h : h) / (1 + i / 2), a[i], lambda[i]) != RBD_OK ||
+                        (rbd_constraint_rank(c.c) < rows) != redundant)
+                        goto left;
+                for (int i = 0; i < nv; i++) {
+                    const double D = (8 * (a[2][i] - a[3][i]) - (a[0][i] - a[1][i])) / (6 * h);
+                    const double difference = fabs(D - found.a[x][i * nv + k]);
+                    worst[0] = fmax(worst[0], isfinite(difference) ? difference : HUGE_VAL);
+                }
+                for (int i = 0; i < rows; i++)
+                    off[i] = (8 * (lambda[2][i] - lambda[3][i]) - (lambda[0][i] - lambda[1][i])) / (6 * h) -
+                             found.lambda[x][i * nv + k];
+                for (int i = 0; i < (redundant ? nv : rows); i++) {
+                    double difference = redundant ? 0 : off[i];
+                    for (int row = 0; redundant && row < rows; row++)
+                        difference += J[row * nv + i] * off[row];
+                    worst[1] = fmax(worst[1], isfinite(difference) ? fabs(difference) : HUGE_VAL);
+                }
+            }
+            expect_small(names[x], r, number, worst[0] / (size[0] + 1e-3 * largest(a[0], nv)), 1e-5);
+            expect_small("dlambda by differences", r, number,
+                         worst[1] / (1e-9 + size[1] + 1e-3 * largest(lambda[0], rows)), 1e-5);
+            differentiated++;
+            redundantly += redundant;
+        left:;
+        }
+    }
+    free(c.memory);
+}
+
+START_TEST(derivatives_are_those_of_differences) {
+    differentiated = redundantly = 0;
+    for_random_trees(150, check_differences);
+    ck_assert_msg(differentiated > 200 && redundantly > 30, "%d, %d redundant", differentiated, redundantly);
 }
 END_TEST
 
@@ -853,6 +993,12 @@ START_TEST(singular_mass_matrix_is_an_error) {
     ck_assert(!(largest(a, 2) > 0) && !(largest(lambda, 3) > 0));
     ck_assert_int_eq(rbd_impact(r.m, c.c, q, q, 0, a, lambda), RBD_ERR_SINGULAR);
     ck_assert(!(largest(a, 2) > 0) && !(largest(lambda, 3) > 0));
+    static slopes found;
+    memset(&found, 1, sizeof found);
+    ck_assert_int_eq(differentiate(&r, &c, q, q, q, NULL, a, lambda, &found), RBD_ERR_SINGULAR);
+    for (int x = 0; x < 3; x++)
+        for (int i = 0; i < 6; i++) /* not a number fails */
+            ck_assert((i >= 4 || fabs(found.a[x][i]) <= 0) && fabs(found.lambda[x][i]) <= 0);
     free(c.memory);
     robot_free(&r);
 }
@@ -976,6 +1122,26 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_GAIN);
     ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
+    static double da[7 * 7], dlambda[3 * 7];
+    unsigned char work_memory[RBD_WORK_SIZE(7, 7)], scratch[2][RBD_DERIVATIVES_SIZE(7, 7)];
+    rbd_work *w;
+    rbd_derivatives *d, *others;
+    ck_assert_int_eq(rbd_work_init(r.m, work_memory, sizeof work_memory, &w), RBD_OK);
+    ck_assert_int_eq(rbd_derivatives_init(r.m, r.w, scratch[0], sizeof scratch[0], &d), RBD_OK);
+    ck_assert_int_eq(rbd_derivatives_init(r.m, w, scratch[1], sizeof scratch[1], &others), RBD_OK);
+#define SLOPES(m, c, d, q, v, tau, x, y) \
+    rbd_constrained_derivatives(m, c, d, q, v, tau, NULL, NULL, NULL, x, NULL, NULL, y, NULL, NULL)
+    ck_assert_int_eq(SLOPES(NULL, c, d, q, q, q, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, NULL, d, q, q, q, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, NULL, q, q, q, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, d, NULL, q, q, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, d, q, NULL, q, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, d, q, q, NULL, da, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, NULL, dlambda), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, da, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(SLOPES(other.m, c, d, q, q, q, da, dlambda), RBD_ERR_WORK);
+    ck_assert_int_eq(SLOPES(r.m, c, others, q, q, q, da, dlambda), RBD_ERR_WORK);
+    ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, NULL, NULL), RBD_OK);
     ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
     ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, x, NULL), RBD_OK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, q, NULL, NULL, NULL, NULL), RBD_OK);
@@ -1026,6 +1192,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, every_set_of_the_reference);
     tcase_add_test(c, rows_are_as_defined_on_random_trees);
     tcase_add_test(c, both_equations_hold_on_random_trees);
+    tcase_add_test(c, derivatives_are_those_of_differences);
     tcase_add_test(c, four_bar_linkage_over_a_revolution);
     tcase_add_test(c, slider_crank_over_a_revolution);
     tcase_add_test(c, impacts_on_random_trees);
