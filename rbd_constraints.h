@@ -1323,12 +1323,28 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, con
     }
 }
 
-/* T = L^-1 D^-1 Y in place of Y. */
+/* y -= sum of x_t X_t, t < count, rows of n; c->path has where they start. */
+static void rbdi_subtract_rows(const rbd_constraints *c, rbd_real *y, const rbd_real *X, const rbd_real *x,
+                               int count, int n) {
+#ifdef RBDI_GATHER
+    rbdi_gathered g;
+    g.X = X, g.x = x, g.at = (const rbdi_index *)c->path, g.d = 0;
+    for (; count > 0; count -= n, g.X += n * n, g.x += n) {
+        g.n = count < n ? count : n;
+        rbdi_gather_rows(g, RBDI_PLAIN, rbdi_zero(), n, y);
+    }
+#else
+    (void)c;
+    for (int t = 0; t < count; ++t) rbdi_subtract(y, x[t], &X[t * n], n);
+#endif
+}
+
+/* -T = -L^-1 D^-1 Y in place of Y. */
 static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         rbd_real *y = &c->Y[k * c->stride];
-        rbdi_multiply(y, c->D_inverse[k], c->rows);
+        rbdi_multiply(y, -c->D_inverse[k], c->rows);
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             rbdi_subtract(y, l[t], &c->Y[i * c->stride], c->rows);
     }
@@ -1336,11 +1352,12 @@ static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real
 
 /* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
 static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
-    for (int i = c->rows - 1; i >= 0; --i)
-        for (int k = c->rows - 1; k > i; --k)
-            rbdi_subtract(&X[i * n], c->D[k * c->stride + i] * c->inverse[k], &X[k * n], n);
+    for (int i = c->rows - 1; i >= 0; --i) {
+        for (int k = i + 1; k < c->rows; ++k) c->b[k] = c->D[k * c->stride + i] * c->inverse[k];
+        rbdi_subtract_rows(c, &X[i * n], &X[(i + 1) * n], &c->b[i + 1], c->rows - i - 1, n);
+    }
     for (int i = 0; i < c->rows; ++i) {
-        for (int t = 0; t < i; ++t) rbdi_subtract(&X[i * n], c->D[i * c->stride + t], &X[t * n], n);
+        rbdi_subtract_rows(c, &X[i * n], X, &c->D[i * c->stride], i, n);
         rbdi_multiply(&X[i * n], c->inverse[i], n);
     }
     for (int j = c->rows - 1; j >= 0; --j) {
@@ -1353,6 +1370,17 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
     }
 }
 
+/* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
+static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd_real *rho, rbd_real *sigma) {
+    const int n = m->nv;
+    for (int r = 0; r < c->rows; ++r) {
+        rbd_real *to = &sigma[r * n];
+        for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
+        rbdi_subtract_rows(c, to, rho, c->x, n, n);
+    }
+    rbdi_delta_solve_columns(c, sigma, n);
+}
+
 RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constraints *c, rbd_derivatives *d,
                                                const rbd_real *q, const rbd_real *v, const rbd_real *tau,
                                                const rbd_real *f_ext, rbd_real *a, rbd_real *lambda,
@@ -1363,7 +1391,8 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     rbd_real *const of_a[3] = {da_dq, da_dv, da_dtau};
     rbd_real *const of_lambda[3] = {dlambda_dq, dlambda_dv, dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    int pairs = 1;
+    rbdi_sides sides[3];
+    int pairs = 1, count = 0;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && pairs);
@@ -1379,27 +1408,19 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_differentiate(m, c, d, k, da_dq, dlambda_dq, dlambda_dv);
     rbdi_response(m, c, c->w->H);
+    for (int k = 0; k < nv; ++k) c->path[k] = k * nv;
+    if (da_dtau) rbdi_clear(da_dtau, nv * nv);
+    for (int k = 0; da_dtau && k < nv; ++k) da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
-        const rbdi_sides side = {of_a[x], nv};
         if (!of_a[x]) continue;
-        for (int r = 0; r < c->rows; ++r) {
-            rbd_real *to = &of_lambda[x][r * nv];
-            for (int k = 0; k < nv; ++k) {
-                const rbd_real t = c->Y[k * c->stride + r];
-                to[k] = -to[k];
-                if (x == 2) to[k] = to[k] - t;
-            }
-            for (int k = 0; x < 2 && k < nv; ++k)
-                rbdi_subtract(to, -c->Y[k * c->stride + r], &of_a[x][k * nv], nv);
-        }
-        rbdi_delta_solve_columns(c, of_lambda[x], nv);
-        if (x < 2)
-            rbdi_solve_sides(m, c->w, c->w->H, nv, -1, &side, 1);
-        else
-            rbdi_inverse(m, c->w->H, da_dtau);
+        rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
+        sides[count].X = of_a[x], sides[count++].n = nv;
+    }
+    rbdi_solve_sides(m, c->w, c->w->H, nv, -1, sides, count);
+    for (int x = 0; x < 3; ++x) {
+        if (!of_a[x]) continue;
         for (int k = 0; k < nv; ++k)
-            for (int r = 0; r < c->rows; ++r)
-                rbdi_subtract(&of_a[x][k * nv], -c->Y[k * c->stride + r], &of_lambda[x][r * nv], nv);
+            rbdi_subtract_rows(c, &of_a[x][k * nv], of_lambda[x], &c->Y[k * c->stride], c->rows, nv);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
             (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
