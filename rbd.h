@@ -1234,9 +1234,9 @@ RBDI_EXTERN_C_END
    of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
-   rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] rbdi_factor_invert, rbdi_solve and
-   rbdi_solve_sides; of [pivots] rbdi_status_of and rbdi_verdict; rbdi_kin, rbdi_kin_link and rbdi_body_kin;
-   [descriptions].
+   rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
+   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and rbdi_verdict;
+   rbdi_kin, rbdi_kin_link, rbdi_body_kin and rbdi_column; [descriptions].
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.

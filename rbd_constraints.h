@@ -1391,7 +1391,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     rbd_real *const of_a[3] = {da_dq, da_dv, da_dtau};
     rbd_real *const of_lambda[3] = {dlambda_dq, dlambda_dv, dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    rbdi_sides sides[3];
+    rbd_real *sides[3];
     int pairs = 1, count = 0;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
@@ -1414,9 +1414,10 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
-        sides[count].X = of_a[x], sides[count++].n = nv;
+        sides[count++] = of_a[x];
     }
-    rbdi_solve_sides(m, c->w, c->w->H, nv, -1, sides, count);
+    rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, sides, count < 2 ? count : 2);
+    if (count == 3) rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, &sides[2], 1);
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         for (int k = 0; k < nv; ++k)
