@@ -1,8 +1,9 @@
 #!/bin/sh
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC, and the declarations of rbd_urdf.h; for double
-# and float; at -O0, and with the first standard also at -O2, where the compiler sees more. Then the batch
-# calls for several numbers of lanes, with the SIMD unit for them where the compiler has it.
+# and float; without code, as a standard decides on syntax and meaning alone, and with the first standard also at -O0 and
+# -O2, where the compiler sees more. Then the batch calls for several numbers of lanes, with the SIMD unit for them where
+# the compiler has it.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -44,42 +45,42 @@ compile() {
 
 # all COMPILER SUFFIX STANDARD...
 all() {
-    compiler=$1 suffix=$2 level=-O2
+    compiler=$1 suffix=$2 level=-O0
     shift 2
     for standard; do
         for scalar in double float; do
-            compile "$compiler" "$standard" "$suffix" declarations "$scalar" -O0
-            compile "$compiler" "$standard" "$suffix" urdf "$scalar" -O0
-            compile "$compiler" "$standard" "$suffix" static "$scalar" -O0
-            compile "$compiler" "$standard" "$suffix" implementation "$scalar" -O0
-            [ -z "$level" ] || compile "$compiler" "$standard" "$suffix" implementation "$scalar" "$level"
+            for included in declarations urdf static implementation; do
+                compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level"
+            done
         done
-        level=
+        [ "$standard" != c99 ] || compile "$compiler" "$standard" "$suffix" implementation float -O2
+        level=-fsyntax-only
     done
 }
 
-# batch COMPILER STANDARD SUFFIX LANES SCALAR [SIMD_FLAG]: without that flag where the compiler has it not;
+# batch COMPILER STANDARD SUFFIX LANES SCALAR LEVEL [SIMD_FLAG]: without that flag where the compiler has it not;
 # GCC then notes that vectors are passed in memory.
 batch() {
-    flags=-O0
-    if [ -n "${6-}" ] && "$1" -Werror "$6" -I"$root" -fsyntax-only "$scratch/declarations.$3" 2>/dev/null
+    flags=$6
+    if [ -n "${7-}" ] && "$1" -Werror "$7" -I"$root" -fsyntax-only "$scratch/declarations.$3" 2>/dev/null
     then
-        flags="-O0 $6"
-    elif [ -n "${6-}" ]; then
-        flags="-O0 -Wno-psabi"
+        flags="$6 $7"
+    elif [ -n "${7-}" ]; then
+        flags="$6 -Wno-psabi"
     fi
     compile "$1" "$2" "$3" "batch-$4" "$5" "$flags"
 }
 
 # batches COMPILER SUFFIX STANDARD...
 batches() {
-    compiler=$1 suffix=$2
+    compiler=$1 suffix=$2 level=-O0
     shift 2
     for standard; do
-        batch "$compiler" "$standard" "$suffix" 2 double
-        batch "$compiler" "$standard" "$suffix" 4 double -mavx2
-        batch "$compiler" "$standard" "$suffix" 8 double -mavx512f
-        batch "$compiler" "$standard" "$suffix" 8 float -mavx2
+        batch "$compiler" "$standard" "$suffix" 2 double "$level"
+        batch "$compiler" "$standard" "$suffix" 4 double "$level" -mavx2
+        batch "$compiler" "$standard" "$suffix" 8 double "$level" -mavx512f
+        batch "$compiler" "$standard" "$suffix" 8 float "$level" -mavx2
+        level=-fsyntax-only
     done
 }
 

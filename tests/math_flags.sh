@@ -14,6 +14,7 @@ checks=0
 
 # The gravity torque of a pendulum, 1 kg at 1 m, is g sin(q), to about a hundred rounding units.
 cat >"$scratch/program.c" <<'END'
+#define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include <stdio.h>

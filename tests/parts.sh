@@ -27,10 +27,10 @@ flags() {
     for part; do printf -- '-DRBD_NO_%s ' "$part"; done
 }
 
-# compile FLAG...
+# compile FLAG...: in a third of the time without forced inlining
 compile() {
     # shellcheck disable=SC2086 # words wanted
-    ${CC:-cc} -std=c99 -O0 $warnings -I"$root" "$@" -c "$scratch/rbd.c" -o "$scratch/rbd.o" 2>"$scratch/messages"
+    ${CC:-cc} -std=c99 -O0 -Dalways_inline=unused $warnings -I"$root" "$@" -c "$scratch/rbd.c" -o "$scratch/rbd.o" 2>"$scratch/messages"
 }
 
 # leave_out PART...
