@@ -1289,10 +1289,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HARD_FLOAT 1
 #endif
 
-/* Doubles that one SIMD instruction takes, 0 without. */
-#ifdef __AVX512F__
-#define RBDI_SIMD 8
-#elif defined __AVX__
+/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole ones of
+   512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer: RBD_LANES. */
+#ifdef __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
 #define RBDI_SIMD 2
