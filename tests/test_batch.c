@@ -400,11 +400,24 @@ static void check_every_joint(int mimic, robot_check *check) {
     check_one(build(mimic ? "every joint, mimic" : "every joint", bodies, LENGTH(bodies)), check);
 }
 
+/* Fingers that aba takes as one joint. */
+static void check_hand(robot_check *check) {
+    rbd_body bodies[5] = {body_of_type(RBD_FLOATING, -1)};
+    for (int i = 1; i < LENGTH(bodies); i++) {
+        bodies[i] = body_of_type(i & 1 ? RBD_REVOLUTE : RBD_HELICAL, i == 3 ? 2 : 0);
+        bodies[i].mimic = i == 2 ? NULL : "finger";
+        bodies[i].mimic_ratio = 0.5 - i;
+    }
+    bodies[2].joint = "finger";
+    check_one(build("hand", bodies, LENGTH(bodies)), check);
+}
+
 static void for_robots(robot_check *check) {
     const rbd_body plate[1] = {{.parent = -1, .type = RBD_FIXED, BOX}};
     for (int i = 0; i < reference_count; i++) check_one(build_reference(reference_model(i)), check);
     check_every_joint(0, check);
     check_every_joint(1, check);
+    check_hand(check);
     check_one(build("no degree of freedom", plate, LENGTH(plate)), check);
 }
 

@@ -31,7 +31,33 @@ static void let_follow(uint64_t *seed, rbd_body *bodies, int nb) {
     }
 }
 
-static void for_mimic_trees(state_check *check) {
+/* Hands: joints on one parent and behind one another that follow one of them, whichever. */
+static void let_hold(uint64_t *seed, rbd_body *bodies, int nb) {
+    int hand[MAX_BODIES] = {0};
+    for (int i = 0; i < nb; i++) bodies[i].mimic = NULL;
+    for (int i = 0; i < nb; i++) {
+        int leader = i;
+        if (hand[i] || !can_follow(&bodies[i])) continue;
+        hand[i] = i + 1;
+        for (int j = i + 1; j < nb; j++) {
+            const int up = bodies[j].parent;
+            if (hand[j] || !can_follow(&bodies[j]) || below(seed, 4) == 0) continue;
+            if (up != bodies[i].parent && (up < 0 || hand[up] != i + 1)) continue;
+            hand[j] = i + 1;
+            if (below(seed, 2)) leader = j;
+        }
+        for (int j = i; j < nb; j++) {
+            if (hand[j] != i + 1 || j == leader) continue;
+            bodies[j].mimic = bodies[leader].joint;
+            bodies[j].mimic_ratio = uniform(seed, -2, 2);
+            bodies[j].mimic_offset = uniform(seed, -1, 1);
+        }
+    }
+}
+
+typedef void follow(uint64_t *seed, rbd_body *bodies, int nb);
+
+static void for_trees(follow *let, state_check *check) {
     for (int i = 0; i < TREES; i++) {
         uint64_t seed = 5000 + (uint64_t)i;
         rbd_body bodies[MAX_BODIES];
@@ -39,7 +65,7 @@ static void for_mimic_trees(state_check *check) {
         state s;
         const int nb = 2 + below(&seed, 20);
         random_tree(&seed, bodies, nb);
-        let_follow(&seed, bodies, nb);
+        let(&seed, bodies, nb);
         snprintf(name, sizeof name, "mimic tree %d", i);
         robot r = robot_build(name, bodies, nb);
         draw_state(&r, &seed, &s);
@@ -47,6 +73,8 @@ static void for_mimic_trees(state_check *check) {
         robot_free(&r);
     }
 }
+
+static void for_mimic_trees(state_check *check) { for_trees(let_follow, check); }
 
 static void check_inverse(const robot *r, const state *s, int number) {
     tb_real expected[TB_MAX_DOFS];
@@ -87,6 +115,56 @@ static void check_forward(const robot *r, const state *s, int number) {
 }
 
 START_TEST(forward_dynamics_by_both_ways) { for_mimic_trees(check_forward); }
+END_TEST
+
+static int followers(const robot *r) {
+    int n = 0;
+    for (int i = 0; i < r->nb; i++) n += r->bodies[i].mimic != NULL;
+    return n;
+}
+
+static int hands, by_elimination;
+
+/* If aba went by fd_cholesky its results would have the same bits. */
+static void check_hands(const robot *r, const state *s, int number) {
+    double by_aba[MAX_V], by_cholesky[MAX_V];
+    expect_textbook_forward("mimic: aba, hands", rbd_aba, r, s, number);
+    rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, by_aba);
+    rbd_fd_cholesky(r->m, r->w, s->q, s->v, s->tau, s->f_ext, by_cholesky);
+    hands += followers(r) > 0;
+    by_elimination += followers(r) > 0 && memcmp(by_aba, by_cholesky, (size_t)r->nv * sizeof *by_aba) == 0;
+}
+
+START_TEST(hands_are_one_joint) {
+    hands = by_elimination = 0;
+    for_trees(let_hold, check_hands);
+    ck_assert_int_gt(hands, TREES / 2);
+    if (sizeof(void *) >= 8) ck_assert_int_lt(by_elimination, hands / 10);
+}
+END_TEST
+
+/* Two fingers without mass: nothing tells how they move. */
+START_TEST(hands_without_mass_are_singular) {
+    rbd_body b[4] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {1, 0, 0}, .joint = "finger"},
+        {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mimic = "finger", .mimic_ratio = 2},
+        {.parent = 2, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mimic = "finger", .mimic_ratio = 1}};
+    uint64_t seed = 3;
+    state s;
+    double a[2];
+    random_mass(&seed, &b[0]);
+    robot r = BUILD(b);
+    draw_state(&r, &seed, &s);
+    ck_assert_int_eq(rbd_aba(r.m, r.w, s.q, s.v, s.tau, NULL, a), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_singular_dof(r.w), 1);
+    robot_free(&r);
+    b[3].armature[0] = 1e-3; /* which moves as the finger does */
+    r = BUILD(b);
+    draw_state(&r, &seed, &s);
+    expect_textbook_forward("mimic: aba, armature", rbd_aba, &r, &s, 0);
+    robot_free(&r);
+}
 END_TEST
 
 /* M x is what solve is given. */
@@ -199,6 +277,8 @@ Suite *mimic_suite(void) {
     tcase_add_test(c, inverse_dynamics);
     tcase_add_test(c, mass_matrix);
     tcase_add_test(c, forward_dynamics_by_both_ways);
+    tcase_add_test(c, hands_are_one_joint);
+    tcase_add_test(c, hands_without_mass_are_singular);
     tcase_add_test(c, factor_and_solve);
     tcase_add_test(c, the_tree_is_that_of_elimination);
     tcase_add_test(c, a_gripper_stays_as_sparse_as_without);
