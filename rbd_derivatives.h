@@ -564,7 +564,8 @@ RBDI_INLINE rbdi_v3 rbdi_pose_axis(const rbdi_link *l, int form, rbdi_trig t, rb
                             : rbdi_vec(R[0].x * r.x, R[1].x * r.x, R[2].x * r.x));
     }
     for (int k = 0; k < 3; ++k) R[k] = rbdi_down(l, form, t, R[k]);
-    if (form & RBDI_SHIFT_Z) x = rbdi_add(x, rbdi_vec(R[0].z * t.d, R[1].z * t.d, R[2].z * t.d));
+    if (form & RBDI_SHIFT_Z && !(form & RBDI_ROOT))
+        x = rbdi_add(x, rbdi_vec(R[0].z * t.d, R[1].z * t.d, R[2].z * t.d));
     return x;
 }
 
