@@ -7036,7 +7036,8 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
         for (int k = 0; k < RBDI_ARGUMENTS; ++k)
             if (t->x[k]) rbdi_gather(t->in[k] + (size_t)s * (size_t)width[k], width[k], n - s, t->x[k]);
         status = call(m, t);
-        if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN) return status;
+        if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
+            return status;
         if (status) rbdi_note_singular(m, b, s, count), result = status;
         for (int k = 0; k < RBDI_ARGUMENTS; ++k)
             if (t->y[k])

@@ -17,11 +17,11 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [description] [set] [calls] [derivatives]
+     [description] [set] [calls] [derivatives] [batch]
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [solution] [least norm] [call code] [weights] [assembly]
-     [derivatives code] [set code]
+     [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -129,6 +129,9 @@ extern "C" {
 #define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
 #define rbd_assemble RBDI_SYMBOL(rbd_assemble)
 #define rbd_constrained_derivatives RBDI_SYMBOL(rbd_constrained_derivatives)
+#define rbd_batch_constraints_size RBDI_OF_SCALAR(rbd_batch_constraints_size)
+#define rbd_batch_constraints_init RBDI_OF_SCALAR(rbd_batch_constraints_init)
+#define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
 
 /* ---- description [description] ---- */
 
@@ -269,6 +272,28 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
                                                rbd_real *dlambda_dq, rbd_real *dlambda_dv,
                                                rbd_real *dlambda_dtau);
 #endif
+
+/* ---- batches [batch] ----
+   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
+   constraints the same for all. */
+
+typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
+
+RBDI_EXTERN_C_BEGIN
+/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
+   batch b of the model instead of a work. */
+RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
+                                                    const rbd_constraint *list, int n, void *memory,
+                                                    size_t size, rbd_batch_constraints **c,
+                                                    rbd_report *report);
+
+/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
+   rows, and none after it is singular. */
+RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
+                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
+RBDI_EXTERN_C_CLOSE
 
 /* ====================================================================================================
    Stop here if you only use it.
@@ -907,7 +932,7 @@ static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c,
     rbd_status status;
     rbdi_multipliers(m, c, c->w->H);
     status = rbdi_status_of(m, c->w, doubt, 0, c->w->H, c->x, m->nv);
-    if (status) rbdi_clear(c->lambda, c->rows);
+    if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
@@ -980,8 +1005,8 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
         rbdi_reduce_constraint(m, c, k, c->w->H);
     }
     status = rbdi_constrained_solve(m, c, doubt, impulse);
-    for (int k = 0; k < m->nv; ++k)
-        v_plus[k] = status && status != RBD_ERR_INFEASIBLE ? c->x[k] : v[k] + c->x[k];
+    for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
+    if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
     return status;
 }
 
@@ -1517,10 +1542,16 @@ static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH 
 /* Rows from one dof to the next: two batches may begin at any row. */
 static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + 2 * RBDI_BATCH - 1); }
 
-RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+static int rbdi_rows_of(const rbd_constraint *list, int n) {
     int rows = 0;
-    if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
+    return rows;
+}
+
+RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+    int rows;
+    if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
+    rows = rbdi_rows_of(list, n);
     return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), RBDI_BATCH);
 }
 
@@ -1677,6 +1708,70 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     *constraints = c;
     return RBD_OK;
 }
+
+/* ---- batches [batch code] ---- */
+
+#ifdef RBD_BATCH_IMPLEMENTATION
+RBDI_EXTERN_C_BEGIN
+
+struct rbd_batch_constraints {
+    rbd_batch *b;
+    rbd_constraints *c;
+    rbd_real *y; /* outputs of the states at hand */
+};
+
+static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
+    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraints)) +
+           RBDI_ROUND(sizeof(rbd_real) * (size_t)(m->nv + rows));
+}
+
+RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+    const size_t size = rbd_constraints_size(m, list, n);
+    return size ? size + rbdi_batch_constraints_own(m, rbdi_rows_of(list, n)) : 0;
+}
+
+RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
+                                                    const rbd_constraint *list, int n, void *memory,
+                                                    size_t size, rbd_batch_constraints **constraints,
+                                                    rbd_report *report) {
+    rbd_batch_constraints *c;
+    rbd_constraints *inner = NULL;
+    unsigned char *p, *at;
+    const size_t needed = rbd_batch_constraints_size(m, list, n);
+    const int room = memory && needed && size >= needed;
+    rbd_status status;
+    int rows = 0;
+    if (constraints) *constraints = NULL;
+    if (room) rows = rbdi_rows_of(list, n);
+    p = at = room ? rbdi_aligned(memory) : (unsigned char *)memory;
+    if (room) at += rbdi_batch_constraints_own(m, rows) - RBDI_ALIGN;
+    status = rbd_constraints_init(m, b && constraints ? b->w : NULL, list, n, at,
+                                  room ? rbd_constraints_size(m, list, n) : 0, &inner, report);
+    if (status) return status;
+    c = (rbd_batch_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraints)));
+    c->b = b, c->c = inner;
+    c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
+    *constraints = c;
+    return RBD_OK;
+}
+
+static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
+    return rbd_constrained_fd(m, (rbd_constraints *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
+                              t->y[1]);
+}
+RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
+                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
+    rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
+    if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
+    rbdi_task_output(&t, 0, a, rbd_nv(m));
+    rbdi_task_output(&t, 1, lambda, c->c->rows);
+    t.more = c->c;
+    return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
+}
+
+RBDI_EXTERN_C_CLOSE
+#endif /* RBD_BATCH_IMPLEMENTATION */
 
 RBDI_CODE_END
 

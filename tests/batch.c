@@ -2,3 +2,4 @@
 #define RBD_LANES BATCH_LANES
 #define RBD_BATCH_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"

@@ -1,5 +1,5 @@
-/* test_batch.c - [batch] of rbd.h and rbd_derivatives.h: the batch calls of batch.c against the single calls
-   of rbd.c and the reference. Built for several BATCH_LANES, with double and with -DRBD_REAL=float; each is a
+/* test_batch.c - [batch] of rbd.h, rbd_derivatives.h, rbd_constraints.h: the batch calls of batch.c against
+   the single calls of rbd.c and the reference. Built for several BATCH_LANES, with double and with -DRBD_REAL=float; each is a
    program of its own. `batch_PROGRAM --errors` also prints the largest difference between both. */
 #include <check.h>
 #include <float.h>
@@ -9,6 +9,8 @@
 #include <string.h>
 
 #include "rbd_derivatives.h"
+
+#include "rbd_constraints.h"
 
 #include "reference.h"
 
@@ -46,7 +48,9 @@ typedef struct robot {
     rbd_batch *b;
     rbd_derivatives *single;
     rbd_batch_derivatives *d;
-    void *memory[5];
+    rbd_constraints *held; /* the hand at an x, or nothing where it cannot move */
+    rbd_batch_constraints *k;
+    void *memory[7];
 } robot;
 
 static void *allocate(size_t size) {
@@ -59,8 +63,19 @@ static RBD_REAL *numbers(int rows, int width) {
     return (RBD_REAL *)allocate((size_t)rows * (size_t)width * sizeof(RBD_REAL));
 }
 
+/* The constraint of a robot. */
+static rbd_constraint holding(const robot *r) {
+    const double at[3] = {0.1, -0.2, 0.3}, place[3] = {0.5, 0, 0};
+    rbd_constraint k = rbd_point_contact(r->nb - 1, at, place);
+    k.axes[4] = k.axes[5] = 0;
+    k.kp = 10, k.kd = 3;
+    return k;
+}
+
+static int rows_held(const robot *r) { return rbd_constraint_rows(r->held); }
+
 static robot build(const char *name, const rbd_body *bodies, int nb) {
-    robot r = {name, nb, 0, 0, NULL, NULL, NULL, NULL, NULL, {NULL, NULL, NULL, NULL, NULL}};
+    robot r = {.name = name, .nb = nb};
     size_t size = rbd_model_size(bodies, nb);
     r.memory[0] = allocate(size);
     ck_assert_int_eq(rbd_model_build(bodies, nb, r.memory[0], size, &r.m, NULL), RBD_OK);
@@ -78,6 +93,15 @@ static robot build(const char *name, const rbd_body *bodies, int nb) {
     size = rbd_batch_derivatives_size(r.m);
     r.memory[4] = allocate(size);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], size, &r.d), RBD_OK);
+    const rbd_constraint k = holding(&r);
+    size = rbd_constraints_size(r.m, &k, 1);
+    r.memory[5] = allocate(size);
+    const int n = rbd_constraints_init(r.m, r.w, &k, 1, r.memory[5], size, &r.held, NULL) == RBD_OK;
+    if (n == 0)
+        ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &k, 0, r.memory[5], size, &r.held, NULL), RBD_OK);
+    size = rbd_batch_constraints_size(r.m, &k, n);
+    r.memory[6] = allocate(size);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, n, r.memory[6], size, &r.k, NULL), RBD_OK);
     return r;
 }
 
@@ -175,6 +199,7 @@ typedef enum call {
     ABA, /* from here on with the inverse of M */
     FD_CHOLESKY,
     MINVERSE,
+    CONSTRAINED_FD,
     FD_DERIVATIVES,
     CALLS
 } call;
@@ -191,6 +216,7 @@ static const char *const call_name[CALLS] = {"rnea",
                                              "aba",
                                              "fd_cholesky",
                                              "minverse",
+                                             "constrained_fd",
                                              "fd_derivatives"};
 
 enum { PARTS = 4 };
@@ -210,6 +236,7 @@ static int parts_of(const robot *r, call c, int width[PARTS]) {
                                       {nv, 0, 0, 0},
                                       {nv, 0, 0, 0},
                                       {square, 0, 0, 0},
+                                      {nv, rows_held(r), 0, 0},
                                       {nv, square, square, square}};
     int row = 0;
     for (int k = 0; k < PARTS; k++) row += width[k] = widths[c][k];
@@ -223,7 +250,7 @@ static int width_of(const robot *r, call c) {
 
 static int reads_q_alone(call c) { return c == CRBA || c == CRBA_PACKED || c == JACOBIAN || c == MINVERSE; }
 static int reads_f_ext(call c) {
-    return c <= BIAS || c == RNEA_DERIVATIVES || c == ABA || c == FD_CHOLESKY || c == FD_DERIVATIVES;
+    return c <= BIAS || c == RNEA_DERIVATIVES || c == ABA || c == FD_CHOLESKY || c >= CONSTRAINED_FD;
 }
 
 static int outputs_may_be_null(call c) {
@@ -255,6 +282,8 @@ static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *
     case ABA: return rbd_aba(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case FD_CHOLESKY: return rbd_fd_cholesky(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case MINVERSE: return rbd_minverse(m, r->w, x->q, out);
+    case CONSTRAINED_FD:
+        return rbd_constrained_fd(m, r->held, x->q, x->v, x->tau, x->f_ext, out, out + r->nv);
     default:
         return rbd_fd_derivatives(m, r->single, x->q, x->v, x->tau, x->f_ext, out, out + r->nv,
                                   out + r->nv + square, out + r->nv + 2 * square);
@@ -278,6 +307,8 @@ static rbd_status run_parts(const robot *r, call c, int n, const states *x, RBD_
     case ABA: return rbd_batch_aba(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case FD_CHOLESKY: return rbd_batch_fd_cholesky(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case MINVERSE: return rbd_batch_minverse(m, r->b, n, x->q, y[0]);
+    case CONSTRAINED_FD:
+        return rbd_batch_constrained_fd(m, r->k, n, x->q, x->v, x->tau, x->f_ext, y[0], y[1]);
     default:
         return rbd_batch_fd_derivatives(m, r->d, n, x->q, x->v, x->tau, x->f_ext, y[0], y[1], y[2], y[3]);
     }
@@ -663,6 +694,7 @@ START_TEST(null_arguments_are_refused) {
         no_model.m = NULL;
         no_batch.b = NULL;
         no_batch.d = NULL;
+        no_batch.k = NULL;
         no_q.q = no_v.v = no_third.a = no_third.tau = NULL;
         ck_assert_int_eq(run_batch(&no_model, c, 1, &x, out), RBD_ERR_NULL);
         ck_assert_int_eq(run_batch(&no_batch, c, 1, &x, out), RBD_ERR_NULL);
@@ -690,6 +722,23 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, NULL, r.memory[4], more, &r.d), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, NULL, more, &r.d), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], more, NULL), RBD_ERR_NULL);
+    const rbd_constraint k = holding(&r);
+    const size_t third = rbd_batch_constraints_size(r.m, &k, 1);
+    rbd_constraint strange = k;
+    strange.body1 = -2;
+    ck_assert_uint_eq(rbd_batch_constraints_size(NULL, &k, 1), 0);
+    ck_assert_uint_eq(rbd_batch_constraints_size(r.m, NULL, 1), 0);
+    ck_assert_int_eq(rbd_batch_constraints_init(NULL, r.b, &k, 1, r.memory[6], third, &r.k, NULL),
+                     RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, NULL, &k, 1, r.memory[6], third, &r.k, NULL),
+                     RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, NULL, 1, r.memory[6], third, &r.k, NULL),
+                     RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, 1, NULL, third, &r.k, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, 1, r.memory[6], third, NULL, NULL),
+                     RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &strange, 1, r.memory[6], third, &r.k, NULL),
+                     RBD_ERR_INDEX);
     states_free(&x);
     release(&r);
 }
@@ -707,8 +756,9 @@ START_TEST(outputs_may_be_left_out) {
         for (int k = 0; k < PARTS; k++)
             if (width[k]) all[k] = numbers(FEW, width[k]);
         ck_assert_int_eq(run_parts(&r, c, FEW, &x, all), RBD_OK);
-        for (int k = c == MOMENTUM_MATRIX; k < PARTS && width[k]; k++) {
-            RBD_REAL *one[PARTS] = {c == MOMENTUM_MATRIX ? all[0] : NULL, NULL, NULL, NULL};
+        const int needed = c == MOMENTUM_MATRIX || c == CONSTRAINED_FD; /* the first */
+        for (int k = needed; k < PARTS && width[k]; k++) {
+            RBD_REAL *one[PARTS] = {needed ? all[0] : NULL, NULL, NULL, NULL};
             one[k] = numbers(FEW, width[k]);
             ck_assert_int_eq(run_parts(&r, c, FEW, &x, one), RBD_OK);
             for (int s = 0; s < FEW; s++)
@@ -749,6 +799,7 @@ START_TEST(batch_of_another_model_is_refused) {
     robot mixed = r;
     mixed.b = small.b;
     mixed.d = small.d;
+    mixed.k = small.k;
     for (call c = RNEA; c < CALLS; c++) ck_assert_int_eq(run_batch(&mixed, c, 1, &x, out), RBD_ERR_WORK);
     states_free(&x);
     release(&small);
@@ -768,6 +819,10 @@ START_TEST(batch_of_a_model_built_over_is_refused) {
     ck_assert_int_eq(rbd_batch_init(r.m, r.memory[2], batch_size, &r.b), RBD_OK);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], rbd_batch_derivatives_size(r.m), &r.d),
                      RBD_OK);
+    const rbd_constraint kept = holding(&r);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &kept, 1, r.memory[6],
+                                                rbd_batch_constraints_size(r.m, &kept, 1), &r.k, NULL),
+                     RBD_OK);
     ck_assert_int_eq(rbd_model_build(bodies, 2, memory, size, &r.m, NULL), RBD_OK);
     r.nb = 2;
     states x = states_draw(&r, 1);
@@ -782,15 +837,19 @@ END_TEST
 /* Memory that ends where it may, begins anywhere and holds no useful numbers. */
 static void check_memory(const robot *r) {
     const int offsets[5] = {0, 1, 8, 31, 63};
-    const size_t size = rbd_batch_size(r->m), more = rbd_batch_derivatives_size(r->m);
+    const rbd_constraint k = holding(r);
+    const size_t size = rbd_batch_size(r->m), more = rbd_batch_derivatives_size(r->m),
+                 third = rbd_batch_constraints_size(r->m, &k, rows_held(r));
     states x = states_draw(r, FEW);
     for (int i = 0; i < LENGTH(offsets); i++) {
         const size_t offset = (size_t)offsets[i];
         unsigned char *memory = (unsigned char *)allocate(offset + size),
-                      *derivatives = (unsigned char *)allocate(offset + more);
+                      *derivatives = (unsigned char *)allocate(offset + more),
+                      *constraints = (unsigned char *)allocate(offset + third);
         robot moved = *r;
         memset(memory, 0xff, offset + size);
         memset(derivatives, 0xff, offset + more);
+        memset(constraints, 0xff, offset + third);
         ck_assert_int_eq(rbd_batch_init(r->m, memory + offset, size - 1, &moved.b), RBD_ERR_MEMORY);
         ck_assert_int_eq(rbd_batch_init(r->m, memory + offset, size, &moved.b), RBD_OK);
         ck_assert_int_eq(rbd_batch_singular(moved.b, NULL), -1);
@@ -798,14 +857,23 @@ static void check_memory(const robot *r) {
                          RBD_ERR_MEMORY);
         ck_assert_int_eq(rbd_batch_derivatives_init(r->m, moved.b, derivatives + offset, more, &moved.d),
                          RBD_OK);
+        ck_assert_int_eq(rbd_batch_constraints_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
+                                                    third - 1, &moved.k, NULL),
+                         RBD_ERR_MEMORY);
+        ck_assert_ptr_null(moved.k);
+        ck_assert_int_eq(rbd_batch_constraints_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
+                                                    third, &moved.k, NULL),
+                         RBD_OK);
         for (call c = RNEA; c < CALLS; c++) {
             RBD_REAL *expected = single_results(r, c, &x, FEW);
             expect_batch(&moved, c, &x, FEW, expected);
             free(expected);
         }
-        for (size_t k = 0; k < offset; k++) ck_assert_uint_eq(memory[k] & derivatives[k], 0xff);
+        for (size_t j = 0; j < offset; j++)
+            ck_assert_uint_eq(memory[j] & derivatives[j] & constraints[j], 0xff);
         free(memory);
         free(derivatives);
+        free(constraints);
     }
     states_free(&x);
 }
