@@ -327,6 +327,7 @@ struct rbd_constraints {
     int infeasible;              /* row, -1 = none */
     rbdi_constraint *constraint; /* n */
     rbdi_span *span;             /* nv */
+    int16_t *order;              /* nv: dofs, depth first */
     int32_t *path;               /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
     rbd_real *D;                 /* rows x stride: Delta, then D L; above the diagonal null vectors */
@@ -342,7 +343,8 @@ struct rbd_constraints {
 
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batch) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int16_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 3 + (batch)) + \
                          (size_t)(rows) * ((size_t)(stride) + 2) + 6 * (size_t)(stride)))
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
@@ -794,29 +796,39 @@ static void rbdi_delta_solve(rbd_constraints *c) {
     rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
 }
 
-/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof at hand,
-   root first; of the last dof's path it keeps what is on the new one too. */
+/* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
+   depth, has all that the dof loses. */
+static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    rbd_real *x = c->x, *stack = c->stack;
+    rbdi_clear(stack, m->nv);
+    for (int n = m->nv - 1; n >= 0; --n) {
+        const int k = c->order[n], d = m->dof[k].depth;
+        const rbd_real *l = &L[m->dof[k].row], y = x[k] + stack[d];
+        stack[d] = rbdi_zero();
+        rbdi_subtract(stack, y, l, d);
+        x[k] = y * l[d];
+        c->D_inverse[k] = l[d];
+    }
+}
+
+/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
     rbd_real *x = c->x, *stack = c->stack;
-    int32_t *path = c->path;
-    for (int k = 0, known = 0; k < m->nv; ++k) {
+    for (int n = 0; n < m->nv; ++n) {
+        const int k = c->order[n], depth = m->dof[k].depth, d = L ? depth : 0;
         const rbdi_span s = c->span[k];
-        const rbdi_dof *dof = &m->dof[k];
-        const int d = L ? dof->depth : 0;
-        const rbd_real *y = &c->Y[k * c->stride + s.first], *lambda = &c->lambda[s.first], *l = L + dof->row;
+        const rbd_real *y = &c->Y[k * c->stride + s.first], *lambda = &c->lambda[s.first],
+                       *l = L + m->dof[k].row;
         rbdi_batch sum = rbdi_zero_batch();
         rbd_real rest = x[k];
-        int t = d - 1;
-        for (int i = dof->lambda; t >= 0 && (t >= known || path[t] != i); --t, i = m->dof[i].lambda)
-            path[t] = i, stack[t] = x[i];
+        int t = 0;
         for (int r = 0; r < s.n; r += RBDI_BATCH)
             sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
         sum = sum * c->D_inverse[k];
-        for (t = 0; t + RBDI_BATCH <= d; t += RBDI_BATCH)
+        for (; t + RBDI_BATCH <= d; t += RBDI_BATCH)
             sum = sum - *(const rbdi_batch *)&l[t] * *(const rbdi_batch *)&stack[t];
         for (; t < d; ++t) rest = rest - l[t] * stack[t];
-        x[k] = rest + rbdi_sum_lanes(sum);
-        known = d;
+        stack[depth] = x[k] = rest + rbdi_sum_lanes(sum);
     }
 }
 
@@ -913,16 +925,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
 static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
     const rbdi_mask doubt = rbdi_factor_invert(m, c->w, c->w->H, NULL);
-    const rbd_real *L = c->w->H;
-    const rbdi_dof *dof = m->dof;
-    rbd_real *x = c->x, *inverse = c->D_inverse;
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[dof[k].row], y = x[k];
-        const int d = dof[k].depth;
-        for (int t = d - 1, i = dof[k].lambda; t >= 0; --t, i = dof[i].lambda) x[i] = x[i] - l[t] * y;
-        x[k] = y * l[d];
-        inverse[k] = l[d];
-    }
+    rbdi_sweep_back(m, c, c->w->H);
     return doubt;
 }
 
@@ -1650,6 +1653,19 @@ static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, rbdi_co
     }
 }
 
+/* Every dof goes behind those that are behind the dof before it. */
+static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
+    for (int k = 0; k < m->nv; ++k) {
+        const int before = m->dof[k].lambda;
+        int at = k, i;
+        for (; at > 0; order[at] = order[at - 1], --at) {
+            for (i = order[at - 1]; i > before; i = m->dof[i].lambda) continue;
+            if (i == before) break;
+        }
+        order[at] = (int16_t)k;
+    }
+}
+
 RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
                                         void *memory, size_t size, rbd_constraints **constraints,
                                         rbd_report *report) {
@@ -1682,6 +1698,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->stride = rbdi_row_stride(rows);
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
+    c->order = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int16_t)));
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * c->stride, sizeof(rbd_real));
     c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
@@ -1694,6 +1711,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->u = c->target + c->stride, c->gamma = c->u + c->stride, c->e = c->gamma + c->stride;
     c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
+    rbdi_order_dofs(m, c->order);
     for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
     for (int i = 0, row = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
