@@ -59,6 +59,9 @@ enum {
     KDL,
     RBDL,
     PINOCCHIO,
+    ROBCOGEN_IIWA,
+    ROBCOGEN_HYQ,
+    ROBCOGEN_ATLAS,
     TIMED,
     QUAD = TIMED,
     LIBRARIES

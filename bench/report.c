@@ -50,6 +50,11 @@ static const char *row_title(const struct row *row, char text[32]) {
     return text;
 }
 
+/* What compiled the library. */
+static const char *build_of(const struct library *l) {
+    return l->conventions ? l->conventions->build : COMPILER;
+}
+
 int row_error(const struct row *row, const char *format, ...) {
     va_list arguments;
     char variant[32];
@@ -179,7 +184,7 @@ static void write_csv(FILE *f, const struct options *o, const struct row *rows, 
         const struct row *row = &rows[i];
         const struct instance *r = row->instance;
         fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s,%d\n", r->library->name,
-                r->library->version, COMPILER, r->library->scalar, r->robot->name,
+                r->library->version, build_of(r->library), r->library->scalar, r->robot->name,
                 algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
                 row->max_error, quad_error(row, "", "%.3e", quad), row_variant(row, variant), row->disturbed);
     }
@@ -208,7 +213,7 @@ static void write_json_row(FILE *f, const struct options *o, const struct row *r
             "\"robot\": \"%s\", \"algorithm\": \"%s\", \"samples\": %d, \"experiments\": %d, "
             "\"mean_ns\": %.3f, \"stddev_ns\": %.3f, \"min_ns\": %.3f, \"max_error\": %.3e, "
             "\"quad_error\": %s, \"variant\": \"%s\", \"disturbed\": %s}",
-            r->library->name, r->library->version, COMPILER, r->library->scalar, r->robot->name,
+            r->library->name, r->library->version, build_of(r->library), r->library->scalar, r->robot->name,
             algorithms[row->algorithm].name, o->samples, o->experiments, row->mean, row->stddev, row->min,
             row->max_error, quad_error(row, "null", "%.3e", quad), row_variant(row, variant),
             row->disturbed ? "true" : "false");

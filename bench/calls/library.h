@@ -57,6 +57,7 @@ struct conventions {
                    double *result);
     double bound;                  /* largest relative error of a result */
     const char *calls[ALGORITHMS]; /* what is timed, in a line */
+    const char *build;             /* compiler and flags of what is timed */
 };
 
 /* A library, for one scalar and variant. */

@@ -285,12 +285,13 @@ const conventions others = {size,
                              "ChainDynParam::JntToMass (chains only)", nullptr,
                              "ChainFdSolver_RNE::CartToJnt (chains only; mass matrix and L'DL, no ABA)",
                              nullptr, nullptr, nullptr, "ChainJntToJacSolver::JntToJac (chains only)",
-                             nullptr, nullptr, nullptr, nullptr, nullptr}};
+                             nullptr, nullptr, nullptr, nullptr, nullptr},
+                            PEER_BUILD};
 
 } // namespace
 
 extern "C" {
-extern const struct library library_kdl;
+PEER extern const struct library library_kdl;
 const struct library library_kdl = {"KDL",
                                     PEER_VERSION,
                                     "double",

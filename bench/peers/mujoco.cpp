@@ -250,12 +250,13 @@ const conventions others = {
      "mj_kinematics, mj_comPos, mj_crb, mj_fullM", nullptr,
      "mj_kinematics, mj_comPos, mj_crb, mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
      nullptr, nullptr, nullptr, "mj_kinematics, mj_comPos, mj_jacBody", nullptr, nullptr, nullptr, nullptr,
-     nullptr}};
+     nullptr},
+    PEER_BUILD};
 
 } // namespace
 
 extern "C" {
-extern const struct library library_mujoco;
+PEER extern const struct library library_mujoco;
 const struct library library_mujoco = {"MuJoCo",
                                        PEER_VERSION,
                                        "double",

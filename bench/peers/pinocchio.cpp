@@ -133,11 +133,6 @@ void model_free(const void *p) { static_cast<model *>(const_cast<void *>(p))->~m
 
 // ---- work ----
 
-void *aligned(void *memory) {
-    const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(memory);
-    return reinterpret_cast<void *>((address + 63) / 64 * 64);
-}
-
 rbd_status work_init(const void *p, void *memory, size_t, void **out) {
     *out = new (aligned(memory)) work(*static_cast<const model *>(p));
     return RBD_OK;
@@ -267,6 +262,7 @@ conventions make_conventions() {
     c.state = convert_state;
     c.result = convert_result;
     c.bound = 1e-10;
+    c.build = PEER_BUILD;
     c.calls[ID] = "rnea";
     c.calls[MM] = "crba, WORLD convention: one triangle";
     c.calls[FD] = "aba, WORLD convention";
@@ -317,6 +313,6 @@ library make_library() {
 } // namespace
 
 extern "C" {
-extern const struct library library_pinocchio;
+PEER extern const struct library library_pinocchio;
 const struct library library_pinocchio = make_library();
 }

@@ -193,12 +193,13 @@ const conventions others = {
     convert_result,
     1e-10,
     {"InverseDynamics", "CompositeRigidBodyAlgorithm", nullptr, "ForwardDynamics (ABA)", nullptr, nullptr,
-     nullptr, "CalcPointJacobian6D with the kinematics", nullptr, nullptr, nullptr, nullptr, nullptr}};
+     nullptr, "CalcPointJacobian6D with the kinematics", nullptr, nullptr, nullptr, nullptr, nullptr},
+    PEER_BUILD};
 
 } // namespace
 
 extern "C" {
-extern const struct library library_rbdl;
+PEER extern const struct library library_rbdl;
 const struct library library_rbdl = {"RBDL",
                                      PEER_VERSION,
                                      "double",

@@ -4,10 +4,20 @@
 #ifndef PEERS_TREE_HPP
 #define PEERS_TREE_HPP
 
+#include <cstdint>
 #include <cstdio>
 #include <vector>
 #include "../calls/library.h"
 #include "algebra.hpp"
+
+// Before what an adapter gives: all else of it stays within it.
+#define PEER __attribute__((visibility("default")))
+
+// The first place for an object of Eigen's in memory that has 64 bytes to spare.
+inline void *aligned(void *memory) {
+    const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(memory);
+    return reinterpret_cast<void *>((address + 63) / 64 * 64);
+}
 
 struct tree {
     std::vector<rbd_body> bodies;

@@ -211,7 +211,7 @@ class Staleness(unittest.TestCase):
     def kept(self, folder, machines, again=False):
         """What is left of a report in the folder."""
         options = type("options", (), {"output": folder, "samples": 1, "experiments": 1, "quick": False,
-                                       "counters": "auto", "again": again})
+                                       "counters": "auto", "again": again, "cxx": None, "robcogen": ""})
         report.prepare(options, machines)
         return sorted(n for n in os.listdir(folder) if n.endswith(".csv"))
 
@@ -229,6 +229,10 @@ class Staleness(unittest.TestCase):
                 self.assertEqual(self.kept(folder, {"gcc": self.MACHINE}), everything)
                 self.assertEqual(self.kept(folder, {"gcc": other}), ["times-clang-19.csv"])
                 self.assertEqual(self.kept(folder, {"clang-19": self.MACHINE}, again=True), [])
+
+    def test_the_least_round_of_a_row_counts(self):
+        rows = lambda *times: [{"algorithm": str(i), "min_ns": t} for i, t in enumerate(times)]
+        self.assertEqual(report.least_of([rows("9.5", "10"), rows("11", "8")]), rows("9.5", "8"))
 
     def test_the_machine_is_what_the_bench_says(self):
         program, report.bench = report.bench, lambda *_: os.path.join(PROGRAMS, "rbd-bench")
@@ -365,9 +369,20 @@ class Page(unittest.TestCase):
         ours, peer = figures.Bar("a", "A", "rbd", "run-time"), figures.Bar("b", "B", "KDL", "run-time")
         for height, log, rows in ((40, False, [[ours, peer], [ours]]), (3, False, [[ours, peer]]),
                                   (40, True, [[ours, peer]])):
+            rows = [(bars, figures.ALGORITHMS) for bars in rows]
             value = lambda bar, *_: [0.5, 0.5] if bar is ours else [height / 2, height / 2]
             self.assertEqual(figures.Bars(data, [ours, peer], ["x", "y"], value, "", log).rows(), rows)
-        self.assertEqual(figures.Bars(data, [ours], ["x"], lambda *_: None, "").rows(), [[ours]])
+        self.assertEqual(figures.Bars(data, [ours], ["x"], lambda *_: None, "").rows(), [([ours], figures.ALGORITHMS)])
+
+    def test_other_algorithms_have_rows_of_panels(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "times-gcc.csv"), "w", newline="") as f:
+                csv.writer(f).writerows([Schemas.COLUMNS, *(
+                    [library, "1", "gcc", "double", "iiwa", algorithm, 1, 1, time, 0, time, 0, 0, "run-time", 0]
+                    for algorithm in ("id", "did", "minv") for library, time in (("rbd", 100), ("Pinocchio", 250)))])
+            data = Data(folder, ["gcc"])
+            self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["did", "dfd", "minv"]])
+            self.assertEqual(page.ratios_table(data)[2], ["Pinocchio", "2.50", "–", "–", "2.50", "–", "2.50"])
 
     def test_without_counts_there_are_only_times(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -5,7 +5,7 @@
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
     library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl,
-    library_pinocchio, library_rbdl;
+    library_pinocchio, library_rbdl, library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -26,6 +26,15 @@ const struct library *const libraries[LIBRARIES] = {
 #endif
 #ifdef BENCH_PINOCCHIO
     [PINOCCHIO] = &library_pinocchio,
+#endif
+#ifdef BENCH_ROBCOGEN_IIWA
+    [ROBCOGEN_IIWA] = &library_robcogen_iiwa,
+#endif
+#ifdef BENCH_ROBCOGEN_HYQ
+    [ROBCOGEN_HYQ] = &library_robcogen_hyq,
+#endif
+#ifdef BENCH_ROBCOGEN_ATLAS
+    [ROBCOGEN_ATLAS] = &library_robcogen_atlas,
 #endif
 #ifdef BENCH_QUAD
     [QUAD] = &library_quad,
@@ -53,7 +62,7 @@ const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL
 const char *const variant_names[] = {
     [RUN_TIME] = "run-time", [COMPILE_TIME] = "compile-time", [LANES] = "lanes", [THREADS] = "threads", NULL};
 
-const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", NULL};
+const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", "robcogen", NULL};
 
 bool library_is_ours(const struct library *library) { return !library->conventions; }
 

@@ -40,8 +40,6 @@ int check_run(const struct check *c, int algorithm, struct states s, double *out
     return 0;
 }
 
-static bool is_matrix(int algorithm) { return algorithm == MM || algorithm == MM_PACKED; }
-
 static void unpack(const struct check *c, const double *H, double *M) {
     const int nv = c->robot->nv;
     for (int i = 0; i < nv; i++) {

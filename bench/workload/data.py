@@ -5,6 +5,9 @@ import math
 import os
 
 ALGORITHMS = [("id", "inverse dynamics"), ("mm", "mass matrix"), ("fd", "forward dynamics")]
+# Beside the paper's three: a row of panels each in the figures.
+MORE = [[("did", "derivatives of inverse dynamics"), ("dfd", "derivatives of forward dynamics"), ("minv", "M^-1")],
+        [("jacobian", "Jacobian"), ("momentum_matrix", "momentum matrix"), ("regressor", "regressor")]]
 ROBOTS = [("iiwa", "iiwa"), ("hyq", "HyQ"), ("atlas", "Atlas")]
 
 
@@ -23,7 +26,10 @@ class Bar:
 RUN_TIME = Bar("run-time", "rbd with a run-time model", "rbd", "run-time")
 OURS = [RUN_TIME, Bar("compile-time", "rbd with a compile-time model", "rbd", "compile-time"),
         Bar("lanes", "rbd by lanes", "rbd", "lanes")]
-PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time")]
+PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time"),
+         Bar("RBDL", "RBDL", "RBDL", "run-time"), Bar("Pinocchio", "Pinocchio", "Pinocchio", "run-time"),
+         Bar("RobCoGen", "RobCoGen", "RobCoGen", "compile-time"),
+         Bar("RBD.jl", "RigidBodyDynamics.jl", "RigidBodyDynamics.jl", "run-time")]
 
 
 def read(path):
@@ -56,6 +62,8 @@ class Data:
         self.ours = [b for b in OURS if any(b.fits(r) for r in rows)]
         self.bars = self.ours + self.peers
         self.robots = [r for r in ROBOTS if any(row["robot"] == r[0] for row in rows)]
+        timed = {row["algorithm"] for row in rows}
+        self.groups = [ALGORITHMS] + [g for g in MORE if timed & {a for a, _ in g}]
         self.index = {}
         for c in compilers:
             for row in self.counts[c]:
@@ -122,10 +130,10 @@ class Data:
         return [Bar(n, "rbd by lanes on %s threads" % n.split()[1], "rbd", n) for n in names]
 
 
-def ratios(data, value, bar, reference):
+def ratios(data, value, bar, reference, algorithms=ALGORITHMS):
     """value(bar, robot, algorithm) / value(reference, ...) wherever both are known, with their places."""
     found = []
-    for algorithm, _ in ALGORITHMS:
+    for algorithm, _ in algorithms:
         for robot, _ in data.robots:
             a, b = value(bar, robot, algorithm), value(reference, robot, algorithm)
             if a is not None and b:

@@ -28,8 +28,8 @@ def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8, ro
     data_file = os.path.join(folder, name + ".dat")
     with open(data_file, "w") as f:
         f.write(data)
-    for kind, terminal in (("svg", "svg size 1200,%d font 'Helvetica,13' background '#ffffff'" % (470 * rows)),
-                           ("png", "pngcairo size 1500,%d font 'Helvetica,14' background '#ffffff'" % (590 * rows))):
+    for kind, terminal in (("svg", "svg size 1560,%d font 'Helvetica,13' background '#ffffff'" % (470 * rows)),
+                           ("png", "pngcairo size 1950,%d font 'Helvetica,14' background '#ffffff'" % (590 * rows))):
         head = HEAD.format(terminal=terminal, output=os.path.join(folder, "%s.%s" % (name, kind)), panels=panels,
                            title=title, top=top, bottom=bottom, rows=rows)
         text = head + script.replace("DATA", data_file) + "unset multiplot\n"
@@ -60,30 +60,37 @@ class Bars:
     """Clusters of (stacked) bars: a panel for each algorithm, a cluster for each robot, a bar for each library.
     Where others' bars would dwarf rbd's, a second row of panels has rbd's alone."""
 
-    def __init__(self, data, bars, parts, value, ylabel, log=False, disturbed=None):
+    def __init__(self, data, bars, parts, value, ylabel, log=False, disturbed=None, groups=(ALGORITHMS,)):
         """parts: names of what is stacked; value(bar, robot, algorithm) gives as many numbers, or None.
         log: whether the axis is logarithmic; then there is one part only. disturbed(bar, robot, algorithm):
-        whether the bar gets a star."""
+        whether the bar gets a star. groups: the algorithms of each row of panels."""
+        self.groups = groups
         self.data, self.bars, self.parts, self.value = data, bars, parts, value
         self.ylabel, self.log = ylabel, self.decade_below() if log else None
         self.disturbed = disturbed or (lambda *cell: False)
 
     def rows(self):
-        """The bars of each row of panels."""
+        """The bars and the algorithms of each row of panels."""
         ours = [b for b in self.bars if b.library == "rbd"]
-        alone = not self.log and ours and self.highest(self.bars) > DWARFED * self.highest(ours)
-        return [self.bars] + ([ours] if alone else [])
+        rows = []
+        for group in self.groups:
+            rows.append((self.bars, group))
+            if not self.log and ours and self.highest(self.bars, group) > DWARFED * self.highest(ours, group):
+                rows.append((ours, group))
+        return rows
 
-    def highest(self, bars):
-        found = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
-                 for algorithm, _ in ALGORITHMS]
-        return max((sum(f) for f in found if f), default=0)
+    def found(self, bars, group):
+        values = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
+                  for algorithm, _ in group]
+        return [v for v in values if v]
+
+    def highest(self, bars, group):
+        return max((sum(f) for f in self.found(bars, group)), default=0)
 
     def decade_below(self):
         """The power of ten below the least number of all panels."""
-        found = [self.value(bar, robot, algorithm) for bar in self.bars for robot, _ in self.data.robots
-                 for algorithm, _ in ALGORITHMS]
-        return 10.0 ** math.floor(math.log10(min(f[0] for f in found if f) * 0.8))
+        least = min(f[0] for group in self.groups for f in self.found(self.bars, group))
+        return 10.0 ** math.floor(math.log10(least * 0.8))
 
     def panel(self, algorithm, shown, blocks):
         """Appends a block of data for each part; returns ticks, labels of clusters, labels of bars, the end of the
@@ -116,19 +123,19 @@ class Bars:
 
     def draw(self, folder, name, title):
         blocks, script, rows = [], "", self.rows()
-        for row, shown in enumerate(rows):
-            script += self.row(row, shown, blocks, len(rows))
+        for row, (shown, group) in enumerate(rows):
+            script += self.row(row, shown, group, blocks, len(rows))
         run_gnuplot(script, "\n\n".join(blocks), folder, name, title, len(ALGORITHMS),
                     5 if len(self.parts) > 1 else 3.5, rows=len(rows))
 
-    def row(self, row, shown, blocks, rows):
+    def row(self, row, shown, group, blocks, rows):
         """The script for a row of panels, whose data it appends to the blocks."""
         script = ""
-        for column, (algorithm, panel_title) in enumerate(ALGORITHMS):
+        for column, (algorithm, panel_title) in enumerate(group):
             first = len(blocks)
             ticks, clusters, marks, end, top = self.panel(algorithm, shown, blocks)
             script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % (
-                panel_title + (", rbd alone" if row else ""))
+                panel_title + (", rbd alone" if shown is not self.bars else ""))
             script += "set xrange [-1:%g]\n" % end
             script += "set xtics rotate by 90 right font ',11' (%s) scale 0\n" % ", ".join(ticks)
             script += "set ylabel \"%s\"\n" % (self.ylabel if column == 0 else "")

@@ -5,7 +5,7 @@ import os
 
 import figures
 import words
-from data import ALGORITHMS, RUN_TIME
+from data import ALGORITHMS, RUN_TIME, mean, ratios
 
 
 class Figure:
@@ -13,8 +13,8 @@ class Figure:
         self.name, self.title, self.caption, self.draw, self.text = name, title, caption, draw, text
 
 
-def bars(data, which, parts, value, ylabel, log=False, disturbed=None):
-    return lambda folder, name, title: figures.Bars(data, which, parts, value, ylabel, log, disturbed).draw(
+def bars(data, which, parts, value, ylabel, log=False, disturbed=None, groups=(ALGORITHMS,)):
+    return lambda folder, name, title: figures.Bars(data, which, parts, value, ylabel, log, disturbed, groups).draw(
         folder, name, title)
 
 
@@ -28,7 +28,7 @@ def figures_of(data):
     add("fig2_time", "Figure 2: time per state",
         "Microseconds per state, the least of the experiments, on a logarithmic axis. A dash: the library lacks this."
         + STAR,
-        bars(data, data.bars, ["time"], f.times(data), "microseconds", True, data.disturbed), words.times(data))
+        bars(data, data.bars, ["time"], f.times(data), "microseconds", True, data.disturbed, data.groups), words.times(data))
     counts(data, add)
     if data.scaling[data.main]:
         add("throughput", "Throughput", "States per second by calls of one state, by lanes and on threads; "
@@ -73,7 +73,8 @@ def rate(data, hardware, add):
         "No cycle counter here: instructions of the -march=haswell build by valgrind, over the time of that build. "
         "Divided by the clock in GHz they are the instructions per cycle." + STAR,
         bars(data, data.bars, ["rate"], figures.rate(data), "instructions / " + ("cycle" if hardware else "ns"),
-             disturbed=None if hardware else figures.disturbed_rate(data)),
+             disturbed=None if hardware else figures.disturbed_rate(data),
+             groups=data.groups),
         words.rate(data))
 
 
@@ -83,14 +84,14 @@ def kinds(data, hardware, add):
         "By %s; %s." % ("hardware counters" if hardware else "valgrind", AGAINST),
         bars(data, data.bars, ["loads", "stores", "branches", "others"],
              f.counts_of(data, ["loads", "stores", "branches", f.other_instructions(data)], f.instructions(data)),
-             "instructions / rbd's"), words.kinds(data))
+             "instructions / rbd's", groups=data.groups), words.kinds(data))
 
 
 def cycles(data, hardware, add):
     names, parts, total = figures.cycle_parts(data)
     add("fig5_cycles", "Figure 5: cycles" + ("" if hardware else " by a model"),
         "By %s; %s." % ("hardware counters" if hardware else "callgrind's estimate, not a measurement", AGAINST),
-        bars(data, data.bars, names, figures.counts_of(data, parts, total), "cycles / rbd's"), words.cycles(data))
+        bars(data, data.bars, names, figures.counts_of(data, parts, total), "cycles / rbd's", groups=data.groups), words.cycles(data))
 
 
 def widths(data, hardware, add):
@@ -99,7 +100,8 @@ def widths(data, hardware, add):
     names = ["scalar", "128 bits", "256 bits"] + (["512 bits"] if wide else [])
     add("fig6_fp", "Figure 6: floating-point operations by width", "By %s, an FMA as two; %s." % (
         "FP_ARITH events" if hardware else "valgrind and disassembly", AGAINST),
-        bars(data, data.bars, names, figures.counts_of(data, counters, figures.fp_total(data)), "operations / rbd's"),
+        bars(data, data.bars, names, figures.counts_of(data, counters, figures.fp_total(data)), "operations / rbd's",
+             groups=data.groups),
         words.widths(data))
 
 
@@ -108,7 +110,7 @@ def caches(data, hardware, add):
     add("fig7_l1", "Figure 7: L1 data cache, hits and misses",
         "By %s; %s." % ("hardware counters" if hardware else "valgrind's simulated cache", AGAINST),
         bars(data, data.bars, ["hits", "misses"],
-             f.counts_of(data, [f.l1_hits(data), "l1d_misses"], f.l1_total(data)), "accesses / rbd's"),
+             f.counts_of(data, [f.l1_hits(data), "l1d_misses"], f.l1_total(data)), "accesses / rbd's", groups=data.groups),
         words.caches(data))
 
 
@@ -116,7 +118,7 @@ def caches(data, hardware, add):
 
 def times_table(data):
     rows = [["algorithm", "robot"] + [b.title for b in data.bars]]
-    for a, title in ALGORITHMS:
+    for a, title in sum(data.groups, []):
         for r, robot in data.robots:
             cells = []
             for bar in data.bars:
@@ -125,6 +127,19 @@ def times_table(data):
                 star = "*" if data.disturbed(bar, r, a) else ""
                 cells.append("–" if t is None else words.number(t) + star + ratio)
             rows.append([title, robot] + cells)
+    return rows
+
+
+def ratios_table(data):
+    """Of each library against the run-time model, the geometric mean over the robots that it has."""
+    rows = [["time / rbd's", *[title for _, title in sum(data.groups, [])]]]
+    for bar in data.bars:
+        cells = []
+        for algorithm in sum(data.groups, []):
+            found = ratios(data, data.time, bar, RUN_TIME, [algorithm])
+            few = " (%s)" % ", ".join(words.ROBOT[f[1]] for f in found) if len(found) < len(data.robots) else ""
+            cells.append(words.number(mean([f[0] for f in found])) + few if found else "–")
+        rows.append([bar.title, *cells])
     return rows
 
 
@@ -225,6 +240,10 @@ def write(data, folder, facts, notes):
         form.table(times_table(data))
         if words.disturbed(data):
             form.paragraph("* " + words.disturbed(data))
+        form.title("Ratios", 2)
+        form.paragraph("Time as a multiple of the run-time model's: the geometric mean over the robots, or over those "
+                       "named. What a row computes and what it leaves out is in bench/peers/README.md.")
+        form.table(ratios_table(data))
         robot = data.robots[0]
         form.title("The three sources side by side", 2)
         form.paragraph("rbd's run-time model, %s, inverse dynamics, double." % robot[1])

@@ -18,7 +18,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import callgrind  # noqa: E402
 import page  # noqa: E402
-from data import Data  # noqa: E402
+from data import Data, read  # noqa: E402
 
 CALLGRIND = ["valgrind", "--command-line-only=yes", "--tool=callgrind", "--cache-sim=yes", "--branch-sim=yes",
              "--dump-instr=yes", "--compress-pos=no", "--compress-strings=no", "--collect-atstart=no",
@@ -46,6 +46,9 @@ def options():
                    help="where counts come from (default auto: all that this machine offers)")
     p.add_argument("--compilers", default="", metavar='"A B"',
                    help="compilers to build rbd with; the figures show the first (default: gcc and the newest clang)")
+    p.add_argument("--cxx", metavar="COMPILER",
+                   help="compiler of the other libraries' sources (default: the newest clang++, else that of rbd's make)")
+    p.add_argument("--robcogen", default="", metavar="FOLDER", help="what RobCoGen generated: bench/peers/README.md")
     p.add_argument("--samples", type=int, help="random states of a timed experiment (default 2000)")
     p.add_argument("--experiments", type=int, help="how often they are timed (default 50)")
     p.add_argument("--quick", action="store_true", help="1000 states, 10 experiments, 64 states under valgrind")
@@ -82,13 +85,13 @@ def sources():
     for folder, folders, names in os.walk(os.path.join(ROOT, "bench")):
         folders[:] = [f for f in folders if f not in ("firmware", "results", "tests", "__pycache__")]
         found += [os.path.join(folder, name) for name in names
-                  if name.endswith((".c", ".h", ".cpp", ".hpp", ".build")) or name == "callgrind.py"]
+                  if name.endswith((".c", ".h", ".cpp", ".hpp", ".jl", ".build")) or name == "callgrind.py"]
     return sorted(found)
 
 
 def fingerprint(o, machine):
     """Of the sources and options that results depend on, and of the machine as machine_of has it."""
-    h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters, machine]).encode())
+    h = hashlib.sha256(json.dumps([o.samples, o.experiments, o.quick, o.counters, o.cxx, o.robcogen, machine]).encode())
     for path in sources():
         with open(path, "rb") as f:
             h.update(os.path.relpath(path, ROOT).encode() + f.read())
@@ -154,8 +157,11 @@ def folder_of(o, compiler, march):
     return os.path.join(o.output, "build-%s-%s" % (compiler, march))
 
 
-def cpp_of(compiler):
-    """The C++ compiler of the same make, if it is there."""
+def cpp_of(o, compiler):
+    """The C++ compiler that is asked for; else clang's, which does best by Pinocchio; else that of the same make."""
+    for name in [o.cxx] if o.cxx else ["clang++-19", "clang++-16", "clang++"]:
+        if shutil.which(name):
+            return name
     name = compiler.replace("gcc", "g++").replace("clang", "clang++")
     return (name != compiler and shutil.which(name)) or shutil.which("g++") or "c++"
 
@@ -170,28 +176,64 @@ def program(o, compiler, march, name):
         folder = folder_of(o, compiler, march)
         progress("report: building %s with %s, -march=%s " % (name, compiler, march))
         if not os.path.exists(os.path.join(folder, "build.ninja")):
-            configure(folder, compiler, march)
+            configure(o, folder, compiler, march)
         call(["ninja", "-C", folder, "bench/" + name])
         BUILT[key] = os.path.join(folder, "bench", name)
     return BUILT[key]
 
 
-def configure(folder, compiler, march):
+def configure(o, folder, compiler, march):
     shutil.rmtree(folder, ignore_errors=True)
     if platform.machine() not in ("x86_64", "amd64"):
         march = "native"
     call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled",
-          "-Durdf=disabled", "-Dbench_march=" + march], env={"CC": compiler, "CXX": cpp_of(compiler)})
+          "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen],
+         env={"CC": compiler, "CXX": cpp_of(o, compiler)})
 
 
 def bench(o, compiler, march):
     return program(o, compiler, march, "rbd-bench")
 
 
+ROUNDS = 2
+
+
 def times(o, compiler, march, path, *more):
-    command = [bench(o, compiler, march), "--samples", str(o.samples), "--experiments", str(o.experiments),
-               "--format", "csv", "--output", path]
-    progress_of(command + list(more))
+    """Each library in a process of its own, in turns: a round for a part of the experiments."""
+    rounds = []
+    for i in range(min(ROUNDS, o.experiments)):
+        share = o.experiments * (i + 1) // ROUNDS - o.experiments * i // ROUNDS
+        rounds.append([])
+        for library in libraries(o, compiler):
+            part = "%s.%s" % (path, library)
+            progress_of([bench(o, compiler, march), "--library", library, "--samples", str(o.samples), "--experiments",
+                         str(max(share, 1)), "--format", "csv", "--output", part, *more])
+            rounds[-1] += read(part)
+            os.remove(part)
+    write_rows(path, least_of(rounds) + (julia_rows(o) if march == "native" else []))
+
+
+def julia_rows(o):
+    """Of RigidBodyDynamics.jl, where Julia and the package are."""
+    package = ["julia", "--startup-file=no", "-e", "using RigidBodyDynamics"]
+    if not shutil.which("julia") or subprocess.run(package, capture_output=True).returncode != 0:
+        return []
+    done = subprocess.run(["julia", "--startup-file=no", "-O3", "--check-bounds=no",
+                           os.path.join(ROOT, "bench", "peers", "rigid_body_dynamics.jl"), os.path.join(ROOT, "models"),
+                           str(o.samples), str(o.experiments)], capture_output=True, text=True)
+    return rows_of(done) if done.returncode == 0 else die("failed: rigid_body_dynamics.jl: " + done.stderr)
+
+
+def least_of(rounds):
+    """Of each row the round with the least minimum."""
+    return [min(same, key=lambda row: float(row["min_ns"])) for same in zip(*rounds)]
+
+
+def write_rows(path, rows):
+    with open(path, "w", newline="") as f:
+        writer = csv.DictWriter(f, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def progress_of(command):
@@ -213,19 +255,36 @@ def valgrind_counts(o, compiler, path):
     os.remove(raw)
 
 
+def short_run(o, compiler, *more):
+    """rbd-bench on little, in all libraries."""
+    return subprocess.run([bench(o, compiler, "native"), "--robot", "iiwa", "--algorithm", "id", "--samples", "1000",
+                           "--experiments", "1", *more], capture_output=True, text=True)
+
+
+def rows_of(done):
+    return list(csv.DictReader(done.stdout.splitlines()))
+
+
+LIBRARIES = {}  # compiler: names of those that its build has, as on the command line
+
+
+def libraries(o, compiler):
+    if compiler not in LIBRARIES:
+        rows = rows_of(short_run(o, compiler, "--format", "csv"))
+        LIBRARIES[compiler] = list(dict.fromkeys(row["library"].lower() for row in rows))
+    return LIBRARIES[compiler]
+
+
 def machine_of(o, compiler):
     """What rbd-bench finds here: libraries, compiler, counters, and what it says of hardware counters, which is
     empty if they count; and the processor."""
-    short = [bench(o, compiler, "native"), "--robot", "iiwa", "--algorithm", "id", "--variant", "run-time",
-             "--samples", "1000", "--experiments", "1"]
-    run = lambda *more: subprocess.run(short + list(more), capture_output=True, text=True)
-    rows = lambda done: list(csv.DictReader(done.stdout.splitlines()))
-    timed, counted = run("--format", "csv"), run("--count", "perf", "--library", "rbd")
+    timed = short_run(o, compiler, "--format", "csv")
+    counted = short_run(o, compiler, "--count", "perf", "--library", "rbd", "--variant", "run-time")
     if timed.returncode or counted.returncode:
         die((timed.stderr or counted.stderr).strip())
-    return {"cpu": cpu(), "libraries": sorted({"%s %s" % (r["library"], r["version"]) for r in rows(timed)}),
-            "compiler": sorted({r["compiler"] for r in rows(timed)}),
-            "counters": sorted({r["counter"] for r in rows(counted)}),
+    return {"cpu": cpu(), "libraries": sorted({"%s %s" % (r["library"], r["version"]) for r in rows_of(timed)}),
+            "compiler": sorted({r["compiler"] for r in rows_of(timed)}),
+            "counters": sorted({r["counter"] for r in rows_of(counted)}),
             "message": counted.stderr.strip().replace("rbd-bench: ", "")}
 
 
@@ -269,9 +328,11 @@ def cpu():
 
 
 def facts(o, data):
-    versions = {}
+    versions, builds = {}, {}
     for row in data.times[data.main]:
         versions[row["library"]] = row["version"]
+        if row["library"] != "rbd":
+            builds.setdefault(row["compiler"], {})[row["library"]] = None
     now = datetime.datetime.now(datetime.timezone.utc)
     lanes = sorted({r["variant"] for r in data.times[data.main] if r["variant"].startswith("lanes")})
     return [
@@ -279,11 +340,12 @@ def facts(o, data):
         ("libraries", ", ".join("%s %s" % item for item in versions.items())),
         ("compilers", "; ".join(first_line([c, "--version"]) for c in o.compilers)),
         ("flags", "-O3 -march=native -ffp-contract=fast; compile-time models also -fno-signed-zeros "
-         "-ffinite-math-only; under valgrind -march=haswell, which has no AVX-512; other libraries as Debian built "
-         "them"),
+         "-ffinite-math-only; under valgrind -march=haswell, which has no AVX-512"),
+        ("flags of others", "; ".join("%s: %s" % (", ".join(names), build) for build, names in builds.items()) or "–"),
         ("lanes", ", ".join(lanes) + " (double and float); under valgrind those of AVX2" if lanes else "–"),
         ("tools", "%s; %s" % (first_line(["valgrind", "--version"]), first_line(["gnuplot", "--version"]))),
-        ("states", "%d per robot, different at each call, %d experiments; gravity off" % (o.samples, o.experiments)),
+        ("states", "%d per robot, different at each call, %d experiments, each library in a process of its own, in turns; "
+         "gravity off" % (o.samples, o.experiments)),
         ("command", "./run report " + " ".join(sys.argv[1:])), ("date", now.strftime("%Y-%m-%d %H:%M UTC")),
     ]
 
