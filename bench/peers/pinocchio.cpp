@@ -164,8 +164,8 @@ rbd_status set_gravity(void *w, const double gravity[3]) {
     }
 
 CALL(id, pinocchio::rnea(m, d, q, v, x))
-CALL(mm, pinocchio::crba(m, d, q, pinocchio::Convention::WORLD))
-CALL(fd, pinocchio::aba(m, d, q, v, x, pinocchio::Convention::WORLD))
+CALL(mm, pinocchio::crba(m, d, q, pinocchio::Convention::LOCAL))
+CALL(fd, pinocchio::aba(m, d, q, v, x, pinocchio::Convention::LOCAL))
 CALL(minv, pinocchio::computeMinverse(m, d, q))
 CALL(jacobian, pinocchio::computeFrameJacobian(m, d, q, w->last, pinocchio::LOCAL_WORLD_ALIGNED, w->J))
 CALL(momentum_matrix, pinocchio::computeCentroidalMap(m, d, q))
@@ -264,8 +264,8 @@ conventions make_conventions() {
     c.bound = 1e-10;
     c.build = PEER_BUILD;
     c.calls[ID] = "rnea";
-    c.calls[MM] = "crba, WORLD convention: one triangle";
-    c.calls[FD] = "aba, WORLD convention";
+    c.calls[MM] = "crba, LOCAL convention: one triangle";
+    c.calls[FD] = "aba, LOCAL convention";
     c.calls[MINV] = "computeMinverse: one triangle";
     c.calls[JACOBIAN] = "computeFrameJacobian, LOCAL_WORLD_ALIGNED: the chain of that body alone";
     c.calls[MOMENTUM_MATRIX] = "computeCentroidalMap";
