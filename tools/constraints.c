@@ -90,10 +90,14 @@ static int read_all(csv *table, const rbd_model *m, rbd_constraint **list) {
     return status < 0 ? -1 : n;
 }
 
-int constraints_read(const char *path, const rbd_model *m, rbd_constraint **list) {
+int constraints_read(const char *path, const rbd_model *m, rbd_work *w, rbd_constraint **list, void **memory,
+                     rbd_constraints **c) {
     csv table = {0};
+    rbd_report report;
+    char text[200];
+    size_t size;
     int n;
-    *list = NULL;
+    *list = NULL, *memory = NULL;
     table.name = path;
     table.from = fopen(path, "r");
     if (!table.from) {
@@ -103,5 +107,11 @@ int constraints_read(const char *path, const rbd_model *m, rbd_constraint **list
     n = read_all(&table, m, list);
     fclose(table.from);
     csv_free(&table);
-    return n;
+    if (n < 0) return -1;
+    size = rbd_constraints_size(m, *list, n);
+    *memory = allocate(size + 1, 1);
+    if (rbd_constraints_init(m, w, *list, n, *memory, size, c, &report) == RBD_OK) return n;
+    fprintf(stderr, "%s: %s: %s\n", program, path,
+            rbd_constraint_finding_text(&report.error, text, sizeof text));
+    return -1;
 }

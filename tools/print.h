@@ -2,12 +2,14 @@
 #ifndef TOOLS_PRINT_H
 #define TOOLS_PRINT_H
 
+#include "rbd_constraints.h"
 #include "robot.h"
 
 void print_summary(const robot *r);
 void print_c(const robot *r, const char *name);         /* the description as a C table */
 void print_c_model(const robot *r, const char *name);   /* the built model as a C table */
 void print_c_indices(const robot *r, const char *name); /* what both begin with: sizes, and indices by name */
+void print_c_constraints(const robot *r, const char *name, const rbd_constraint *list, int n);
 void print_urdf(const robot *r);
 void print_dot(const robot *r);
 

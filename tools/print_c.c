@@ -102,3 +102,48 @@ void print_c(const robot *r, const char *name) {
     for (int i = 0; i < r->urdf.nb; i++) print_body(&r->urdf.bodies[i], i, r->urdf.bodies);
     printf("};\n/* clang-format on */\n\n#endif\n");
 }
+
+static void print_frame(const rbd_constraint *k, int second, const rbd_body *bodies) {
+    const int body = second ? k->body2 : k->body1;
+    printf("     ");
+    numbers(second ? k->rotation2 : k->rotation1, 9);
+    printf(", ");
+    numbers(second ? k->position2 : k->position1, 3);
+    printf(", /* ");
+    print_in_comment(body < 0 ? "world" : bodies[body].name ? bodies[body].name : "nameless");
+    printf(" */\n");
+}
+
+/* A table of constraints, for rbd_constraints_init. */
+void print_c_constraints(const robot *r, const char *name, const rbd_constraint *list, int n) {
+    int rows = 0;
+    for (int i = 0; i < 6 * n; i++) rows += list[i / 6].axes[i % 6];
+    printf("\n#ifndef ");
+    print_upper(name);
+    printf("_CONSTRAINTS_H\n#define ");
+    print_upper(name);
+    printf("_CONSTRAINTS_H\n"
+           "#include \"rbd_constraints.h\"\n\n"
+           "/* clang-format off */\n"
+           "/* A row: {name, body1, body2,\n"
+           "           rotation1, position1,\n"
+           "           rotation2, position2,\n"
+           "           axes, kp, kd}, as rbd_constraint says. */\n");
+    printf("enum { ");
+    print_upper(name);
+    printf("_CONSTRAINTS = %d, ", n);
+    print_upper(name);
+    printf("_ROWS = %d };\nstatic const rbd_constraint %s_constraints[] = {\n", rows, name);
+    for (int i = 0; i < n; i++) {
+        printf("    {NULL, %d, %d,\n", list[i].body1, list[i].body2);
+        for (int side = 0; side < 2; side++) print_frame(&list[i], side, r->urdf.bodies);
+        printf("     {%d, %d, %d, %d, %d, %d}, ", list[i].axes[0], list[i].axes[1], list[i].axes[2],
+               list[i].axes[3], list[i].axes[4], list[i].axes[5]);
+        number(list[i].kp);
+        printf(", ");
+        number(list[i].kd);
+        printf("},\n");
+    }
+    if (n == 0) printf("    {0}\n");
+    printf("};\n/* clang-format on */\n\n#endif\n");
+}

@@ -246,21 +246,9 @@ static int report_name(const char *option, const char *what, const char *name) {
 /* The set of constraints of a table; returns 0, or EXIT_BAD after a message. */
 static int prepare_constraints(state *s, const char *path, void **memory) {
     rbd_constraint *list;
-    rbd_report report;
-    char text[200];
-    const int n = constraints_read(path, s->m, &list);
-    int status = EXIT_BAD;
-    if (n >= 0) {
-        const size_t size = rbd_constraints_size(s->m, list, n);
-        *memory = allocate(size + 1, 1);
-        status =
-            rbd_constraints_init(s->m, s->w, list, n, *memory, size, &s->c, &report) == RBD_OK ? 0 : EXIT_BAD;
-        if (status != 0)
-            fprintf(stderr, "%s: %s: %s\n", program, path,
-                    rbd_constraint_finding_text(&report.error, text, sizeof text));
-    }
+    const int n = constraints_read(path, s->m, s->w, &list, memory, &s->c);
     free(list);
-    return status;
+    return n < 0 ? EXIT_BAD : 0;
 }
 
 /* Everything of a state but its numbers. Returns 0, or EXIT_BAD after a message. */

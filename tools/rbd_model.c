@@ -1,4 +1,5 @@
 /* rbd-model: looks at a robot's URDF file, and turns it into C tables. SPDX-License-Identifier: MIT */
+#include "constraints.h"
 #include "print.h"
 #include <ctype.h>
 #include <stdio.h>
@@ -17,6 +18,9 @@ static const char help[] =
     "  --urdf              URDF of what dynamics needs, fixed links merged\n"
     "  --dot               the tree, for Graphviz: rbd-model --dot FILE | dot -Tsvg\n"
     "  --check             nothing: only the messages and the exit status\n"
+    "  --constraints FILE  with --c or --c-model: NAME_constraints too, a C table for rbd_constraints_init, "
+    "of\n"
+    "                      the table of constraints that rbd-eval reads\n"
     "How the file is read:\n";
 static const char help_end[] =
     "\n"
@@ -27,7 +31,7 @@ typedef enum output { SUMMARY, C, C_MODEL, URDF, DOT, CHECK } output;
 typedef struct options {
     output output;
     const char *name; /* of the C table */
-    const char *path;
+    const char *path, *constraints;
     settings settings;
 } options;
 
@@ -72,6 +76,11 @@ static int read_options(options *o, char **argv) {
             puts("rbd-model " RBD_VERSION);
             return 1 + EXIT_SUCCESS;
         }
+        if (option_is(argv[i], "--constraints")) {
+            o->constraints = option_value(argv, &i);
+            if (!o->constraints) return 1 + EXIT_USAGE;
+            continue;
+        }
         status = read_output(o, argv, &i);
         if (status < 0) status = settings_read(&o->settings, argv, &i);
         if (status < 0 && argv[i][0] == '-' && argv[i][1])
@@ -84,6 +93,8 @@ static int read_options(options *o, char **argv) {
     }
     if (o->settings.urdf.gravity && (o->output == C || o->output == URDF || o->output == DOT))
         return 1 + usage_error("--gravity: only the built model has gravity (--c-model)");
+    if (o->constraints && o->output != C && o->output != C_MODEL)
+        return 1 + usage_error("--constraints: only a C table has them (--c, --c-model)");
     if (!o->path && o->settings.nlock)
         return 1 + usage_error("no file given (--lock takes a joint, --lock-massless nothing)");
     return o->path ? 0 : 1 + usage_error("no file given");
@@ -100,17 +111,35 @@ static void print_output(const options *o, const robot *r) {
     }
 }
 
+/* The constraints of a table, before anything is written; returns how many, or -1 after a message. */
+static int read_constraints(const options *o, const robot *r, rbd_constraint **list) {
+    const size_t size = rbd_work_size(r->model);
+    void *work_memory = allocate(size, 1), *memory = NULL;
+    rbd_constraints *c;
+    rbd_work *w;
+    int n = -1;
+    if (rbd_work_init(r->model, work_memory, size, &w) == RBD_OK)
+        n = constraints_read(o->constraints, r->model, w, list, &memory, &c);
+    free(memory);
+    free(work_memory);
+    return n;
+}
+
 static int run(const options *o) {
     robot r;
-    int status = robot_open(&r, o->path, &o->settings);
+    rbd_constraint *list = NULL;
+    int n = 0, status = robot_open(&r, o->path, &o->settings);
+    if (status == 0 && o->constraints && (n = read_constraints(o, &r, &list)) < 0) status = EXIT_BAD;
     if (status == 0) {
         if (o->output != SUMMARY) robot_print_warnings(&r);
         print_output(o, &r);
+        if (o->constraints) print_c_constraints(&r, o->name, list, n);
         if (fflush(stdout) != 0 || ferror(stdout)) {
             fprintf(stderr, "%s: cannot write the output\n", program);
             status = EXIT_BAD;
         }
     }
+    free(list);
     robot_close(&r);
     return status;
 }

@@ -424,6 +424,34 @@ printf 'body1,x1\npole,0\n' >constraints
 expect 1 "rbd-eval: constraints: row 1: column 'y1' is missing" "$rbd_eval" \
     --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints constraints --layout
 
+# ---- rbd-model: the same tables as C ----
+
+expect 1 "rbd-model: constraints: row 1: column 'y1' is missing" "$rbd_model" "$root/models/cart_pole.urdf" \
+    --c-model held --constraints constraints
+[ -s out ] && fail "a table of a robot without its constraints"
+expect 2 "rbd-model: --constraints: only a C table has them (--c, --c-model); see rbd-model --help" \
+    "$rbd_model" "$root/models/cart_pole.urdf" --check --constraints constraints
+printf '%s\n' "${frames}axes,kp,kd" "pole,0.25,0,0.5,$same,world,0,0,0,$same,000001,7,0" >constraints
+expect 0 "" "$rbd_model" "$root/models/cart_pole.urdf" --c-model held --constraints constraints && cp out held_model.h
+cat >held.c <<'END'
+#define RBD_IMPLEMENTATION
+#include "rbd_constraints.h"
+#include "held_model.h"
+static unsigned char work[HELD_WORK_SIZE], memory[RBD_CONSTRAINTS_SIZE(HELD_NV, HELD_ROWS)];
+int main(void) {
+    const rbd_constraint *k = &held_constraints[0];
+    rbd_work *w;
+    rbd_constraints *c;
+    if (rbd_work_init(&held_model, work, sizeof work, &w)) return 1;
+    if (rbd_constraints_init(&held_model, w, k, HELD_CONSTRAINTS, memory, sizeof memory, &c, NULL)) return 2;
+    return !(HELD_ROWS == 1 && rbd_constraint_rows(c) == 1 && k->body1 == HELD_BODY_POLE && k->body2 == -1 &&
+             k->position1[0] == 0.25 && k->position1[2] == 0.5 && k->axes[5] == 1 && k->axes[4] == 0 && k->kp == 7 &&
+             k->rotation2[8] == 1);
+}
+END
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror -I"$root" -I. held.c -o held -lm && ./held || fail "held_model.h"
+
 for pair in rnea=id crba=mm aba=fd; do
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair%=*}" --layout >a.txt || fail "--algorithm ${pair%=*}"
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair#*=}" --layout >b.txt
