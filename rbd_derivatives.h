@@ -1414,31 +1414,36 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
 /* The same from the first root's, for each run of dofs: place is that of the run before. */
 RBDI_INLINE rbdi_v3 rbdi_offset_of(const rbd_model *m, const rbd_derivatives *d, const rbdi_run *r,
                                    rbdi_v3 offset) {
-    if (r->parent >= 0) return offset;
+    if (r->parent >= 0 || r == d->run) return offset;
     return rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
 }
 
-/* The centre of mass from there, of the bodies as described; 0 without mass. Writes over T. */
+RBDI_INLINE rbd_real rbdi_b_sum(rbdi_batch x) {
+    rbd_real sum = rbdi_zero();
+    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + ((const rbd_real *)&x)[j];
+    return sum;
+}
+
+/* The centre of mass from there, of the bodies as described; 0 without mass. The offsets of all dofs stay in
+   E.f. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_model *m, rbd_derivatives *d) {
-    rbdi_v3 offset = rbdi_vec0(), h = rbdi_vec0();
-    if (!(d->mass > 0)) return h;
-    for (int b = 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-        c->T = rbdi_b_vec(ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m,
-                          ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m,
-                          ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m);
-    }
+    const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
+    rbdi_v3 offset = rbdi_vec0();
+    rbdi_b3 h;
+    rbdi_clear((rbd_real *)&h, 3 * RBDI_BATCH);
     for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
         offset = rbdi_offset_of(m, d, r, offset);
-        for (int k = r->first; k < r->end; ++k) {
-            const rbdi_v3 own = rbdi_load_vec(RBDI_OF(d, k, T));
-            h = rbdi_add(
-                h, rbdi_add(own, rbdi_scale(rbdi_set(rbdi_constants_of(d, k)[16 * RBDI_BATCH]), offset)));
-        }
+        for (int k = r->first; k < r->end; ++k) rbdi_store_vec(RBDI_OF(d, k, E.f), offset);
     }
-    return rbdi_scale(rbdi_set(RBD_C(1) / d->mass), h);
+    for (int b = 0; b < d->batches; ++b) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = rbdi_b_add(c->x, c->E.f);
+        h.x = h.x + ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m;
+        h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
+        h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
+    }
+    return rbdi_scale(share, rbdi_vec(rbdi_b_sum(h.x), rbdi_b_sum(h.y), rbdi_b_sum(h.z)));
 }
 
 /* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
@@ -1451,33 +1456,35 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
                                        const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_v3 com, offset = rbdi_vec0();
     rbdi_force bias = rbdi_force0();
+    rbdi_v3 com;
     if (status) return status;
     if (A_dot_v)
         rbdi_common(m, d, q, v, d->work->zero, none, NULL, RBDI_NEED_WRENCH);
     else
         rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
     com = rbdi_common_com(m, d);
-    rbdi_clear(A, 6 * m->nv);
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
-        rbdi_v3 arm;
-        offset = rbdi_offset_of(m, d, r, offset);
-        arm = rbdi_sub(offset, com);
-        for (int k = r->first; k < r->end; ++k) {
-            const rbdi_force F = rbdi_load_force(RBDI_OF(d, k, F), RBDI_BATCH);
-            rbd_real x[6];
-            rbdi_store(rbdi_add(F.n, rbdi_cross(arm, F.f)), x);
-            rbdi_store(F.f, x + 3);
-            rbdi_add_column(A + d->entry[k].user, m->nv, rbdi_ratio(m, d->entry[k].source), x, 6);
-        }
-        if (A_dot_v && r->parent < 0) {
+    for (const rbdi_run *r = d->run; A_dot_v && r < d->run + d->runs; ++r)
+        if (r->parent < 0) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, r->first, sum.f), RBDI_BATCH);
+            const rbdi_v3 arm = rbdi_sub(rbdi_load_vec(RBDI_OF(d, r->first, E.f)), com);
             bias.n = rbdi_add(bias.n, rbdi_add(F.n, rbdi_cross(arm, F.f)));
             bias.f = rbdi_add(bias.f, F.f);
         }
-    }
     if (A_dot_v) rbdi_store_force(A_dot_v, 1, bias);
+    for (int b = 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_b3 arm = rbdi_b_vec(c->E.f.x - com.x, c->E.f.y - com.y, c->E.f.z - com.z);
+        c->E.n = rbdi_b_cross_add(c->F.n, arm, c->F.f), c->E.f = c->F.f;
+    }
+    if (m->nmimic) rbdi_clear(A, 6 * m->nv);
+    for (int k = 0; k < d->n; ++k) {
+        const rbd_real *F = RBDI_OF(d, k, E);
+        rbd_real *out = A + d->entry[k].user;
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j, out += m->nv)
+            *out =
+                m->nmimic ? *out + rbdi_ratio(m, d->entry[k].source) * F[j * RBDI_BATCH] : F[j * RBDI_BATCH];
+    }
     return RBD_OK;
 }
 
