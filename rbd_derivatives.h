@@ -1768,8 +1768,8 @@ typedef struct rbdi_unit_wrenches {
     rbd_real n[3][10], f[3][10];
 } rbdi_unit_wrenches;
 
-/* In axes and at the origin of a body that moves with omega w, its rate p, and acc of the origin: of m (0; acc);
-   of m c (e x acc; Omega e); of the inertia I p + w x I w. */
+/* In axes and at the origin of a body that moves with omega w, its rate p, and acc of the origin: of m
+   (0; acc); of m c (e x acc; Omega e); of the inertia I p + w x I w. */
 RBDI_INLINE rbdi_unit_wrenches rbdi_body_wrenches(rbdi_v3 w, rbdi_v3 p, rbdi_v3 acc) {
     const rbdi_mat O = rbdi_omega(w, p);
     const rbd_real o = rbdi_zero(), xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;

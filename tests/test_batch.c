@@ -1,6 +1,7 @@
 /* test_batch.c - [batch] of rbd.h, rbd_derivatives.h, rbd_constraints.h: the batch calls of batch.c against
-   the single calls of rbd.c and the reference. Built for several BATCH_LANES, with double and with -DRBD_REAL=float; each is a
-   program of its own. `batch_PROGRAM --errors` also prints the largest difference between both. */
+   the single calls of rbd.c and the reference. Built for several BATCH_LANES, with double and with
+   -DRBD_REAL=float; each is a program of its own. `batch_PROGRAM --errors` also prints the largest difference
+   between both. */
 #include <check.h>
 #include <float.h>
 #include <math.h>
