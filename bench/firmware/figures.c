@@ -79,6 +79,7 @@ CALL(minv, rbd_minverse(m, w, q, out))
 CALL(momentum_matrix, rbd_momentum_matrix(m, d, q, NULL, out, NULL))
 CALL(coriolis, rbd_coriolis(m, d, q, v, out))
 CALL(did, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
+CALL(dfd, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
 #endif
 
 typedef struct algorithm {
@@ -99,6 +100,7 @@ static const algorithm algorithms[] = {
     {"momentum_matrix", momentum_matrix},
     {"coriolis", coriolis},
     {"did", did},
+    {"dfd", dfd},
 #endif
 };
 

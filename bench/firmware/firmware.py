@@ -23,7 +23,8 @@ ROBOTS = ["iiwa", "hyq", "atlas"]
 SMALL = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
          "kinematics": "rbd_kinematics", "jacobian": "rbd_jacobian", "hybrid": "rbd_hybrid", "minv": "rbd_minverse"}
 # Where RAM for Atlas is.
-LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "did": "rbd_rnea_derivatives"}
+LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "did": "rbd_rnea_derivatives",
+         "dfd": "rbd_fd_derivatives"}
 ALGORITHMS = {**SMALL, **LARGE}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
