@@ -92,6 +92,16 @@ static rbd_status run_integrate_derivatives(const state *s, double *out) {
     return rbd_integrate_derivatives(s->m, s->v, 1, out, out + rbd_nv(s->m) * rbd_nv(s->m));
 }
 
+/* Between q and the end of the step v. */
+static rbd_status run_difference_derivatives(const state *s, double *out) {
+    double *next = malloc((size_t)rbd_nq(s->m) * sizeof *next);
+    rbd_status status = next ? rbd_integrate(s->m, s->q, s->v, 1, next) : RBD_ERR_MEMORY;
+    if (status == RBD_OK)
+        status = rbd_difference_derivatives(s->m, s->q, next, out, out + rbd_nv(s->m) * rbd_nv(s->m));
+    free(next);
+    return status;
+}
+
 static rbd_status run_regressor(const state *s, double *out) {
     return rbd_regressor(s->m, s->d, s->q, s->v, s->a, out);
 }
@@ -146,6 +156,8 @@ static const algorithm algorithms[] = {
     {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
     {"integrate_derivatives", "of the step v from q", TAKES_V,
      {{"dnext_dq", DOFS, DOFS}, {"dnext_dv", DOFS, DOFS}}, run_integrate_derivatives},
+    {"difference_derivatives", "of (q after v) - q", TAKES_V,
+     {{"dd_dq0", DOFS, DOFS}, {"dd_dq1", DOFS, DOFS}}, run_difference_derivatives},
     {"regressor", "of inverse dynamics", TAKES_V | TAKES_A, {{"Y", DOFS, PARAMETERS}}, run_regressor},
     {"energy_regressors", "of both energies", TAKES_V,
      {{"Y_kinetic", ONE, PARAMETERS}, {"Y_potential", ONE, PARAMETERS}}, run_energy_regressors},

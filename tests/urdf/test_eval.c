@@ -275,10 +275,13 @@ static void check_points(const ref_model *model, const ref_control_state *s) {
 
 static void check_steps(const ref_model *model, const ref_control_state *s) {
     const double *const expected[] = {s->integrate_d_dq, s->integrate_d_dd};
+    const double *const difference[] = {s->difference_d_dq0, s->difference_d_dq1};
     const int square = model->nv * model->nv, lengths[] = {square, square};
     ref_control_state step = *s;
     step.v = s->integrate_d;
     check_one(model, &step, "integrate_derivatives", expected, lengths, 2, 1e-11);
+    step.v = s->difference_d;
+    check_one(model, &step, "difference_derivatives", difference, lengths, 2, 1e-11);
 }
 
 static void check_regressors(const ref_model *model, const ref_control_state *s) {
