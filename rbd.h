@@ -4125,7 +4125,7 @@ RBDI_PART void rbdi_solve_sides(const rbd_model *m, rbd_work *w, const rbd_real 
     const int most = RBDI_ROW * RBDI_BATCH;
     if (!m->nmimic && m->nv * stride <= INT32_MAX) {
         for (int k = 0, columns; k < n; k += columns) {
-            rbd_real *from[2];
+            rbd_real *from[2] = {NULL, NULL};
             columns = n - k < most ? n - k : most;
             for (int j = 0; j < count; ++j) from[j] = X[j] + k;
             rbdi_sweep_gather(m, w, L, stride, sign, columns, from, count);
