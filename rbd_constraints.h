@@ -1419,8 +1419,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     rbd_real *const of_a[3] = {da_dq, da_dv, da_dtau};
     rbd_real *const of_lambda[3] = {dlambda_dq, dlambda_dv, dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    rbd_real *sides[3];
-    int pairs = 1, count = 0;
+    int pairs = 1;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && pairs);
@@ -1442,12 +1441,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
-        sides[count++] = of_a[x];
-    }
-    rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, sides, count < 2 ? count : 2);
-    if (count == 3) rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, &sides[2], 1);
-    for (int x = 0; x < 3; ++x) {
-        if (!of_a[x]) continue;
+        rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, &of_a[x], 1);
         for (int k = 0; k < nv; ++k)
             rbdi_subtract_rows(c, &of_a[x][k * nv], of_lambda[x], &c->Y[k * c->stride], c->rows, nv);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
