@@ -103,6 +103,7 @@
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
 #define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
 #define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+#define rbd_keep_zeros RBDI_SYMBOL(rbd_keep_zeros)
 #define rbd_fd_derivatives RBDI_SYMBOL(rbd_fd_derivatives)
 #define rbd_regressor RBDI_SYMBOL(rbd_regressor)
 #define rbd_integrate_derivatives RBDI_SYMBOL(rbd_integrate_derivatives)
@@ -190,6 +191,12 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
 /* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            rbd_real *dg_dq);
+
+/* Matrices of these calls and of rbd_coriolis are written whole. With keep other than 0 what is zero in all
+   states, dofs on different branches, is not written any more, for a caller who cleared the matrix once: a
+   twentieth fewer instructions on a humanoid, and less memory passes. Not with mimic joints. Errors:
+   RBD_ERR_NULL. */
+RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 #endif
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */
@@ -323,6 +330,7 @@ struct rbd_derivatives {
     const rbd_model *model;
     rbd_work *work;
     int n, batches, runs;  /* dofs, those of mimic joints too */
+    int keep_zeros;        /* of the caller's matrices */
     int base, behind;      /* dofs of a free base, if it is one; batch that begins with the dof behind them */
     rbdi_motion V;         /* of the base, its axes */
     rbdi_v3 up;            /* - gravity there */
@@ -1222,11 +1230,12 @@ RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int sides, rbd
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int sides) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
+    const int clear = sides || m->nmimic || !d->keep_zeros;
     rbdi_wanted out;
     out.by_q = by_q, out.by_v = by_v, out.M = M;
-    if (by_q) rbdi_clear_matrix(m, by_q);
-    if (by_v) rbdi_clear_matrix(m, by_v);
-    if (M) rbdi_clear_matrix(m, M);
+    if (by_q && clear) rbdi_clear_matrix(m, by_q);
+    if (by_v && clear) rbdi_clear_matrix(m, by_v);
+    if (M && clear) rbdi_clear_matrix(m, M);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
         rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, sides, out);
     else
@@ -1377,7 +1386,7 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
     rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN * padded); /* surplus lanes stay finite */
-    d->runs = 0, d->mass = RBD_C(0);
+    d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
     for (int i = 0; i < m->nl; ++i) {
         d->origin[i] = -1;
         rbdi_init_link(m, d, i);
@@ -1540,6 +1549,12 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
                 RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, 0);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
+    if (!d) return RBD_ERR_NULL;
+    d->keep_zeros = keep;
     return RBD_OK;
 }
 #endif

@@ -116,7 +116,7 @@ holds MOMENTUM rbd_momentum_matrix rbd_com_jacobian
 holds CORIOLIS rbd_coriolis
 holds REGRESSOR rbd_regressor rbd_energy_regressors rbd_body_parameters rbd_set_parameters rbd_check_parameters
 # shellcheck disable=SC2086 # words wanted
-holds DERIVATIVES rbd_rnea_derivatives rbd_gravity_derivatives rbd_fd_derivatives $steps
+holds DERIVATIVES rbd_rnea_derivatives rbd_gravity_derivatives rbd_keep_zeros rbd_fd_derivatives $steps
 leave_out MANIFOLD
 [ "$(comm -23 "$scratch/all" "$scratch/defined" | grep -c derivatives)" -eq 2 ] || fail "MANIFOLD: $steps"
 leave_out MINVERSE

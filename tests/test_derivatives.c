@@ -624,6 +624,7 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_OK, rbd_rnea_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL));
     EXPECT(RBD_ERR_WORK, rbd_rnea_derivatives(o.m, d, q, v, v, NULL, x, x, NULL));
     EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_keep_zeros(NULL, 1));
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(NULL, d, q, v, v, NULL, x, x, x, x));
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, NULL, q, v, v, NULL, x, x, x, x));
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, d, none, v, v, NULL, x, x, x, x));
@@ -688,6 +689,36 @@ static void check_alone(const robot *r, const state *s, int number) {
     free(d_memory);
 }
 
+/* What is kept is zero in the whole matrix; all else is written. */
+static void check_kept(const robot *r, const state *s, int number) {
+    static double whole[4][MAX_M], kept[4][MAX_M];
+    rbd_derivatives *d = derivatives_of(r);
+    int left = 0, mimics = 0;
+    for (int i = 0; i < r->nb; i++) mimics += r->bodies[i].mimic != NULL;
+    for (int keep = 0; keep < 2; keep++) {
+        double(*x)[MAX_M] = keep ? kept : whole;
+        for (int k = 0; k < 4; k++)
+            for (int i = 0; i < r->nv * r->nv; i++) x[k][i] = 7;
+        RUN(rbd_keep_zeros(d, keep));
+        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, x[0], x[1], x[2]));
+        RUN(rbd_coriolis(r->m, d, s->q, s->v, x[3]));
+    }
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < r->nv * r->nv; i++) {
+            const int same = fabs(kept[k][i] - whole[k][i]) <= 0, is_left = fabs(kept[k][i] - 7) <= 0;
+            ck_assert_msg(same || (is_left && fabs(whole[k][i]) <= 0),
+                          "%s %d: matrix %d, entry %d: %g, not %g", r->name, number, k, i, kept[k][i],
+                          whole[k][i]);
+            left += is_left;
+        }
+    if (mimics) ck_assert_int_eq(left, 0);
+    if (!mimics && rbd_packed_size(r->m) < r->nv * (r->nv + 1) / 2) ck_assert_int_gt(left, 0);
+    free(d_memory);
+}
+
+START_TEST(zeros_may_be_kept) { for_random_trees(60, check_kept); }
+END_TEST
+
 START_TEST(each_output_may_be_left_out) { for_random_trees(30, check_alone); }
 END_TEST
 
@@ -714,6 +745,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, distance_and_speed_of_the_root_cost_no_digits);
     tcase_add_test(c, bad_arguments_are_refused);
     tcase_add_test(c, size_at_compile_time_suffices);
+    tcase_add_test(c, zeros_may_be_kept);
     tcase_add_test(c, each_output_may_be_left_out);
     suite_add_tcase(s, c);
     return s;
