@@ -6,7 +6,7 @@ import os
 
 ALGORITHMS = [("id", "inverse dynamics"), ("mm", "mass matrix"), ("fd", "forward dynamics")]
 # Beside the paper's three: a row of panels each in the figures.
-MORE = [[("did", "derivatives of inverse dynamics"), ("dfd", "derivatives of forward dynamics"), ("minv", "M^-1")],
+MORE = [[("did", "derivatives of inverse dynamics"), ("dfd", "derivatives of forward dynamics"), ("minv", "M⁻¹")],
         [("jacobian", "Jacobian"), ("momentum_matrix", "momentum matrix"), ("regressor", "regressor")]]
 ROBOTS = [("iiwa", "iiwa"), ("hyq", "HyQ"), ("atlas", "Atlas")]
 

@@ -70,14 +70,18 @@ class Bars:
         self.disturbed = disturbed or (lambda *cell: False)
 
     def rows(self):
-        """The bars and the algorithms of each row of panels."""
-        ours = [b for b in self.bars if b.library == "rbd"]
-        rows = []
-        for group in self.groups:
-            rows.append((self.bars, group))
-            if not self.log and ours and self.highest(self.bars, group) > DWARFED * self.highest(ours, group):
-                rows.append((ours, group))
-        return rows
+        """The bars and the algorithms of each row of panels: the paper's with all bars, others with those that have any."""
+        return [row for i, group in enumerate(self.groups) for row in self.rows_of(group, i == 0)]
+
+    def rows_of(self, group, all_bars):
+        shown = self.bars if all_bars else [b for b in self.bars if self.found([b], group)]
+        ours = [b for b in shown if b.library == "rbd"]
+        alone = not self.log and ours and self.highest(shown, group) > DWARFED * self.highest(ours, group)
+        return [(bars, group) for bars in [shown] + ([ours] if alone else []) if bars]
+
+    def is_part(self, shown):
+        """Whether these are the bars of rbd, without others'."""
+        return len(shown) < len(self.bars) and all(b.library == "rbd" for b in shown)
 
     def found(self, bars, group):
         values = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
@@ -135,7 +139,7 @@ class Bars:
             first = len(blocks)
             ticks, clusters, marks, end, top = self.panel(algorithm, shown, blocks)
             script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % (
-                panel_title + (", rbd alone" if shown is not self.bars else ""))
+                panel_title + (", rbd alone" if self.is_part(shown) else ""))
             script += "set xrange [-1:%g]\n" % end
             script += "set xtics rotate by 90 right font ',11' (%s) scale 0\n" % ", ".join(ticks)
             script += "set ylabel \"%s\"\n" % (self.ylabel if column == 0 else "")
