@@ -1770,6 +1770,37 @@ RBDI_INLINE rbdi_body rbdi_common_body(const rbd_model *m, const rbd_derivatives
     return b;
 }
 
+/* Wrenches of unit parameters, in the common frame: rows of moments and forces, of which the last six are
+   zero: with acc of the body's origin and body axes e, m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega
+   e); inertia: I omega_dot + omega x I omega, in body axes. */
+typedef struct rbdi_unit_wrenches {
+    rbd_real K[6][10];
+} rbdi_unit_wrenches;
+
+RBDI_INLINE void rbdi_put_unit(rbdi_unit_wrenches *u, int column, rbdi_v3 n, rbdi_v3 f) {
+    u->K[0][column] = n.x, u->K[1][column] = n.y, u->K[2][column] = n.z;
+    u->K[3][column] = f.x, u->K[4][column] = f.y, u->K[5][column] = f.z;
+}
+
+RBDI_PART void rbdi_body_wrenches(const rbdi_body *b, rbdi_unit_wrenches *u) {
+    const rbdi_mat R = b->R, Omega = rbdi_omega(b->V.omega, b->A.omega);
+    const rbdi_v3 e[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy), rbdi_vec(R.xz, R.yz, R.zz)};
+    const rbdi_v3 w = rbdi_mul_t(R, b->V.omega), p = rbdi_mul_t(R, b->A.omega);
+    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, b->x)));
+    const rbdi_v3 inertia[6] = {rbdi_vec(p.x, w.x * w.z, -(w.x * w.y)),
+                                rbdi_vec(p.y - w.x * w.z, p.x + w.y * w.z, w.x * w.x - w.y * w.y),
+                                rbdi_vec(p.z + w.x * w.y, w.z * w.z - w.x * w.x, p.x - w.y * w.z),
+                                rbdi_vec(-(w.y * w.z), p.y, w.x * w.y),
+                                rbdi_vec(w.y * w.y - w.z * w.z, p.z - w.x * w.y, p.y + w.x * w.z),
+                                rbdi_vec(w.y * w.z, -(w.x * w.z), p.z)};
+    rbdi_put_unit(u, 0, rbdi_cross(b->x, acc), acc);
+    for (int k = 0; k < 3; ++k) {
+        const rbdi_v3 f = rbdi_mul(Omega, e[k]);
+        rbdi_put_unit(u, 1 + k, rbdi_add(rbdi_cross(e[k], acc), rbdi_cross(b->x, f)), f);
+    }
+    for (int k = 0; k < 6; ++k) rbdi_put_unit(u, 4 + k, rbdi_mul(R, inertia[k]), rbdi_vec0());
+}
+
 #if RBDI_BATCH <= 8
 #define RBDI_TEN RBDI_BATCH /* of ten figures so many go together */
 typedef rbdi_batch rbdi_ten;
@@ -1778,71 +1809,16 @@ typedef rbdi_batch rbdi_ten;
 typedef rbd_real rbdi_ten;
 #endif
 
-/* Wrenches of unit parameters, component by component: of the forces the last six are zero. */
-typedef struct rbdi_unit_wrenches {
-    rbd_real n[3][10], f[3][10];
-} rbdi_unit_wrenches;
-
-/* In axes and at the origin of a body that moves with omega w, its rate p, and acc of the origin: of m
-   (0; acc); of m c (e x acc; Omega e); of the inertia I p + w x I w. */
-RBDI_INLINE rbdi_unit_wrenches rbdi_body_wrenches(rbdi_v3 w, rbdi_v3 p, rbdi_v3 acc) {
-    const rbdi_mat O = rbdi_omega(w, p);
-    const rbd_real o = rbdi_zero(), xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
-    const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
-    const rbdi_unit_wrenches u = {{{o, o, acc.z, -acc.y, p.x, p.y - xz, p.z + xy, -yz, yy - zz, yz},
-                                   {o, -acc.z, o, acc.x, xz, p.x + yz, zz - xx, p.y, p.z - xy, -xz},
-                                   {o, acc.y, -acc.x, o, -xy, xx - yy, p.x - yz, xy, p.y + xz, p.z}},
-                                  {{acc.x, O.xx, O.xy, O.xz, o, o, o, o, o, o},
-                                   {acc.y, O.yx, O.yy, O.yz, o, o, o, o, o, o},
-                                   {acc.z, O.zx, O.zy, O.zz, o, o, o, o, o, o}}};
-    return u;
-}
-
-/* R a of ten figures, from `at` on. */
-RBDI_INLINE void rbdi_turn_ten(const rbdi_mat *R, const rbd_real a[3][10], int at, rbdi_ten out[3]) {
-    const rbdi_ten x = *(const rbdi_ten *)&a[0][at], y = *(const rbdi_ten *)&a[1][at],
-                   z = *(const rbdi_ten *)&a[2][at];
-    out[0] = x * R->xx + y * R->xy + z * R->xz;
-    out[1] = x * R->yx + y * R->yy + z * R->yz;
-    out[2] = x * R->zx + y * R->zy + z * R->zz;
-}
-
-/* The same in the common frame. The last batch goes over what the one before has done. */
-RBDI_PART void rbdi_common_wrenches(const rbdi_body *b, rbdi_unit_wrenches *K) {
-    const rbdi_mat Omega = rbdi_omega(b->V.omega, b->A.omega);
-    const rbdi_v3 x = b->x;
-    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, x)));
-    const rbdi_unit_wrenches u =
-        rbdi_body_wrenches(rbdi_mul_t(b->R, b->V.omega), rbdi_mul_t(b->R, b->A.omega), rbdi_mul_t(b->R, acc));
+/* y = S' K, ten figures; the last batch goes over what the one before has done. */
+RBDI_INLINE void rbdi_regress(const rbdi_unit_wrenches *u, rbdi_motion S, rbd_real *y) {
     for (int k = 0; k < 10; k += RBDI_TEN) {
         const int at = k + RBDI_TEN <= 10 ? k : 10 - RBDI_TEN;
-        rbdi_ten n[3], f[3];
-        rbdi_turn_ten(&b->R, u.n, at, n);
-        if (at < 4) {
-            rbdi_turn_ten(&b->R, u.f, at, f);
-            n[0] = n[0] + f[2] * x.y - f[1] * x.z;
-            n[1] = n[1] + f[0] * x.z - f[2] * x.x;
-            n[2] = n[2] + f[1] * x.x - f[0] * x.y;
-        }
-        for (int j = 0; j < 3; ++j) *(rbdi_ten *)&K->n[j][at] = n[j];
-        for (int j = 0; j < 3 && at < 4; ++j) *(rbdi_ten *)&K->f[j][at] = f[j];
-    }
-}
-
-/* y = S' K, ten figures, or four of a dof that slides. */
-RBDI_INLINE void rbdi_regress(const rbdi_unit_wrenches *u, rbdi_motion S, int halves, rbd_real *y) {
-    for (int k = 0; k < (halves == RBDI_LINEAR ? 4 : 10); k += RBDI_TEN) {
-        const int at = k + RBDI_TEN <= 10 ? k : 10 - RBDI_TEN;
-        rbdi_ten sum;
-        if (halves != RBDI_LINEAR)
-            sum = *(const rbdi_ten *)&u->n[0][at] * S.omega.x + *(const rbdi_ten *)&u->n[1][at] * S.omega.y +
-                  *(const rbdi_ten *)&u->n[2][at] * S.omega.z;
-        if (halves == RBDI_LINEAR)
-            sum = *(const rbdi_ten *)&u->f[0][at] * S.v.x + *(const rbdi_ten *)&u->f[1][at] * S.v.y +
-                  *(const rbdi_ten *)&u->f[2][at] * S.v.z;
-        if (halves == RBDI_BOTH && at < 4)
-            sum = sum + *(const rbdi_ten *)&u->f[0][at] * S.v.x + *(const rbdi_ten *)&u->f[1][at] * S.v.y +
-                  *(const rbdi_ten *)&u->f[2][at] * S.v.z;
+        rbdi_ten sum = *(const rbdi_ten *)&u->K[0][at] * S.omega.x +
+                       *(const rbdi_ten *)&u->K[1][at] * S.omega.y +
+                       *(const rbdi_ten *)&u->K[2][at] * S.omega.z;
+        if (at < 4)
+            sum = sum + *(const rbdi_ten *)&u->K[3][at] * S.v.x + *(const rbdi_ten *)&u->K[4][at] * S.v.y +
+                  *(const rbdi_ten *)&u->K[5][at] * S.v.z;
         *(rbdi_ten *)&y[at] = sum;
     }
 }
@@ -1860,21 +1836,12 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
         rbdi_body b;
         if (u->link < 0) continue;
         b = rbdi_common_body(m, d, u, RBDI_NEED_WRENCH);
-        rbdi_common_wrenches(&b, &K);
+        rbdi_body_wrenches(&b, &K);
         for (int k = rbdi_last_dof(m, u->link); k >= 0; k = d->entry[k].parent) {
             rbd_real *y = Y + d->entry[k].user * columns + 10 * i, own[10];
             const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, k, S));
-            const int form = d->entry[k].form;
-            rbd_real *to = m->nmimic ? own : y;
-            if (form == RBDI_FORM_SLIDES)
-                rbdi_regress(&K, S, RBDI_LINEAR, to);
-            else if (form == RBDI_FORM_ROOT)
-                rbdi_regress(&K, S, RBDI_ANGULAR, to);
-            else
-                rbdi_regress(&K, S, RBDI_BOTH, to);
-            if (m->nmimic)
-                rbdi_add_column(y, 1, rbdi_ratio(m, d->entry[k].source), own,
-                                form == RBDI_FORM_SLIDES ? 4 : 10);
+            rbdi_regress(&K, S, m->nmimic ? own : y);
+            if (m->nmimic) rbdi_add_column(y, 1, rbdi_ratio(m, d->entry[k].source), own, 10);
         }
     }
     return RBD_OK;
