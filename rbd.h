@@ -7168,8 +7168,8 @@ typedef struct rbdi_lane_point {
 
 static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
     const rbdi_lane_point *p = (const rbdi_lane_point *)t->more;
-    const rbd_status status = rbd_kinematics(m, t->w, t->x[0], NULL, NULL);
-    return status ? status : rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
+    (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
+    return rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
 }
 RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
@@ -7184,8 +7184,8 @@ RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, in
 }
 
 static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
-    const rbd_status status = rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
-    return status ? status : rbd_momentum(m, t->w, t->y[0], t->y[1]);
+    (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
+    return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
 RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,

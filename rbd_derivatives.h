@@ -1338,7 +1338,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->form = (int16_t)rbdi_form_of(m, l, k);
     }
     rbdi_init_constants(m, d, i);
-    if (d->runs == 0 || block || r->block || parent != l->first - 1 || l->parent < 0) {
+    if (d->runs == 0 || block || r->block || parent != l->first - 1) {
         r = &d->run[d->runs++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;

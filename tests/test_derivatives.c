@@ -469,6 +469,30 @@ START_TEST(parameters_and_back) {
 }
 END_TEST
 
+/* A payload taken off, and rotors without a body. */
+START_TEST(parameters_without_or_with_negative_mass) {
+    const double off[10] = {-2, 1, 0, -0.5, 1, 0, 0, 1, 0, 1}, rotor[10] = {0, 0, 0, 0, 1, 0, 0, 1, 0, 1};
+    rbd_body body = {.parent = -1};
+    ck_assert_int_eq(rbd_set_parameters(&body, off), RBD_OK);
+    ck_assert(body.mass == -2 && body.com[0] == -0.5 && body.com[1] == 0 && body.com[2] == 0.25);
+    ck_assert_int_eq(rbd_set_parameters(&body, rotor), RBD_OK);
+    ck_assert(body.mass == 0 && body.com[0] == 0 && body.com[2] == 0 && body.inertia[0] == 1);
+}
+END_TEST
+
+START_TEST(no_mass_has_no_centre) {
+    const rbd_body rotor[1] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .armature = {1}}};
+    const double q[1] = {0.3};
+    double J[3] = {1, 1, 1};
+    struct robot one = BUILD(rotor), *r = &one;
+    rbd_derivatives *d = derivatives_of(r);
+    ck_assert_int_eq(rbd_com_jacobian(r->m, d, q, J), RBD_OK);
+    ck_assert(J[0] == 0 && J[1] == 0 && J[2] == 0);
+    free(d_memory);
+    robot_free(r);
+}
+END_TEST
+
 static int status_of(double m, double x, double y, double z, double xx, double xy, double xz, double yy,
                      double yz, double zz) {
     const double pi[10] = {m, x, y, z, xx, xy, xz, yy, yz, zz};
@@ -491,6 +515,7 @@ START_TEST(what_no_body_can_have_is_refused) {
     ck_assert_int_eq(status_of(NAN, 0, 0, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_MASS);
     ck_assert_int_eq(status_of(HUGE_VAL, 0, 0, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_MASS);
     ck_assert_int_eq(status_of(0, 0, 1, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_COM);
+    ck_assert_int_eq(status_of(0, 0, -1, 0, 1, 0, 0, 1, 0, 1), RBD_ERR_COM);
     ck_assert_int_eq(status_of(1, 0, 0, NAN, 1, 0, 0, 1, 0, 1), RBD_ERR_COM);
     for (int k = 4; k < 10; k++) {
         double pi[10] = {1, 0, 0, 0, 1, 0, 0, 1, 0, 1};
@@ -743,6 +768,8 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, place_of_a_floating_base_does_not_matter);
     tcase_add_test(c, closed_forms_of_a_free_base);
     tcase_add_test(c, distance_and_speed_of_the_root_cost_no_digits);
+    tcase_add_test(c, parameters_without_or_with_negative_mass);
+    tcase_add_test(c, no_mass_has_no_centre);
     tcase_add_test(c, bad_arguments_are_refused);
     tcase_add_test(c, size_at_compile_time_suffices);
     tcase_add_test(c, zeros_may_be_kept);
