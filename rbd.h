@@ -1296,8 +1296,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 /* Whether aba does mimic joints itself: not where these are rare and its 4 kB count. */
 #define RBDI_TIES (UINTPTR_MAX > UINT32_MAX)
 
-/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole ones of
-   512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer: RBD_LANES. */
+/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
+   ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
+   RBD_LANES. */
 #ifdef __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
