@@ -1,5 +1,5 @@
-/* five_bar.c - a five-bar mechanism, from its description to torques: a chain of two rods on either side, whose
-   ends a loop joint holds together. Motors in the two cranks alone lead the tip along a circle: inverse
+/* five_bar.c - a five-bar mechanism, from its description to torques: a chain of two rods on either side,
+   whose ends a loop joint holds together. Motors in the two cranks alone lead the tip along a circle: inverse
    kinematics of two rods each, computed torque, and rbd_constrained_id for the motors. Moved by
    rbd_constrained_fd. */
 #define RBD_IMPLEMENTATION

@@ -1,6 +1,6 @@
 /* lqr.c - two systems that fall over if left alone are linearised, regulated by an LQR gain, and simulated: a
    pole on a cart, which has no motor at the hinge, and HyQ hung up in the air by its trunk, to which whatever
-   holds it gives a wrench. Errors of a floating base are tangent vectors: rbd_difference, not a difference. */
+   holds it gives a wrench. Errors of a floating base are tangent vectors, by rbd_difference. */
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "models/cart_pole_model.h"
@@ -66,7 +66,7 @@ static void solve_gain(regulator *r, double PA[N][N], double PB[N][NV]) {
     for (int i = 0; i < m; i++) memcpy(r->K[i], S[i] + m, (size_t)n * sizeof(double));
 }
 
-/* The gain of u = -K x that makes the sum of x' x + 1e-4 u' u least: P = 1 + A' P (A - B K), over and over. */
+/* The gain of u = -K x that makes the sum of x' x + 1e-4 u' u least: P = 1 + A' P (A - B K), repeated. */
 static void find_gain(regulator *r) {
     static double P[N][N], PA[N][N], PB[N][NV];
     const int n = 2 * r->nv, m = r->inputs;

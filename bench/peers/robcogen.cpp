@@ -1,6 +1,6 @@
-// robcogen.cpp - the C++ that RobCoGen (https://robcogenteam.bitbucket.io) generated for one robot, beside rbd:
-// its namespace is ROBOT. States are copied into its vectors, the results stay in its objects. Its constants are of
-// 32 bits, and where gravity is taken away little may remain: hence the bound. SPDX-License-Identifier: MIT
+// robcogen.cpp - the C++ that RobCoGen (robcogenteam.bitbucket.io) generated for one robot, beside rbd: its
+// namespace is ROBOT. States are copied into its vectors, the results stay in its objects. Its constants are
+// of 32 bits, and where gravity is taken away little may remain: hence the bound. SPDX-License-Identifier: MIT
 #include <cfloat>
 #include <cstring>
 #include <new>
@@ -141,7 +141,7 @@ void give_vector(const work *w, const double *base, double *x) {
     for (int i = 0; i < joints; i++) x[base_v + i] = w->out[i];
 }
 
-// A fixed base has 9.80665 down compiled in: takes that away, and adds the gravity that is set, downwards too.
+// A fixed base has 9.80665 down compiled in: takes that away, and adds the gravity that is set.
 void change_gravity(work *w, int algorithm, double *x) {
     w->v.setZero();
     w->x.setZero();
