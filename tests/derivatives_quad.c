@@ -1,6 +1,6 @@
 /* derivatives_quad.c - derivatives of inverse and forward dynamics against differences of rbd_rnea and
-   rbd_aba themselves, in quad precision: random robots of every joint type, with wrenches, rotors, joints that mimic
-   others and several roots; each also on a floating base, with joints of its own. */
+   rbd_aba themselves, in quad precision: random robots of every joint type, with wrenches, rotors,
+   joints that mimic others and several roots; each also on a floating base, with joints of its own. */
 #define RBD_REAL __float128
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION

@@ -1,6 +1,7 @@
 // robcogen.cpp - the C++ that RobCoGen (robcogenteam.bitbucket.io) generated for one robot, beside rbd: its
 // namespace is ROBOT. States are copied into its vectors, the results stay in its objects. Its constants are
-// of 32 bits, and where gravity is taken away little may remain: hence the bound. SPDX-License-Identifier: MIT
+// of 32 bits, and where gravity is taken away little may remain: hence the bound.
+// SPDX-License-Identifier: MIT
 #include <cfloat>
 #include <cstring>
 #include <new>
