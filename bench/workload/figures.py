@@ -76,7 +76,8 @@ class Bars:
     def rows_of(self, group, all_bars):
         shown = self.bars if all_bars else [b for b in self.bars if self.found([b], group)]
         ours = [b for b in shown if b.library == "rbd"]
-        alone = not self.log and ours and self.highest(shown, group) > DWARFED * self.highest(ours, group)
+        alone = not self.log and (ours if all_bars else ours[1:]) and (
+            self.highest(shown, group) > DWARFED * self.highest(ours, group))
         return [(bars, group) for bars in [shown] + ([ours] if alone else []) if bars]
 
     def is_part(self, shown):
