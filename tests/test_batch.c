@@ -21,11 +21,15 @@ enum { IS_FLOAT = sizeof(RBD_REAL) == sizeof(float) };
 #define ROUNDING (0.5 * (IS_FLOAT ? (double)FLT_EPSILON : DBL_EPSILON))
 /* Batch against single calls, relative to the largest entry of a state's result. Where the compiler contracts
    to FMA, it does so in other places with lanes: a few roundings, some more with the common frame's sums,
-   which forward dynamics multiply by the condition number of M, up to some thousands. */
+   which forward dynamics multiply by the condition number of M, up to some thousands, and what is derived
+   from their result once more. */
 #define FEW_ROUNDINGS (30 * ROUNDING)
 #define MORE_ROUNDINGS (100 * ROUNDING)
 #define BOUND(call) \
-    ((call) < MOMENTUM_MATRIX ? FEW_ROUNDINGS : (call) < ABA ? MORE_ROUNDINGS : IS_FLOAT ? 2e-4 : 1e-11)
+    ((call) < MOMENTUM_MATRIX  ? FEW_ROUNDINGS \
+     : (call) < ABA            ? MORE_ROUNDINGS \
+     : (call) < CONSTRAINED_FD ? 1e4 * ROUNDING \
+                               : 3e5 * ROUNDING)
 /* Against the reference, as in scalars.c. */
 #define DIRECT fmax(100 * ROUNDING, 1e-14)
 #define INVERSE(condition) (DIRECT + 100 * ROUNDING * (condition))
