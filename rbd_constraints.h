@@ -1226,16 +1226,16 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraints *c, const rbdi_con
     }
     x.turn = x.free[0] = x.free[1] = rbdi_vec0(), x.bend = rbdi_zero();
     if (k->kp > 0 && k->angular) {
-        const rbdi_mat R1 = rbdi_station_axes(c, k, 0), R2 = rbdi_station_axes(c, k, 1);
+        const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
         const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
         rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R2), R1));
+        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
         rbdi_tails(x.turn, tails);
-        x.turn = rbdi_mul(R2, x.turn);
+        x.turn = rbdi_mul(R_2, x.turn);
         x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R2, rbdi_vec(axis[0], axis[1], axis[2]));
-        x.free[1] = rbdi_mul(R1, rbdi_vec(axis[0], axis[1], axis[2]));
+        x.free[0] = rbdi_mul(R_2, rbdi_vec(axis[0], axis[1], axis[2]));
+        x.free[1] = rbdi_mul(R_1, rbdi_vec(axis[0], axis[1], axis[2]));
     }
     return x;
 }
