@@ -52,8 +52,8 @@ all() {
             for included in declarations urdf static implementation; do
                 compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level"
             done
+            [ "$level" != -O0 ] || compile "$compiler" "$standard" "$suffix" implementation "$scalar" -O2
         done
-        [ "$standard" != c99 ] || compile "$compiler" "$standard" "$suffix" implementation float -O2
         level=-fsyntax-only
     done
 }
