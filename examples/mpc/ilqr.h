@@ -1,0 +1,516 @@
+/* ilqr.h - iterative LQR with limits on the controls, for robots by rbd.h: nonlinear optimal control in
+   one file. SPDX-License-Identifier: MIT
+
+   Finds controls u_0 .. u_{N-1} within their limits that make the sum of the costs l_k(q, v, u) of a
+   horizon of N steps, and of the cost of its end, least, where step k is
+
+       v+ = f_k(q, v, u)                the caller's: v + dt a(q, v, u); contacts; an impact, at dt = 0
+       q+ = rbd_integrate(q, v+, dt_k)  on the configuration manifold
+
+   by Newton's method on Bellman's equation, in which the dynamics is linearised and the costs have their
+   Gauss-Newton Hessian: Li and Todorov (2004), called LT below; regularised and with a line search as
+   Tassa, Erez and Todorov (2012), TET; box limits by a projected Newton step in each knot, Tassa, Mansard
+   and Todorov (2014), TMT. Differences of states are tangent vectors, as rbd_difference gives them. It is
+   single shooting: the trajectory is always one that the robot can move along, so that the cost alone
+   tells whether a step was good, and half of the memory of multiple shooting is enough; what keeps a
+   rollout of an unstable robot together are the gains K.
+
+   USE
+       static rbd_real memory[ILQR_REALS(NQ, NV, NU, N)];
+       ilqr s;
+       ilqr_init(&s, &problem, memory, sizeof memory / sizeof *memory);
+       ... the first guess of the controls in s.u ...
+       ilqr_start(&s, q, v);                                the trajectory from here
+       for (...) ilqr_iterate(&s, &better);
+       ... the answer in s.q, s.v, s.u, and the gains s.K: u = s.u + s.K (x - (s.q, s.v)) ...
+
+   In a control loop: ilqr_shift, ilqr_start, one ilqr_iterate or a few, and s.u is the torque.
+
+   The caller's memory, no allocation, no recursion, double or float (RBD_REAL). With ILQR_NV and ILQR_NU
+   defined, the sizes of the one robot, loops have constant lengths, which firmware gains by. */
+#ifndef ILQR_H
+#define ILQR_H
+
+#include <string.h>
+
+#include "rbd_derivatives.h"
+
+/* ---- the problem ---- */
+
+typedef struct ilqr_problem {
+    const rbd_model *m;
+    int knots;  /* N, steps of the horizon */
+    int nu;     /* controls, 64 at most */
+    int curved; /* the first so many v are those of joints whose q does not just add up: 6 with a floating
+                   base and one-axis joints behind it, 0 without, nv always suffices */
+    const rbd_real *dt;    /* N, s */
+    const rbd_real *lower; /* nu, limits of the controls */
+    const rbd_real *upper;
+    void *user; /* what the functions below are called with */
+
+    /* v_next = f_k(q, v, u). */
+    rbd_status (*step)(void *user, int k, const rbd_real *q, const rbd_real *v, const rbd_real *u,
+                       rbd_real *v_next);
+
+    /* Derivatives of v_next by z = (q, v, u), f_z, nv x (2 nv + nu), for all N knots, one after the
+       other: so that one batch call can have them all. q (N + 1) x nq, v (N + 1) x nv, u N x nu. See
+       ilqr_accelerations. */
+    rbd_status (*derivatives)(void *user, const rbd_real *q, const rbd_real *v, const rbd_real *u,
+                              rbd_real *f_z);
+
+    /* Cost of knot k; at the end, k = N, u is NULL. Where l_z is not NULL also its gradient by z, 2 nv +
+       nu, and Hessian or its Gauss-Newton part l_zz, (2 nv + nu)^2, of which the upper triangle is read,
+       positive semidefinite, definite in u; at the end without u, but of the same shape. Both are 0
+       before the call. */
+    rbd_status (*cost)(void *user, int k, const rbd_real *q, const rbd_real *v, const rbd_real *u,
+                       rbd_real *l, rbd_real *l_z, rbd_real *l_zz);
+} ilqr_problem;
+
+/* ---- the solver ---- */
+
+typedef struct ilqr {
+    const ilqr_problem *p;
+    int nq, nv, nu, knots;
+    rbd_real *q, *v, *u;                 /* the trajectory: (N + 1) x nq, (N + 1) x nv, N x nu */
+    rbd_real *q_try, *v_try, *u_try;     /* that of the line search */
+    rbd_real *f_z;                       /* N x nv x (2 nv + nu) */
+    rbd_real *k, *K;                     /* change of u, N x nu, and gains, N x nu x 2 nv */
+    rbd_real *V_x, *V_xx;                /* derivatives of the cost to go, 2 nv and its square */
+    rbd_real *Q_z, *Q_zz;                /* of that of the knot, 2 nv + nu and its square */
+    rbd_real *PF;                        /* nv x (2 nv + nu) */
+    rbd_real *U, *D;                     /* Q_uu of the free controls = U' D U */
+    rbd_real *gradient, *change, *trial; /* nu each, of the box */
+    uint64_t clamped;                    /* bit i: control i stays at its limit */
+    rbd_real *T, *S;                     /* derivatives of q+, nv x nv */
+    rbd_real *dx;                        /* 2 nv */
+    rbd_real cost;                       /* of the trajectory */
+    rbd_real mu;                         /* regularisation: Q_uu is taken with (1 + mu) times its diagonal */
+    int tries;          /* backward passes of an iteration at most, with mu rising: 10; 1 in real time */
+    rbd_real tolerance; /* an iteration that promises less, relative to the cost, is not tried */
+    rbd_real slope, curvature; /* of the cost along k: t k changes it by slope t + curvature t^2 / 2 */
+} ilqr;
+
+/* Length of the memory in scalars. */
+#define ILQR_NX(nv) (2 * (nv))
+#define ILQR_NZ(nv, nu) (2 * (nv) + (nu))
+#define ILQR_REALS(nq, nv, nu, knots) \
+    (2 * (((knots) + 1) * ((nq) + (nv)) + (knots) * (nu)) +                      /* trajectories */ \
+     (knots) * ((nv) * ILQR_NZ(nv, nu) + (nu) * (1 + ILQR_NX(nv))) +             /* f_z, k, K */ \
+     ILQR_NX(nv) * (ILQR_NX(nv) + 2) + ILQR_NZ(nv, nu) * (ILQR_NZ(nv, nu) + 1) + /* V, dx, Q */ \
+     (nv) * ILQR_NZ(nv, nu) + (nu) * ((nu) + 4) + 2 * (nv) * (nv))
+
+/* nv, nu, and the lengths of x = (q, v) as a tangent and of z = (x, u): constants where ILQR_NV says so. */
+#ifdef ILQR_NV
+static inline int ilqr_nv(const ilqr *s) { return (void)s, ILQR_NV; }
+static inline int ilqr_nu(const ilqr *s) { return (void)s, ILQR_NU; }
+#else
+static inline int ilqr_nv(const ilqr *s) { return s->nv; }
+static inline int ilqr_nu(const ilqr *s) { return s->nu; }
+#endif
+static inline int ilqr_nx(const ilqr *s) { return ILQR_NX(ilqr_nv(s)); }
+static inline int ilqr_nz(const ilqr *s) { return ILQR_NZ(ilqr_nv(s), ilqr_nu(s)); }
+
+static inline rbd_real *ilqr_take(rbd_real **memory, int count) {
+    rbd_real *taken = *memory;
+    *memory += count;
+    return taken;
+}
+
+/* Prepares s in the memory, of at least ILQR_REALS(nq, nv, nu, knots) scalars, with all of u and K zero.
+   Errors: RBD_ERR_NULL, RBD_ERR_MEMORY. */
+static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *memory, size_t reals) {
+    if (!s || !p || !p->m || !memory) return RBD_ERR_NULL;
+    const int nq = rbd_nq(p->m), n = rbd_nv(p->m), m = p->nu, nx = 2 * n, nz = nx + m, knots = p->knots;
+    if (m > 64 || reals < (size_t)ILQR_REALS(nq, n, m, knots)) return RBD_ERR_MEMORY;
+#ifdef ILQR_NV
+    if (n != ILQR_NV || m != ILQR_NU) return RBD_ERR_MEMORY;
+#endif
+    memset(s, 0, sizeof *s);
+    memset(memory, 0, sizeof *memory * reals);
+    s->p = p, s->nq = nq, s->nv = n, s->nu = m, s->knots = knots;
+    s->tries = 10, s->tolerance = sizeof(rbd_real) > 4 ? (rbd_real)1e-9 : (rbd_real)1e-6;
+    s->q = ilqr_take(&memory, (knots + 1) * nq), s->q_try = ilqr_take(&memory, (knots + 1) * nq);
+    s->v = ilqr_take(&memory, (knots + 1) * n), s->v_try = ilqr_take(&memory, (knots + 1) * n);
+    s->u = ilqr_take(&memory, knots * m), s->u_try = ilqr_take(&memory, knots * m);
+    s->f_z = ilqr_take(&memory, knots * n * nz);
+    s->k = ilqr_take(&memory, knots * m), s->K = ilqr_take(&memory, knots * m * nx);
+    s->V_x = ilqr_take(&memory, nx), s->V_xx = ilqr_take(&memory, nx * nx), s->dx = ilqr_take(&memory, nx);
+    s->Q_z = ilqr_take(&memory, nz), s->Q_zz = ilqr_take(&memory, nz * nz);
+    s->PF = ilqr_take(&memory, n * nz);
+    s->U = ilqr_take(&memory, m * m), s->D = ilqr_take(&memory, m);
+    s->gradient = ilqr_take(&memory, m), s->change = ilqr_take(&memory, m), s->trial = ilqr_take(&memory, m);
+    s->T = ilqr_take(&memory, n * n), s->S = ilqr_take(&memory, n * n);
+    for (int k = 0; k <= knots; k++) rbd_neutral(p->m, s->q + k * nq);
+    return RBD_OK;
+}
+
+/* f_z of one knot from derivatives of the acceleration, nv x nv each, for v_next = v + dt a: what
+   rbd_fd_derivatives and rbd_constrained_derivatives give. The controls drive the dofs from first on. */
+static inline void ilqr_accelerations(const ilqr_problem *p, int first, rbd_real dt, const rbd_real *da_dq,
+                                      const rbd_real *da_dv, const rbd_real *da_dtau, rbd_real *f_z) {
+    const int n = rbd_nv(p->m), m = p->nu;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) *f_z++ = dt * da_dq[i * n + j];
+        for (int j = 0; j < n; j++) *f_z++ = (rbd_real)(i == j) + dt * da_dv[i * n + j];
+        for (int j = 0; j < m; j++) *f_z++ = dt * da_dtau[i * n + first + j];
+    }
+}
+
+/* ---- sums of rows: all that the Riccati step computes with ---- */
+
+/* y += sign * sum over r of a_r X_r: rows X_r of the given length, ld apart; a_r every stride-th of a. */
+static inline void ilqr_rows(rbd_real sign, int rows, const rbd_real *a, int stride, const rbd_real *X,
+                             int ld, int length, rbd_real *y) {
+    int j = 0;
+    for (; j + 4 <= length; j += 4) { /* four sums in registers */
+        rbd_real y0 = 0, y1 = 0, y2 = 0, y3 = 0;
+        for (int r = 0; r < rows; r++) {
+            const rbd_real factor = a[r * stride], *x = X + r * ld + j;
+            y0 += factor * x[0], y1 += factor * x[1], y2 += factor * x[2], y3 += factor * x[3];
+        }
+        y[j] += sign * y0, y[j + 1] += sign * y1, y[j + 2] += sign * y2, y[j + 3] += sign * y3;
+    }
+    for (; j < length; j++) {
+        rbd_real sum = 0;
+        for (int r = 0; r < rows; r++) sum += a[r * stride] * X[r * ld + j];
+        y[j] += sign * sum;
+    }
+}
+
+static inline rbd_real ilqr_dot(int length, const rbd_real *x, const rbd_real *y) {
+    rbd_real sum = 0;
+    for (int i = 0; i < length; i++) sum += x[i] * y[i];
+    return sum;
+}
+
+static inline rbd_real ilqr_clamp(rbd_real x, rbd_real lower, rbd_real upper) {
+    return x < lower ? lower : x > upper ? upper : x;
+}
+
+/* ---- forward: the trajectory of a policy (TMT, forward pass) ---- */
+
+/* dx = x - xbar_k of a state on the manifold. */
+static inline rbd_status ilqr_state_difference(ilqr *s, int k, const rbd_real *q, const rbd_real *v) {
+    for (int i = 0; i < s->nv; i++) s->dx[s->nv + i] = v[i] - s->v[k * s->nv + i];
+    return rbd_difference(s->p->m, s->q + k * s->nq, q, s->dx);
+}
+
+/* u = u_k + t k_k + K_k (x - xbar_k) within the limits, from q_try_0 and v_try_0 on; and what it costs. */
+static inline rbd_status ilqr_rollout(ilqr *s, rbd_real t, rbd_real *cost) {
+    const int n = ilqr_nv(s), m = ilqr_nu(s), nx = ilqr_nx(s);
+    const ilqr_problem *p = s->p;
+    const int nq = s->nq;
+    rbd_status status = RBD_OK;
+    *cost = 0;
+    for (int k = 0; k <= s->knots && status == RBD_OK; k++) {
+        rbd_real *q = s->q_try + k * nq, *v = s->v_try + k * n, *u = s->u_try + k * m, l = 0;
+        if (k < s->knots) {
+            status = ilqr_state_difference(s, k, q, v);
+            for (int i = 0; i < m; i++)
+                u[i] = ilqr_clamp(s->u[k * m + i] + t * s->k[k * m + i] +
+                                      ilqr_dot(nx, s->K + (k * m + i) * nx, s->dx),
+                                  p->lower[i], p->upper[i]);
+            if (status == RBD_OK) status = p->step(p->user, k, q, v, u, v + n);
+            if (status == RBD_OK) status = rbd_integrate(p->m, q, v + n, p->dt[k], q + nq);
+        }
+        if (status == RBD_OK) status = p->cost(p->user, k, q, v, k < s->knots ? u : NULL, &l, NULL, NULL);
+        *cost += l;
+    }
+    return status;
+}
+
+static inline void ilqr_swap(rbd_real **x, rbd_real **y) {
+    rbd_real *z = *x;
+    *x = *y, *y = z;
+}
+
+/* What was tried becomes the trajectory. */
+static inline void ilqr_accept(ilqr *s, rbd_real cost) {
+    ilqr_swap(&s->q, &s->q_try), ilqr_swap(&s->v, &s->v_try), ilqr_swap(&s->u, &s->u_try);
+    s->cost = cost;
+}
+
+/* Makes (q, v) the first state: the controls and gains that are there, from it. */
+static inline rbd_status ilqr_start(ilqr *s, const rbd_real *q, const rbd_real *v) {
+    rbd_real cost;
+    memcpy(s->q_try, q, sizeof *q * (size_t)s->nq);
+    memcpy(s->v_try, v, sizeof *v * (size_t)s->nv);
+    const rbd_status status = ilqr_rollout(s, 0, &cost);
+    if (status == RBD_OK) ilqr_accept(s, cost);
+    return status;
+}
+
+/* ---- backward: the cost to go (LT; TET, backward pass) ---- */
+
+/* Upper triangle to lower. */
+static inline void ilqr_mirror(int size, rbd_real *M) {
+    for (int i = 1; i < size; i++)
+        for (int j = 0; j < i; j++) M[i * size + j] = M[j * size + i];
+}
+
+/* row G with G the Jacobian of (q, v+) -> (q+, v+): of a row (a, b) it makes (a T, b + a S), where dq+ =
+   T dq + S dv+. But for the joints that are curved T = 1 and S = dt. */
+static inline void ilqr_row_through_step(ilqr *s, rbd_real dt, rbd_real *row) {
+    const int n = ilqr_nv(s), c = s->p->curved;
+    for (int j = c; j < n; j++) row[n + j] += dt * row[j];
+    if (c <= 0) return;
+    ilqr_rows(1, c, row, 1, s->S, n, c, row + n);
+    for (int j = 0; j < c; j++) s->dx[j] = row[j], row[j] = 0;
+    ilqr_rows(1, c, s->dx, 1, s->T, n, c, row);
+}
+
+/* V of (q+, v+) becomes that of (q, v+): G' V_xx G = ((V_xx G)' G)' and G' V_x. */
+static inline rbd_status ilqr_value_through_step(ilqr *s, int k) {
+    const int n = ilqr_nv(s), nx = ilqr_nx(s);
+    const rbd_real dt = s->p->dt[k];
+    if (s->p->curved) {
+        const rbd_status status = rbd_integrate_derivatives(s->p->m, s->v + (k + 1) * n, dt, s->T, s->S);
+        if (status != RBD_OK) return status;
+    }
+    ilqr_row_through_step(s, dt, s->V_x);
+    for (int i = 0; i < nx; i++) ilqr_row_through_step(s, dt, s->V_xx + i * nx);
+    for (int i = 1; i < nx; i++)
+        for (int j = 0; j < i; j++) {
+            const rbd_real x = s->V_xx[i * nx + j];
+            s->V_xx[i * nx + j] = s->V_xx[j * nx + i], s->V_xx[j * nx + i] = x;
+        }
+    for (int i = 0; i < nx; i++) ilqr_row_through_step(s, dt, s->V_xx + i * nx);
+    return RBD_OK;
+}
+
+/* Q(z) = l(z) + V(q, f(z)): with P for V_xx, split at v, and F for f_z (TET's expansion of Q, without f_zz)
+       Q_z  = l_z + (P_q, 0, 0) + F' P_v
+       Q_zz = l_zz + [P_qq 0 0; ...] + [P_qv F; 0; 0] + [P_qv F; 0; 0]' + F' P_vv F,
+   the upper triangle; that F has only the velocity's rows is what the split of the step brings. */
+static inline rbd_status ilqr_expand(ilqr *s, int k) {
+    const int n = ilqr_nv(s), m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    const rbd_real *F = s->f_z + k * n * nz, *P_vq = s->V_xx + n * nx, *P_vv = P_vq + n;
+    rbd_real l;
+    memset(s->Q_z, 0, sizeof l * (size_t)nz);
+    memset(s->Q_zz, 0, sizeof l * (size_t)(nz * nz));
+    memset(s->PF, 0, sizeof l * (size_t)(n * nz));
+    const rbd_status status =
+        s->p->cost(s->p->user, k, s->q + k * s->nq, s->v + k * n, s->u + k * m, &l, s->Q_z, s->Q_zz);
+    for (int i = 0; i < n; i++) { /* PF = P_vv F + (P_vq, 0, 0) */
+        rbd_real *row = s->PF + i * nz;
+        for (int j = 0; j < n; j++) row[j] = P_vq[i * nx + j];
+        ilqr_rows(1, n, P_vv + i * nx, 1, F, nz, nz, row);
+    }
+    for (int i = 0; i < nz; i++) ilqr_rows(1, n, s->PF + i, nz, F + i, nz, nz - i, s->Q_zz + i * nz + i);
+    for (int i = 0; i < n; i++) { /* in q both are there: of [P_qv F] the transpose too */
+        rbd_real *row = s->Q_zz + i * nz;
+        for (int j = i; j < n; j++) row[j] += s->V_xx[i * nx + j];
+        ilqr_rows(1, n, F + i, nz, P_vq + i, nx, n - i, row + i);
+    }
+    for (int i = 0; i < n; i++) s->Q_z[i] += s->V_x[i];
+    ilqr_rows(1, n, s->V_x + n, 1, F, nz, nz, s->Q_z);
+    return status;
+}
+
+/* Q_uu of the free controls = U' D U, with U a unit upper triangle; rows and columns of those that are
+   clamped are the identity's. Returns whether it is positive definite. */
+static inline int ilqr_factor(ilqr *s) {
+    const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    const rbd_real *Q_uu = s->Q_zz + nx * nz + nx;
+    for (int i = 0; i < m; i++) {
+        rbd_real *row = s->U + i * m;
+        for (int j = i; j < m; j++)
+            row[j] = (s->clamped >> i | s->clamped >> j) & 1 ? (rbd_real)(i == j) : Q_uu[i * nz + j];
+        for (int r = 0; r < i; r++) { /* less U_r' D_r U_r */
+            const rbd_real factor = s->U[r * m + i] * s->D[r];
+            for (int j = i; j < m; j++) row[j] -= factor * s->U[r * m + j];
+        }
+        s->D[i] = row[i];
+        if (!(s->D[i] > 0)) return 0;
+        for (int j = i; j < m; j++) row[j] /= s->D[i];
+    }
+    return 1;
+}
+
+/* X = -Q_uu^-1 X in the rows of the free controls, 0 in the others; X nu x columns. */
+static inline void ilqr_solve(ilqr *s, int columns, rbd_real *X) {
+    const int m = ilqr_nu(s);
+    for (int i = 0; i < m; i++) {
+        if (s->clamped >> i & 1) memset(X + i * columns, 0, sizeof *X * (size_t)columns);
+        ilqr_rows(-1, i, s->U + i, m, X, columns, columns, X + i * columns);
+    }
+    for (int i = m - 1; i >= 0; i--) {
+        const rbd_real factor = -1 / s->D[i];
+        for (int j = 0; j < columns; j++) X[i * columns + j] *= factor;
+        ilqr_rows(-1, m - 1 - i, s->U + i * m + i + 1, 1, X + (i + 1) * columns, columns, columns,
+                  X + i * columns);
+    }
+}
+
+/* The Newton step of the box, projected: k moves by as much of the change, within the limits, as makes k'
+   Q_uu k / 2 + Q_u' k fall (TMT, the line search of Projected-Newton). Returns whether it was the whole
+   change. */
+static inline int ilqr_projected_step(ilqr *s, const rbd_real *u, rbd_real *k) {
+    const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    const rbd_real *Q_uu = s->Q_zz + nx * nz + nx, *lower = s->p->lower, *upper = s->p->upper;
+    for (rbd_real t = 1; t > (rbd_real)1e-3; t /= 2) {
+        rbd_real linear = 0, quadratic = 0;
+        int whole = t >= 1;
+        for (int i = 0; i < m; i++) {
+            const rbd_real wanted = k[i] + t * s->change[i];
+            s->trial[i] = ilqr_clamp(wanted, lower[i] - u[i], upper[i] - u[i]) - k[i];
+            whole = whole && wanted >= lower[i] - u[i] && wanted <= upper[i] - u[i];
+        }
+        for (int i = 0; i < m; i++) {
+            linear += s->gradient[i] * s->trial[i];
+            quadratic += s->trial[i] * ilqr_dot(m, Q_uu + i * nz, s->trial);
+        }
+        if (!whole && linear + quadratic / 2 > linear / 10) continue;
+        for (int i = 0; i < m; i++) k[i] += s->trial[i];
+        return whole;
+    }
+    return 0;
+}
+
+/* k = what makes k' Q_uu k / 2 + Q_u' k least with u + k within the limits, by projected Newton steps in
+   the controls that are free: a clamped one's gradient points out of the box (TMT, Box-DDP). Leaves
+   the factor of the free ones. Returns whether it is positive definite. */
+static inline int ilqr_box(ilqr *s, const rbd_real *u, rbd_real *k) {
+    const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    const rbd_real *Q_u = s->Q_z + nx, *Q_uu = s->Q_zz + nx * nz + nx;
+    int whole = 0;
+    memset(k, 0, sizeof *k * (size_t)m);
+    for (int round = 0; round < 20; round++) {
+        uint64_t clamped = 0;
+        for (int i = 0; i < m; i++) {
+            const rbd_real g = Q_u[i] + ilqr_dot(m, Q_uu + i * nz, k);
+            const int at_limit =
+                (k[i] <= s->p->lower[i] - u[i] && g > 0) || (k[i] >= s->p->upper[i] - u[i] && g < 0);
+            clamped |= (uint64_t)at_limit << i;
+            s->gradient[i] = s->change[i] = g;
+        }
+        if (whole && clamped == s->clamped) break;
+        s->clamped = clamped;
+        if (!ilqr_factor(s)) return 0;
+        ilqr_solve(s, 1, s->change);
+        whole = ilqr_projected_step(s, u, k);
+    }
+    return 1;
+}
+
+/* k and K of the knot, and V of its state (TMT, Box-DDP; TET's update, in which the gradient of
+   the free controls is zero):  V_x = Q_x + Q_xu k,  V_xx = Q_xx + Q_xu K,  K = -Q_uu^-1 Q_ux. */
+static inline rbd_status ilqr_improve(ilqr *s, int knot) {
+    const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    rbd_real *k = s->k + knot * m, *K = s->K + knot * m * nx;
+    rbd_real *Q_xu = s->Q_zz + nx, *Q_uu = s->Q_zz + nx * nz + nx, *Q_u = s->Q_z + nx;
+    for (int i = 0; i < m; i++) {
+        Q_uu[i * nz + i] += s->mu * Q_uu[i * nz + i];
+        for (int j = 0; j < i; j++) Q_uu[i * nz + j] = Q_uu[j * nz + i];
+        for (int j = 0; j < nx; j++) K[i * nx + j] = Q_xu[j * nz + i];
+    }
+    if (!ilqr_box(s, s->u + knot * m, k)) return RBD_ERR_SINGULAR;
+    ilqr_solve(s, nx, K);
+    for (int i = 0; i < m; i++) {
+        s->slope += k[i] * Q_u[i];
+        s->curvature += k[i] * ilqr_dot(m, Q_uu + i * nz, k);
+    }
+    for (int i = 0; i < nx; i++) {
+        rbd_real *row = s->V_xx + i * nx;
+        s->V_x[i] = s->Q_z[i] + ilqr_dot(m, Q_xu + i * nz, k);
+        memcpy(row + i, s->Q_zz + i * nz + i, sizeof *row * (size_t)(nx - i));
+        ilqr_rows(1, m, Q_xu + i * nz, 1, K + i, nx, nx - i, row + i);
+    }
+    ilqr_mirror(nx, s->V_xx);
+    return RBD_OK;
+}
+
+/* V at the end is the cost there. */
+static inline rbd_status ilqr_end_value(ilqr *s) {
+    const int n = ilqr_nv(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
+    const int N = s->knots;
+    rbd_real l;
+    memset(s->Q_z, 0, sizeof l * (size_t)nz);
+    memset(s->Q_zz, 0, sizeof l * (size_t)(nz * nz));
+    const rbd_status status =
+        s->p->cost(s->p->user, N, s->q + N * s->nq, s->v + N * n, NULL, &l, s->Q_z, s->Q_zz);
+    memcpy(s->V_x, s->Q_z, sizeof l * (size_t)nx);
+    for (int i = 0; i < nx; i++) memcpy(s->V_xx + i * nx, s->Q_zz + i * nz, sizeof l * (size_t)nx);
+    ilqr_mirror(nx, s->V_xx);
+    return status;
+}
+
+/* Derivatives of the dynamics along the trajectory. */
+static inline rbd_status ilqr_linearise(ilqr *s) {
+    return s->p->derivatives(s->p->user, s->q, s->v, s->u, s->f_z);
+}
+
+/* Bellman's equation from the end on: k and K of all knots. RBD_ERR_SINGULAR: Q_uu is not positive
+   definite. */
+static inline rbd_status ilqr_backward(ilqr *s) {
+    rbd_status status = ilqr_end_value(s);
+    s->slope = s->curvature = 0;
+    for (int k = s->knots - 1; k >= 0 && status == RBD_OK; k--) {
+        status = ilqr_value_through_step(s, k);
+        if (status == RBD_OK) status = ilqr_expand(s, k);
+        if (status == RBD_OK) status = ilqr_improve(s, k);
+    }
+    return status;
+}
+
+/* Takes as much of k as makes the cost fall by a part of what the model promises; else the trajectory
+   stays. A rollout that fails, of a state that is out of all bounds, counts as one that costs too much. */
+static inline int ilqr_line_search(ilqr *s) {
+    memcpy(s->q_try, s->q, sizeof *s->q * (size_t)s->nq);
+    memcpy(s->v_try, s->v, sizeof *s->v * (size_t)s->nv);
+    for (rbd_real t = 1; t > (rbd_real)1e-2; t /= 2) {
+        const rbd_real promised = s->slope * t + s->curvature * t * t / 2;
+        rbd_real cost;
+        const rbd_status status = ilqr_rollout(s, t, &cost);
+        if (status == RBD_OK && cost - s->cost <= promised / 10) {
+            ilqr_accept(s, cost);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* One iteration: derivatives, backward pass and line search, again with more regularisation if that
+   fails. *better: 1 if the trajectory is another one that costs less, 0 if none was found: there is
+   hardly any, or mu is at its end. Errors: those of the problem's functions. */
+static inline rbd_status ilqr_iterate(ilqr *s, int *better) {
+    rbd_status status = ilqr_linearise(s);
+    *better = 0;
+    for (int round = 0; round < s->tries && status == RBD_OK; round++) {
+        status = ilqr_backward(s);
+        if (status == RBD_OK) {
+            if (-s->slope - s->curvature / 2 <= s->tolerance * s->cost) return RBD_OK;
+            *better = ilqr_line_search(s);
+        } else if (status == RBD_ERR_SINGULAR) {
+            status = RBD_OK;
+        }
+        if (*better) {
+            s->mu = s->mu > (rbd_real)1e-4 ? s->mu / 5 : 0;
+            return RBD_OK;
+        }
+        s->mu = 5 * s->mu + (rbd_real)1e-3;
+    }
+    return status;
+}
+
+/* ---- in a control loop ---- */
+
+/* Moves trajectory, controls and gains on by a fraction of a knot, 0 to 1, by interpolation: the next
+   horizon begins so much later. Then ilqr_start with the state that was measured. */
+static inline rbd_status ilqr_shift(ilqr *s, rbd_real fraction) {
+    const int nq = s->nq, n = s->nv, N = s->knots;
+    const int controls = s->nu, gains = s->nu * 2 * n;
+    rbd_status status = RBD_OK;
+    for (int k = 0; k < N && status == RBD_OK; k++) {
+        status = rbd_difference(s->p->m, s->q + k * nq, s->q + (k + 1) * nq, s->dx);
+        if (status == RBD_OK) status = rbd_integrate(s->p->m, s->q + k * nq, s->dx, fraction, s->q + k * nq);
+        for (int i = k * n; i < (k + 1) * n; i++) s->v[i] += fraction * (s->v[i + n] - s->v[i]);
+        if (k == N - 1) break;
+        for (int i = k * controls; i < (k + 1) * controls; i++)
+            s->u[i] += fraction * (s->u[i + controls] - s->u[i]);
+        for (int i = k * gains; i < (k + 1) * gains; i++) s->K[i] += fraction * (s->K[i + gains] - s->K[i]);
+    }
+    return status;
+}
+
+#endif
