@@ -53,8 +53,14 @@ enum {
     IIWA = SCALARS, /* known at compile time */
     HYQ,
     ATLAS,
+    IIWA_CODE, /* rbd-codegen's */
+    HYQ_CODE,
+    ATLAS_CODE,
     LANES_DOUBLE,
     LANES_FLOAT,
+    IIWA_CODE_LANES,
+    HYQ_CODE_LANES,
+    ATLAS_CODE_LANES,
     MUJOCO, /* those of others: peers/ */
     KDL,
     RBDL,
@@ -207,6 +213,10 @@ int block_length(const struct row *row);
 int measure_accuracy(struct row *rows, int n, int samples);
 
 /* ---- timing/measure.c ---- */
+
+/* An experiment is timed in chunks of about so long, of whole batches: a busy system takes the processor away
+   for milliseconds, after a few, and most chunks come through undisturbed where no whole experiment would. */
+#define CHUNK_NS 2e5
 
 /* Times all rows; experiments of a row never follow each other if there is another row. A row whose least
    time has not come twice is timed again, until it has or there were too many. Returns 0, or -1 after a

@@ -34,9 +34,9 @@ void progress(const char *format, ...) {
 
 const char *row_variant(const struct row *row, char text[32]) {
     const char *name = variant_names[row->variant];
-    const int number = row->variant == LANES ? row->instance->library->lanes : row->threads;
-    if (row->variant == LANES || row->variant == THREADS)
-        snprintf(text, 32, "%s %d", name, number);
+    const int lanes = row->instance->library->lanes;
+    if (row->variant == THREADS || lanes > 1)
+        snprintf(text, 32, "%s %d", name, row->variant == THREADS ? row->threads : lanes);
     else
         snprintf(text, 32, "%s", name);
     return text;
@@ -134,7 +134,7 @@ static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
     const bool same_scalar = same_robot && strcmp(above->instance->library->scalar, r->library->scalar) == 0;
     const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
     if (above && !same_scalar) fputc('\n', f);
-    fprintf(f, "%-6s %-7s %-28s %-13s %9.1f %8.1f %9.1f %9s %10.1e %10s%s%s\n",
+    fprintf(f, "%-6s %-7s %-28s %-17s %9.1f %8.1f %9.1f %9s %10.1e %10s%s%s\n",
             same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
             same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant), row->mean,
             row->stddev, row->min, speed_up(rows, n, row, speed), row->max_error,
@@ -167,7 +167,7 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
     fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
     fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per state\n\n", o->samples,
             (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
-    fprintf(f, "%-6s %-7s %-28s %-13s %9s %8s %9s %9s %10s %10s\n", "robot", "scalar", "algorithm", "variant",
+    fprintf(f, "%-6s %-7s %-28s %-17s %9s %8s %9s %9s %10s %10s\n", "robot", "scalar", "algorithm", "variant",
             "mean", "std dev", "min", "speed-up", "max error", "quad error");
     for (int i = 0; i < n; i++) write_table_row(f, rows, n, i);
     write_table_notes(f, rows, n);

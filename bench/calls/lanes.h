@@ -49,4 +49,6 @@ static rbd_status call_fd_cholesky(const void *model, void *work, int n, const v
     return rbd_batch_fd_cholesky(model, work, n, q, v, tau, NULL, a);
 }
 
-#define MORE_CALLS
+#define CALLS \
+    [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
+    [FD_CHOLESKY] = call_fd_cholesky

@@ -1,9 +1,11 @@
 /* The library for one scalar and variant, as a table. This file is compiled once for each (see meson.build):
    LIBRARY names the table; RBD_REAL and RBD_CONST choose the scalar; RBD_LANES makes its calls batches;
-   ROBOT, with ROBOT_MODEL and the like, makes them calls for that robot alone. The one with nothing but
-   LIBRARY is the library as a program has it; the others are RBD_STATIC, since a program can have the names
-   of rbd.h only once. SPDX-License-Identifier: MIT */
-#if defined RBD_LANES
+   ROBOT, with ROBOT_MODEL and the like, makes them calls for that robot alone, CODE those of code generated
+   for one. The one with nothing but LIBRARY is the library as a program has it; the others are RBD_STATIC,
+   since a program can have the names of rbd.h only once. SPDX-License-Identifier: MIT */
+#if defined CODE
+#include "generated.h"
+#elif defined RBD_LANES
 #include "lanes.h"
 #elif defined ROBOT
 #include "compile_time.h"
@@ -78,12 +80,7 @@ const struct library LIBRARY = {
     .work_init = work_init,
     .work_size = work_size,
     .set_gravity = set_gravity,
-    .call = {[ID] = call_id,
-             [MM] = call_mm,
-             [MM_PACKED] = call_mm_packed,
-             [FD] = call_fd,
-             [FD_CHOLESKY] = call_fd_cholesky,
-             MORE_CALLS},
+    .call = {CALLS},
     .from_double = from_double,
     .to_double = to_double,
     .relative_error = RELATIVE_ERROR,

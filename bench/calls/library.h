@@ -28,7 +28,7 @@ enum {
 };
 
 /* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
-enum { RUN_TIME, COMPILE_TIME, LANES, THREADS, VARIANTS };
+enum { RUN_TIME, COMPILE_TIME, GENERATED, LANES, GENERATED_LANES, THREADS, VARIANTS };
 enum { BATCH = 64 };
 
 /* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
@@ -65,7 +65,7 @@ struct library {
     const char *name; /* on the command line and in the report */
     const char *version;
     const char *scalar;
-    int variant, lanes; /* lanes: states in a SIMD instruction; 1 but with LANES */
+    int variant, lanes; /* lanes: states in a SIMD instruction */
     const char *robot;  /* the name of the only one it knows; NULL: any */
     int width;          /* states a call takes at most */
     size_t size;        /* bytes of a number in its arrays */

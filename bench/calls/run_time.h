@@ -140,8 +140,8 @@ static rbd_status call_dfd(const void *model, void *work, int n, const void *q, 
     return rbd_fd_derivatives(model, derivatives_of(work), q, v, tau, NULL, NULL, dq, dv, Minv);
 }
 
-/* Those that the batches and the models known at compile time are without. */
-#define MORE_CALLS \
-    [HYBRID] = call_hybrid, [MINV] = call_minv, [JACOBIAN] = call_jacobian, \
-    [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, \
-    [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd
+#define CALLS \
+    [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
+    [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [MINV] = call_minv, \
+    [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, \
+    [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd

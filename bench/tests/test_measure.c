@@ -4,10 +4,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* 6.4 ms are 12 chunks, and a warm-up before them; a first look at the time of a call precedes it all. */
-enum { SAMPLES = 6400, EXPERIMENTS = 10, LOOK = 2, CALLS = 13 };
+/* An experiment takes as long as some chunks and a half, which noise makes neither more nor fewer; a warm-up
+   precedes them, and a first look at the time of a call precedes it all. */
+#define MEAN_NS 999.5
+enum {
+    EXPERIMENTS = 10,
+    LOOK = 2,
+    CHUNKS = 32,
+    CALLS = 1 + CHUNKS,
+    SAMPLES = (int)((CHUNKS + 0.5) * CHUNK_NS / MEAN_NS)
+};
 
-static double work_of_state(int k) { return 900 + k % 200; /* ns */ }
+static double work_of_state(int k) { return MEAN_NS - 99.5 + k % 200; /* ns */ }
 
 static double work_of(int first, int count) {
     double ns = 0;

@@ -4,8 +4,10 @@
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_mujoco, library_kdl,
-    library_pinocchio, library_rbdl, library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
+    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_iiwa_code, library_hyq_code,
+    library_atlas_code, library_iiwa_code_lanes, library_hyq_code_lanes, library_atlas_code_lanes,
+    library_mujoco, library_kdl, library_pinocchio, library_rbdl, library_robcogen_iiwa, library_robcogen_hyq,
+    library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -15,6 +17,14 @@ const struct library *const libraries[LIBRARIES] = {
     [ATLAS] = &library_atlas,
     [LANES_DOUBLE] = &library_lanes_double,
     [LANES_FLOAT] = &library_lanes_float,
+#ifdef BENCH_GENERATED
+    [IIWA_CODE] = &library_iiwa_code,
+    [HYQ_CODE] = &library_hyq_code,
+    [ATLAS_CODE] = &library_atlas_code,
+    [IIWA_CODE_LANES] = &library_iiwa_code_lanes,
+    [HYQ_CODE_LANES] = &library_hyq_code_lanes,
+    [ATLAS_CODE_LANES] = &library_atlas_code_lanes,
+#endif
 #ifdef BENCH_MUJOCO
     [MUJOCO] = &library_mujoco,
 #endif
@@ -59,8 +69,13 @@ const struct algorithm algorithms[ALGORITHMS] = {
 
 const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};
 
-const char *const variant_names[] = {
-    [RUN_TIME] = "run-time", [COMPILE_TIME] = "compile-time", [LANES] = "lanes", [THREADS] = "threads", NULL};
+const char *const variant_names[] = {[RUN_TIME] = "run-time",
+                                     [COMPILE_TIME] = "compile-time",
+                                     [GENERATED] = "generated",
+                                     [LANES] = "lanes",
+                                     [GENERATED_LANES] = "generated-lanes",
+                                     [THREADS] = "threads",
+                                     NULL};
 
 const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", "robcogen", NULL};
 

@@ -10,10 +10,6 @@
    predictors to another robot. */
 enum { WARM_UP_CALLS = 1000 };
 
-/* An experiment is timed in chunks of about so long, of whole batches: a busy system takes the processor away
-   for milliseconds, after a few, and most chunks come through undisturbed where no whole experiment would. */
-#define CHUNK_NS 5e5
-
 /* A row whose least time has not come twice has up to so many times as many experiments again. */
 enum { MORE = 2 };
 

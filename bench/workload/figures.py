@@ -3,7 +3,7 @@ import math
 import os
 import subprocess
 
-from data import ALGORITHMS, Bar, RUN_TIME, is_disturbed
+from data import ALGORITHMS, GENERATED_LANES, Bar, RUN_TIME, is_disturbed
 
 # From dark to light, so that black and white tell them apart; every area has a black edge.
 SHADES = ["#1f2d4d", "#5f86b3", "#f0b860", "#fbf1dc"]
@@ -289,7 +289,7 @@ def throughput(data):
 
 
 def throughput_bars(data):
-    return data.ours + [Bar("lanes, float", "rbd by lanes of float", "rbd", "lanes", "float")] + data.threads()
+    return data.ours + [GENERATED_LANES, Bar("lanes, float", "rbd by lanes of float", "rbd", "lanes", "float")] + data.threads()
 
 
 def accuracy(data):

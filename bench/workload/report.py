@@ -7,6 +7,7 @@ import argparse
 import csv
 import datetime
 import hashlib
+import itertools
 import json
 import os
 import platform
@@ -15,6 +16,7 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+CODEGEN = os.path.join(ROOT, "build", "tools", "rbd-codegen")  # ./run builds it
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import callgrind  # noqa: E402
 import page  # noqa: E402
@@ -82,7 +84,7 @@ def sources():
     """The files that results depend on."""
     found = [os.path.join(ROOT, folder, name) for folder in ("", "models")
              for name in os.listdir(os.path.join(ROOT, folder)) if name.endswith(".h")]
-    for folder, folders, names in os.walk(os.path.join(ROOT, "bench")):
+    for folder, folders, names in itertools.chain(*(os.walk(os.path.join(ROOT, f)) for f in ("bench", "tools"))):
         folders[:] = [f for f in folders if f not in ("firmware", "results", "tests", "__pycache__")]
         found += [os.path.join(folder, name) for name in names
                   if name.endswith((".c", ".h", ".cpp", ".hpp", ".jl", ".build")) or name == "callgrind.py"]
@@ -187,7 +189,7 @@ def configure(o, folder, compiler, march):
     if platform.machine() not in ("x86_64", "amd64"):
         march = "native"
     call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled",
-          "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen],
+          "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen, "-Dcodegen=" + CODEGEN],
          env={"CC": compiler, "CXX": cpp_of(o, compiler)})
 
 
@@ -340,7 +342,7 @@ def facts(o, data):
         ("libraries", ", ".join("%s %s" % item for item in versions.items())),
         ("compilers", "; ".join(first_line([c, "--version"]) for c in o.compilers)),
         ("flags", "-O3 -march=native -ffp-contract=fast; compile-time models also -fno-signed-zeros "
-         "-ffinite-math-only; under valgrind -march=haswell, which has no AVX-512"),
+         "-ffinite-math-only; generated code -O3 -march=native; under valgrind -march=haswell, which has no AVX-512"),
         ("flags of others", "; ".join("%s: %s" % (", ".join(names), build) for build, names in builds.items()) or "–"),
         ("lanes", ", ".join(lanes) + " (double and float); under valgrind those of AVX2" if lanes else "–"),
         ("tools", "%s; %s" % (first_line(["valgrind", "--version"]), first_line(["gnuplot", "--version"]))),
