@@ -3391,7 +3391,7 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
             rbdi_aba_up_block(m, w, i, tau, &IA, &pA, &doubt);
         else
             RBDI_BY_FORM_BUT(RBDI_SHIFT_Z, form, l, rbdi_aba_up(m, w, i, form, tau, &IA, &pA, &doubt));
-        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent == i - 1) continue;
         if (l->parent >= 0) {
             rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
             slot->I = rbdi_abi_add(slot->I, IA);
@@ -3603,7 +3603,7 @@ RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbd
             rbdi_hybrid_up_block(m, w, i, given, tau, &IA, &pA, &doubt);
         else
             RBDI_BY_FORM(form, l, rbdi_hybrid_up(m, w, i, form, given, tau, &IA, &pA, &doubt));
-        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent == i - 1) continue;
         if (l->parent >= 0) {
             rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
             slot->I = rbdi_abi_add(slot->I, IA);
@@ -4171,11 +4171,11 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
    what stands for I_j change it by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by
    the same recursion, RBDA table 7.1:
 
-       K_i = own_i + sum over the children of X' (P' K P + way) X,   e_i = S' K_i S,   P = 1 - S U'/D
+       K_i = own_i + sum over the children of X' (P' K P + V r V' + way) X,   e_i = S' K_i S,   P = 1 - S V'
 
-   (P' IA P = IA - U U'/D). own is the diagonal of the link's inertia at its origin, way what the change of
-   frame rounds (rbdi_bound_up). A pivot counts as zero unless D > RBDI_NOISE (e + armature); with
-   RBD_SPECIALISE e = dof.scale. For M = L'DL likewise e = sum w_j^2 K_jj with w the dof's column of L^-1, and
+   for V = U/D and the joint's armature r (P' IA P + V r V' = IA - U U'/D). own is the diagonal of the link's
+   inertia at its origin, way what the change of frame rounds (rbdi_bound_up). A pivot counts as zero unless
+   D > RBDI_NOISE (e + armature); with RBD_SPECIALISE e = dof.scale. For M = L'DL likewise e = sum w_j^2 K_jj with w the dof's column of L^-1, and
    K_jj = M_jj + own + scale / 4, for the turns in M.
 
    Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
@@ -4250,8 +4250,8 @@ static void rbdi_gross_links(const rbd_model *m, rbd_work *w) {
 }
 
 #ifndef RBD_NO_ABA
-/* A becomes P' A P, P = 1 - S V' with V = U/D; returns S' A S. */
-RBDI_INLINE rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6]) {
+/* A becomes P' A P + V r V', P = 1 - S V' with V = U/D and the armature r; returns S' A S. */
+RBDI_INLINE rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6], rbd_const r) {
     rbd_real a[6], e = rbdi_zero();
     for (int i = 0; i < 6; ++i) {
         a[i] = rbdi_zero();
@@ -4259,7 +4259,7 @@ RBDI_INLINE rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const 
         e = e + S[i] * a[i];
     }
     for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) A[i][j] = A[i][j] + (e * V[i] - a[i]) * V[j] - V[i] * a[j];
+        for (int j = 0; j < 6; ++j) A[i][j] = A[i][j] + ((e + r) * V[i] - a[i]) * V[j] - V[i] * a[j];
     return e;
 }
 
@@ -4291,20 +4291,20 @@ static rbdi_abi rbdi_abi_plus(rbdi_abi A, rbdi_v3 I, rbdi_v3 M) {
 static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_abi A) {
     const rbdi_link *l = &m->link[i];
     if (l->kind == RBDI_BLOCK) return rbdi_abi_up_block(&w->block[l->block].X, A);
-    return rbdi_abi_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), A);
+    return rbdi_abi_up(l, l->flags | RBDI_ARMATURE, rbdi_trig_of(m, w, i, l->flags), A); /* no row of zeros */
 }
 
-/* The same for the bound K, with what release and way add: all but the row of a revolute axis, which is put
-   to zero, rounds by what it is the difference of; about that axis a twist does that is no right angle. A
-   shift by r rounds by r^2 M. Constants and angles hold to a rounding, which tells where all else vanishes:
-   as its square. */
-RBDI_INLINE rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, rbdi_abi K) {
+/* The same for the bound K, with what release and way add: all rounds by what it is the difference of, but the
+   row of a revolute axis that is put to zero (not of one that is held or has armature); about that axis a
+   twist does that is no right angle. A shift by r rounds by r^2 M. Constants and angles hold to a rounding,
+   which tells where all else vanishes: as its square. */
+RBDI_INLINE rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, int held, rbdi_abi K) {
     const rbdi_link *l = &m->link[i];
     const int block = l->kind == RBDI_BLOCK;
     const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
     const rbd_const build = RBDI_BUILD, square = build > 1 ? RBDI_NOISE : RBDI_NOISE * build * build;
     const rbd_const twist = l->flags & RBDI_TWIST_90 ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
-    const rbd_const z = block || (l->flags & RBDI_SLIDES) ? RBD_C(1) : twist;
+    const rbd_const z = block || held || (l->flags & (RBDI_SLIDES | RBDI_ARMATURE)) ? RBD_C(1) : twist;
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
     const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
@@ -4329,6 +4329,7 @@ RBDI_INLINE void rbdi_judge_links(const rbd_model *m, rbd_work *w, const rbdi_gi
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
+        const int held = given && rbdi_any_held(m, l, given);
         rbd_real A[6][6];
         if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
         X = bound ? rbdi_abi_plus(X, g.I, rbdi_vec(g.m, g.m, g.m)) : rbdi_abi_add_link(l, RBDI_MASS_KEPT, X);
@@ -4337,14 +4338,14 @@ RBDI_INLINE void rbdi_judge_links(const rbd_model *m, rbd_work *w, const rbdi_gi
         for (int k = (l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1) - 1; k >= 0; --k) {
             rbd_real S[6], V[6], e;
             if (given && given->dof[l->iv + k]) continue;
-            rbdi_axis_of(m, w, i, k, given ? rbdi_any_held(m, l, given) : 0, S, V);
-            e = rbdi_give_way(A, S, V);
+            rbdi_axis_of(m, w, i, k, held, S, V);
+            e = rbdi_give_way(A, S, V, m->dof[l->iv + k].armature);
             if (bound) rbdi_judge(m, w, l->iv + k, e);
         }
         X = rbdi_abi_from_array(A);
         if (!bound) rbdi_gross_note(&w->scratch[i], X);
-        if (l->parent >= 0) X = bound ? rbdi_bound_up(m, w, i, X) : rbdi_abi_up_link(m, w, i, X);
-        if (l->parent >= 0 && l->parent == i - 1) continue;
+        if (l->parent >= 0) X = bound ? rbdi_bound_up(m, w, i, held, X) : rbdi_abi_up_link(m, w, i, X);
+        if (l->parent == i - 1) continue;
         if (l->parent >= 0) {
             rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
             slot->I = rbdi_abi_add(slot->I, X);

@@ -396,6 +396,9 @@ START_TEST(impossible_inertias_are_warned_of) {
     WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, 1, -0.6, -0.6, 1, -0.6, 1)); /* only det < 0 */
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 1, 0, 0, 1, 0, 2.1));
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 3, "inertia", INERTIA(3, 1, 0.9, 0, 1, 0, 0.1)); /* 1.9, 0.1, 0.1 */
+    WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 1, 0, 0, 0, 0, 0));     /* one moment alone */
+    WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 0, 0, 0, 1, 0, 0));
+    WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 1));
     WARNS(RBD_WARN_INERTIA_ZERO, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 0));
     WARNS(RBD_WARN_MASS_ZERO, 1, "mass", b[1].mass = 0);
 }

@@ -109,6 +109,28 @@ START_TEST(coincident_axes_with_nothing_between_are_singular) {
 }
 END_TEST
 
+/* The same where the second axis has an armature that is lost in rounding: what its inertia leaves of the first's
+   pivot is noise. */
+START_TEST(coincident_axes_with_a_vanishing_armature_are_singular) {
+    uint64_t seed = 94;
+    for (int i = 0; i < 200; i++) {
+        const double I = uniform(&seed, 1, 10), x = uniform(&seed, -1, 1), y = uniform(&seed, -1, 1);
+        const rbd_body b[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}},
+                               {.parent = 0,
+                                .type = RBD_REVOLUTE,
+                                .axis = {0, 0, 1},
+                                .mass = 1,
+                                .com = {x, y, 0},
+                                .inertia = {I, 0, 0, I, 0, I},
+                                .armature = {1e-20}}};
+        const double q[2] = {0.1, 0.2};
+        robot r = BUILD(b);
+        expect_singular("coincident axes with a vanishing armature", &r, q, 0, 1);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 START_TEST(massless_chain_with_too_many_slides_is_singular) {
     const rbd_body slides[4] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
                                 {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 1, 0}},
@@ -347,6 +369,7 @@ Suite *singular_suite(void) {
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
     tcase_add_test(c, point_mass_on_a_skew_axis_is_singular);
     tcase_add_test(c, coincident_axes_with_nothing_between_are_singular);
+    tcase_add_test(c, coincident_axes_with_a_vanishing_armature_are_singular);
     tcase_add_test(c, massless_chain_with_too_many_slides_is_singular);
     tcase_add_test(c, universal_joint_with_point_mass_at_its_centre_is_singular);
     tcase_add_test(c, ball_joint_with_a_rod_is_singular);
