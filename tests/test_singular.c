@@ -109,8 +109,8 @@ START_TEST(coincident_axes_with_nothing_between_are_singular) {
 }
 END_TEST
 
-/* The same where the second axis has an armature that is lost in rounding: what its inertia leaves of the first's
-   pivot is noise. */
+/* The same where the second axis has an armature that is lost in rounding: what its inertia leaves of the
+   first's pivot is noise. */
 START_TEST(coincident_axes_with_a_vanishing_armature_are_singular) {
     uint64_t seed = 94;
     for (int i = 0; i < 200; i++) {
