@@ -30,8 +30,8 @@ static const rbd_real reach_posture[REACH_NV] = {0, 0.6f, 0, -1.4f, 0, 1.1f, 0};
 
 /* Half the weights of the squares. */
 static const rbd_real reach_near = 4000, reach_near_last = 40000; /* of the hand's distance, 1/m^2 */
-static const rbd_real reach_home = 1;    /* of the distance from the posture, 1/rad^2 */
-static const rbd_real reach_slow = 0.3f;   /* of the velocity, s^2/rad^2 */
+static const rbd_real reach_home = 1;       /* of the distance from the posture, 1/rad^2 */
+static const rbd_real reach_slow = 0.3f;    /* of the velocity, s^2/rad^2 */
 static const rbd_real reach_effort = 2e-4f; /* of the torque beyond hold, 1/(N m)^2 */
 
 /* Where the target is at a time, in world axes: a turn in two seconds. */
