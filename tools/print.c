@@ -61,13 +61,31 @@ static const char *const types[RBD_JOINT_TYPES][2] = {
 const char *joint_type_name(rbd_joint_type type) { return types[type][0]; }
 const char *joint_type_constant(rbd_joint_type type) { return types[type][1]; }
 
+/* What the coordinates and the degrees of freedom of joints with several are called, by type. */
+static const char *const parts_of_q[RBD_JOINT_TYPES][7] = {
+    [RBD_CONTINUOUS_CS] = {"cos", "sin"},
+    [RBD_CYLINDRICAL] = {"angle", "length"},
+    [RBD_UNIVERSAL] = {"first", "second"},
+    [RBD_SPHERICAL] = {"qx", "qy", "qz", "qw"},
+    [RBD_EULER_ZYX] = {"z", "y", "x"},
+    [RBD_EULER_XYZ] = {"x", "y", "z"},
+    [RBD_EULER_YXZ] = {"y", "x", "z"},
+    [RBD_EULER_ZXY] = {"z", "x", "y"},
+    [RBD_PLANAR] = {"x", "y", "angle"},
+    [RBD_TRANSLATION] = {"x", "y", "z"},
+    [RBD_FLOATING] = {"x", "y", "z", "qx", "qy", "qz", "qw"},
+};
+static const char *const parts_of_v[RBD_JOINT_TYPES][6] = {
+    [RBD_SPHERICAL] = {"wx", "wy", "wz"},
+    [RBD_PLANAR] = {"w", "vx", "vy"},
+    [RBD_FLOATING] = {"wx", "wy", "wz", "vx", "vy", "vz"},
+};
+static const char *const one[] = {""};
+
 const char *const *coordinate_names(rbd_joint_type type) {
-    static const char *const one[] = {""}, *const planar[] = {"x", "y", "angle"};
-    static const char *const floating[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
-    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
+    return parts_of_q[type][0] ? parts_of_q[type] : one;
 }
 const char *const *dof_names(rbd_joint_type type) {
-    static const char *const one[] = {""}, *const planar[] = {"w", "vx", "vy"};
-    static const char *const floating[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
-    return type == RBD_FLOATING ? floating : type == RBD_PLANAR ? planar : one;
+    if (parts_of_v[type][0]) return parts_of_v[type];
+    return type == RBD_CONTINUOUS_CS ? one : coordinate_names(type);
 }

@@ -32,7 +32,11 @@ static void print_joint(const rbd_body *b, int index, const rbd_body *bodies) {
     print_in_comment(b->parent < 0 ? "world" : bodies[b->parent].name ? bodies[b->parent].name : "nameless");
     printf(" */\n     ");
     numbers(b->axis, 3);
-    printf(", {0, 0, 0}, 0,\n     ");
+    printf(", ");
+    numbers(b->axis2, 3);
+    printf(", ");
+    number(b->pitch);
+    printf(",\n     ");
     numbers(b->position, 3);
     printf(",\n     ");
     numbers(b->rotation, 9);

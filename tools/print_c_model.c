@@ -55,7 +55,8 @@ static void write_flags(int flags) {
                  {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},         {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
                  {RBDI_ARMATURE, "RBDI_ARMATURE"},       {RBDI_ROOT, "RBDI_ROOT"},
                  {RBDI_SLIDES, "RBDI_SLIDES"},           {RBDI_TWIST_90, "RBDI_TWIST_90"},
-                 {RBDI_TWIST_0, "RBDI_TWIST_0"}};
+                 {RBDI_TWIST_0, "RBDI_TWIST_0"},         {RBDI_TIED, "RBDI_TIED"},
+                 {RBDI_TIED_FIRST, "RBDI_TIED_FIRST"}};
     const char *between = "";
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
         if (flags & names[i].flag) {

@@ -1,0 +1,1739 @@
+# SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
+"""rbd from Python: rigid-body dynamics of robots by rbd.h, on ctypes and numpy.
+
+    import rbd
+    model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))    # or rbd.load_urdf("robot.urdf")
+    tau = model.rnea(q, v, a)                                           # one state: q nq, v and a nv
+    tau = model.rnea(Q, V, A)                                           # n states: Q n x nq, V and A n x nv
+
+The first use compiles rbd.h and its companions with the machine's C compiler, which takes half a minute, and
+keeps the library in a cache folder ($RBD_CACHE, else ~/.cache/rbd). A `Library` chooses the scalar and the
+flags.
+
+Every call is named as in C, without `rbd_`; what is said there holds here too. In short (rbd.h,
+[conventions]): SI units; spatial vectors angular first, (omega; v) and (moment; force); a body's quantities
+in its own link frame, at its origin; matrices by rows; quaternions (x, y, z, w). `nb`, `nq`, `nv` count
+bodies, coordinates and degrees of freedom, which stand in the order of the description.
+
+- Inputs are anything that numpy makes an array of numbers of the right shape of; results are new arrays.
+  Wrong shapes and types are refused by name (ValueError, TypeError) before C is called, and so is what is not
+  finite. A result that overflows is a FloatingPointError: no NaN gets in or out silently.
+- An error of the library is an `RbdError` with its `status` and the sentence of the header.
+- Where a call gives several results they come as a named tuple in C's order. Those that C can leave out have
+  a keyword: `model.rnea_derivatives(q, v, a, M=False).M` is None, and is not computed.
+- Threads: C runs without Python's lock. Calls of one Model wait for each other; those of two (`model.copy()`
+  is cheap) run side by side. What `kinematics` leaves belongs to the Model: one thread, one Model.
+"""
+from __future__ import annotations
+
+import ctypes
+import difflib
+import enum
+import functools
+import hashlib
+import inspect
+import math
+import operator
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import threading
+import warnings
+from collections import namedtuple
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+__all__ = ["Body", "Constraint", "Constraints", "JointType", "Library", "Model", "RbdError", "RbdWarning",
+           "SOURCES", "Spatial", "Status", "Urdf", "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
+
+
+# ---- what the headers say: versions, enumerations, structures ----
+
+def _find_sources():
+    """The folder of rbd.h: beside this file where it is installed, above it in the repository."""
+    here = Path(__file__).resolve().parent
+    for folder in here / "rbd_sources", here.parent:
+        if (folder / "rbd.h").is_file():
+            return folder
+    raise ImportError(f"rbd.h is neither in {here / 'rbd_sources'} nor in {here.parent}")
+
+
+SOURCES = _find_sources()  #: folder of rbd.h and of models/
+_HEADERS = {name: (SOURCES / name).read_text() for name in
+            ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h", "rbd_urdf.h")}
+_TEXT = "\n".join(_HEADERS.values())
+__version__ = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
+
+
+def _enumerators(name, text):
+    """The enumerators of a C enum, {name: value}."""
+    body = re.search(rf"typedef enum {name} \{{(.*?)\}} {name};", text, re.S)[1]
+    value, found = -1, {}
+    for item in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(","):
+        key, _, number = item.partition("=")
+        value = int(number) if number else value + 1
+        found[key.strip()] = value
+    return found
+
+
+def _enum(python_name, c_name, prefix):
+    """A C enum as one of Python, without the prefix of its names."""
+    members = {key[len(prefix):]: value for key, value in _enumerators(c_name, _TEXT).items()}
+    return enum.IntEnum(python_name, members, module=__name__)
+
+
+Status = _enum("Status", "rbd_status", "RBD_")
+UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
+JointType = _enum("JointType", "rbd_joint_type", "RBD_")
+
+
+def structure(name, real=ctypes.c_double, text=_TEXT):
+    """A C struct of a header as a ctypes.Structure of the same layout; `real` is the scalar of rbd_const."""
+    known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
+             "rbd_const": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
+             "rbd_joint_type": ctypes.c_int}
+    body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
+    members = []
+    for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:
+        base, rest = re.fullmatch(r"\s*(?:const )?(\w+)\s*(.*)", declaration, re.S).groups()
+        for declarator in rest.split(","):
+            member, length = re.search(r"(\w+)(?:\[(\w+)\])?$", declarator.strip()).groups()
+            if declarator.count("*") == 1 and base == "char":
+                kind = ctypes.c_char_p
+            elif "*" in declarator:
+                kind = ctypes.c_void_p
+            else:
+                kind = known.get(base) or structure(base, real, text)
+            if length:
+                kind *= int(length if length.isdigit() else re.search(rf"#define {length} (\d+)", text)[1])
+            members.append((member, kind))
+    return type(name, (ctypes.Structure,), {"_fields_": members})
+
+
+structure = functools.lru_cache(maxsize=None)(structure)
+
+
+class RbdError(Exception):
+    """An error of the library. status: which; results: what the call gave all the same, where it stands."""
+
+    def __init__(self, status, text, results=None):
+        super().__init__(text)
+        self.status = status
+        self.results = results
+
+
+class RbdWarning(UserWarning):
+    """What is odd in a description or a URDF file, but can be computed with."""
+
+
+# ---- compiling ----
+
+def _run(command):
+    """Runs a compiler or the like; what it prints becomes the error."""
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, errors="replace")
+    except OSError as error:
+        raise RuntimeError(f"rbd needs '{command[0]}': {error.strerror}") from None
+    if done.returncode:
+        raise RuntimeError(f"{shlex.join(command)}:\n{done.stdout.strip()}")
+    return done.stdout
+
+
+def _c_compiler():
+    """The C compiler that is meant where none is named."""
+    return shlex.split(os.environ.get("CC") or "cc")
+
+
+def _cache():
+    """The folder of what has been compiled."""
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+    folder = Path(os.environ.get("RBD_CACHE") or caches / "rbd")
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise RuntimeError(f"{folder}: {error.strerror}; "
+                           "$RBD_CACHE may name another folder for what is compiled") from None
+    return folder
+
+
+def _compile(units, command, libraries=(), what=""):
+    """A shared library of the units, C or C++ in text, from the cache if it is there. Its name is the hash of
+    all that goes in; it comes into its place complete, so that processes may do this at once."""
+    language = "c++" if "++" in command[0] else "c"
+    # The compiler's macros tell its version, and what -march=native is on this machine.
+    machine = _run([*command, "-dM", "-E", "-x", language, os.devnull])
+    digest = hashlib.sha256("\0".join([machine, *command, *libraries, *units, _TEXT]).encode())
+    path = _cache() / f"{digest.hexdigest()[:32]}.so"
+    if path.exists():
+        return ctypes.CDLL(str(path))
+    if what:
+        print(f"rbd: compiling {what}, once: {path}", file=sys.stderr)
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        objects = [f"{folder}/{k}.o" for k in range(len(units))]
+
+        def compile_unit(number):
+            source = f"{folder}/{number}.{language}"
+            Path(source).write_text(units[number])
+            try:
+                _run([*command, "-fPIC", f"-I{SOURCES}", "-x", language, "-c", source, "-o", objects[number]])
+            except RuntimeError as error:
+                failures.append(error)
+
+        failures = []
+        threads = [threading.Thread(target=compile_unit, args=(k,)) for k in range(len(units))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        if failures:
+            raise failures[0]
+        _run([*command, "-shared", *objects, "-o", f"{folder}/library", *libraries])
+        os.replace(f"{folder}/library", path)
+    return ctypes.CDLL(str(path))
+
+
+_SINGLE = """
+#define RBD_IMPLEMENTATION
+#include "rbd_derivatives.h"
+#include "rbd_constraints.h"
+#include "rbd_spatial.h"
+"""
+_BATCH = """
+#if defined __AVX512F__
+#define RBD_LANES {}
+#elif defined __AVX__
+#define RBD_LANES {}
+#else
+#define RBD_LANES {}
+#endif
+#define RBD_BATCH_IMPLEMENTATION
+#include "rbd_derivatives.h"
+#include "rbd_constraints.h"
+"""
+
+
+def _batch_unit(real, lanes):
+    """The unit of the batch calls, with as many lanes as the SIMD unit has unless told."""
+    per_128 = {"double": 2, "float": 4}[real]
+    return _BATCH.format(*(lanes or k * per_128 for k in (4, 2, 1)))
+
+
+class Library:
+    """rbd.h and its companions, compiled for one scalar.
+
+    real      "double" or "float": the scalar of states, results and models
+    flags     of the compiler; None = $RBD_FLAGS, else -O3 -march=native -ffp-contract=fast
+    lanes     states per SIMD instruction in batches, a power of two; None = what the machine has
+    compiler  the C compiler; None = $CC, else cc
+    """
+
+    def __init__(self, real="double", flags=None, lanes=None, compiler=None):
+        if real not in ("double", "float"):
+            raise ValueError(f"real must be 'double' or 'float', not {real!r}")
+        if lanes is not None and (lanes < 2 or lanes & (lanes - 1)):
+            raise ValueError(f"lanes must be 2, 4, 8 or another power of two, not {lanes}")
+        self._settings = real, flags, lanes, compiler
+        flags = flags or os.environ.get("RBD_FLAGS") or "-O3 -march=native -ffp-contract=fast"
+        self.real = real
+        self.scalar = {"double": ctypes.c_double, "float": ctypes.c_float}[real]
+        self.dtype = np.dtype(real.replace("float", "float32"))
+        compiler = shlex.split(compiler) if compiler else _c_compiler()
+        command = [*compiler, *shlex.split(flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
+        self._c = _compile([_SINGLE + _spatial_unit(), _batch_unit(real, lanes)], command, ["-lm"],
+                           f"rbd.h for {real}")
+        self.lanes = self.call("batch_lanes")
+        self.spatial = Spatial(self)
+
+    def function(self, name, result=ctypes.c_int, arguments=None):
+        """A C function by its name without `rbd_`. An object of its own each time: threads may set its
+        types."""
+        try:
+            function = self._c[f"rbd_{name}_{self.real}"]
+        except AttributeError:
+            function = self._c[f"rbd_{name}"]
+        function.restype = result
+        function.argtypes = arguments
+        return function
+
+    def call(self, name, *arguments, result=ctypes.c_int):
+        """Calls C: arrays and structures go as pointers, whole numbers as int."""
+        return self.function(name, result)(*(
+            ctypes.c_void_p(x.ctypes.data) if isinstance(x, np.ndarray) else
+            ctypes.byref(x) if isinstance(x, (ctypes.Structure, ctypes.Array)) else x for x in arguments))
+
+    def status_string(self, status):
+        """The header's sentence for a Status."""
+        return self.call("status_string", int(status), result=ctypes.c_char_p).decode()
+
+    def finding_text(self, finding, function="finding_text"):
+        """The header's sentence for a rbd_finding: it names body (or constraint) and field."""
+        text = ctypes.create_string_buffer(400)
+        self.call(function, finding, text, ctypes.c_size_t(len(text)), result=ctypes.c_void_p)
+        return text.value.decode(errors="replace")
+
+    def check_parameters(self, pi):
+        """Raises RbdError if no body can have these ten inertial parameters: negative mass, a centre of mass
+        without mass, or an inertia that no distribution of mass has. pi: 10, as of Model.body_parameters."""
+        status = self.call("check_parameters", _numbers("check_parameters", "pi", pi, (10,), self.dtype))
+        if status:
+            raise RbdError(Status(status), f"check_parameters: {self.status_string(status)}")
+
+    def set_parameters(self, body, pi):
+        """A copy of a Body with the mass, com and inertia of these ten inertial parameters."""
+        row = structure("rbd_body")()
+        status = self.call("set_parameters", row, _numbers("set_parameters", "pi", pi, (10,), self.dtype))
+        if status:
+            raise RbdError(Status(status), f"set_parameters: {self.status_string(status)}")
+        return replace(body, mass=row.mass, com=tuple(row.com), inertia=tuple(row.inertia))
+
+    def __reduce__(self):
+        return Library, self._settings
+
+    def __repr__(self):
+        return f"<rbd.Library {__version__}, {self.real}, {self.lanes} lanes>"
+
+
+@functools.lru_cache(maxsize=None)
+def _default_library():
+    return Library()
+
+
+# ---- arguments ----
+
+# Name, shape, and what it is: of all arguments and results. Docstrings and checks are made of it.
+_QUANTITIES = {name: (shape, text) for name, shape, text in (re.split(r"\s{2,}", line) for line in """
+q             nq       configuration: rad, m, quaternions (x, y, z, w)
+q0            nq       configuration
+q1            nq       configuration
+q_next        nq       configuration
+q_near        nq       configuration
+rates         nq       dq/dt, of quaternions and (cos, sin) too
+v             nv       velocity: rad/s, m/s; of a free base (omega; v) in body axes
+v_plus        nv       velocity after the impact
+v_near        nv       velocity
+a             nv       acceleration dv/dt: rad/s^2, m/s^2
+d             nv       tangent step: rad, m
+tau           nv       torque or force of each degree of freedom: N m, N
+c             nv       bias force: N m, N
+g             nv       gravity torque: N m, N
+p             nv       generalized momentum M v
+ctv           nv       C' v
+b             nv       right-hand side
+x             nv       solution
+given         nv       1 where the acceleration is given, 0 where the torque is
+f_ext         nb 6     wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
+wrench        nb 6     wrench (moment; force) on each body from its joint, in its axes, at its origin: N m, N
+M             nv nv    mass matrix: kg m^2, kg m, kg
+Minv          nv nv    inverse of the mass matrix
+C             nv nv    Coriolis matrix
+H             nh       mass matrix, packed (packed_size, packed_index)
+L             nh       factor of the mass matrix, packed
+dtau_dq       nv nv    row: torque; column: tangent step of q
+dtau_dv       nv nv    row: torque; column: velocity
+dg_dq         nv nv    row: torque; column: tangent step of q
+da_dq         nv nv    row: acceleration; column: tangent step of q
+da_dv         nv nv    row: acceleration; column: velocity
+da_dtau       nv nv    row: acceleration; column: torque
+dnext_dq      nv nv    row: tangent step of q_next; column: of q
+dnext_dv      nv nv    row: tangent step of q_next; column: velocity
+dd_dq0        nv nv    row: d; column: tangent step of q0
+dd_dq1        nv nv    row: d; column: tangent step of q1
+Y             nv 10nb  torque regressor: Y pi of all bodies, one after the other
+Y_kinetic     10nb     regressor of the kinetic energy
+Y_potential   10nb     regressor of the potential energy
+pi            10       m, m c (3), and xx xy xz yy yz zz of the inertia about the link's origin, link axes
+kinetic       -        J, the rotors' included
+potential     -        J, zero at the world's origin
+R             3 3      turns link vectors into world vectors
+position      3        world frame: m
+velocity      6        (omega; v): rad/s, m/s
+acceleration  6        (angular; linear): rad/s^2, m/s^2
+point         3        fixed in the body, link axes: m; None = the link's origin
+f             6        wrench (moment about the point; force): N m, N
+row           6        the wrench at the body's origin, in its axes: its row of f_ext
+J             6 nv     row: (omega; v); column: degree of freedom
+A             6 nv     centroidal momentum matrix
+A_dot_v       6        dA/dt v
+h             6        momentum (angular about the centre of mass; linear), world axes
+h_dot         6        its rate: N m, N
+gamma         rows     dJ/dt v
+e             rows     position error: rad, m
+lambda_       rows     (moment about frame 1's origin; force) of body 2 on body 1, axes of frame 2: N m, N
+impulse       rows     the same of an impact: N m s, N s
+dlambda_dq    rows nv  row: constraint force; column: tangent step of q
+dlambda_dv    rows nv  row: constraint force; column: velocity
+dlambda_dtau  rows nv  row: constraint force; column: torque
+actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
+weight        rows     above 0; None = 1
+dt            -        s
+restitution   -        0 (nothing rebounds) to 1
+body          -        index, or name of the link
+reference     -        index, or name of the link; -1 = the world
+axes          -        "world" or "link": the axes of the six components
+""".strip().splitlines())}
+_SCALARS = ["dt", "restitution"]             # are numbers in C
+_INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
+
+
+def _shape(text, dims):
+    """A shape, "nv 10nb", in numbers."""
+    factors = (re.fullmatch(r"(\d*)([a-z]*)", word).groups() for word in text.replace("-", "").split())
+    return tuple(int(number or 1) * (dims[name] if name else 1) for number, name in factors)
+
+
+def _numbers(call, name, value, shape, dtype=np.dtype(float)):
+    """An array of finite numbers of this type and shape, in one piece; refuses others by name. A `None` in
+    the shape is any length."""
+    if value is None:
+        raise TypeError(f"{call}: {name} is missing")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise TypeError(f"{call}: {name} is not an array of numbers") from None
+    kinds, what = ("biuf", "real") if dtype.kind == "f" else ("biu", "whole")
+    if array.dtype.kind not in kinds:
+        raise TypeError(f"{call}: {name} must be {what} numbers, not {array.dtype}")
+    if len(array.shape) != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape)):
+        wanted = str(shape).replace("None", "n")
+        raise ValueError(f"{call}: {name} must have the shape {wanted}, not {array.shape}")
+    with np.errstate(over="ignore"):  # what is too large for float is infinite: refused below
+        array = np.ascontiguousarray(array, dtype)
+    _finite(call, name, array)
+    return array
+
+
+def _finite(call, name, array, error=ValueError):
+    """Refuses what is not finite, by name and index. The sum of squares is finite, or it has to be looked
+    at."""
+    flat = array.reshape(-1)
+    if array.dtype.kind == "f" and not math.isfinite(np.dot(flat, flat)):
+        bad = np.argwhere(~np.isfinite(array))
+        if len(bad):
+            where = ", ".join(map(str, bad[0]))
+            raise error(f"{call}: {name}{f'[{where}]' if where else ''} is {array[tuple(bad[0])]}")
+
+
+def _int(index):
+    """An index as a C int: those that do not fit are as unknown as the largest that does."""
+    return max(-2**31, min(index, 2**31 - 1))
+
+
+def _axes(call, value):
+    """The enumerator of rbd_axes."""
+    if value not in ("world", "link"):
+        raise ValueError(f"{call}: axes must be 'world' or 'link', not {value!r}")
+    return int(value == "link")
+
+
+def _number(call, name, value):
+    """A finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{call}: {name} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{call}: {name} is {number}")
+    return number
+
+
+# ---- calls ----
+
+def _c(memory, gives="", batch=False, **shapes):
+    """Makes a method of its signature and docstring: it calls the C function of that name, after `rbd_`.
+
+    The method's parameters are the inputs, in C's order; those with a default may be None, keywords that are
+    `True` leave a result out. memory: what C computes in, besides the model. gives: the results in C's order;
+    "dtau_dq?" may be left out by the keyword `dtau_dq`, "A_dot_v?v" is where v is None. batch: also for n
+    states, by rbd_batch_...  shapes: of quantities that are of another shape here than in the table. """
+    def make(method):
+        call = _Call(method, memory, gives, batch, shapes)
+        parameters = ", ".join(list(inspect.signature(method).parameters)[1:])
+        source = (f"lambda {str(inspect.signature(method))[1:-1]}: "
+                  f"(self._calls.get('{method.__name__}') or self._bind(call))({parameters})")
+        wrapper = functools.update_wrapper(eval(source, {"call": call}), method)
+        wrapper.__doc__ = call.documentation(method)
+        return wrapper
+    return make
+
+
+class _Call:
+    """What a method asks of C."""
+
+    def __init__(self, method, memory, gives, batch, shapes):
+        self.name = method.__name__
+        self.memory = memory.split()
+        self.batch = batch
+        parameters = list(inspect.signature(method).parameters.values())[1:]
+        self.inputs = [p.name for p in parameters if p.kind is not p.KEYWORD_ONLY]
+        self.optional = {p.name for p in parameters
+                         if p.default is None or "None = " in _QUANTITIES.get(p.name, ("", ""))[1]}
+        self.outputs, self.flags = [], []  # names, and which parameter decides on each, None: always there
+        names = [p.name for p in parameters]
+        for item in gives.split():
+            name, question, flag = item.partition("?")
+            self.outputs.append(name)
+            self.flags.append(names.index(flag or name) if question else None)
+        self.shapes = {name: shapes.get(name, _QUANTITIES[name][0]) for name in self.inputs + self.outputs}
+        self.tuple = namedtuple(self.name, self.outputs) if len(self.outputs) > 1 else None
+
+    def results(self, values):
+        """One result, or a named tuple of several, or None."""
+        return self.tuple(*values) if self.tuple else next(iter(values), None)
+
+    def documentation(self, method):
+        """The method's docstring, with the arguments and results, their shapes, and what they are."""
+        def lines(names, also=""):
+            for name in names:
+                shape = self.shapes[name].replace(" ", " x ").replace("-", "")
+                yield f"    {name:<12} {shape:<9} {_QUANTITIES[name][1]}"
+        text = [inspect.getdoc(method), "", *lines(self.inputs)]
+        if self.outputs:
+            text += ["gives", *lines(self.outputs)]
+        if self.batch:
+            text += ["For n states give each array n times, one after the other along a first axis."]
+        return "\n".join(text)
+
+
+class _Bound:
+    """A call of one object, with memory: inputs are copied into one array, results out of another, so that
+    all of C's arguments but numbers and NULL are the same each time."""
+
+    def __init__(self, call, owner):
+        self.call, self.owner, self.lock = call, owner, owner._lock
+        library = owner.library
+        self.function = library.function(call.name, arguments=[
+            library.scalar if name in _SCALARS else ctypes.c_int if name in _INTEGERS else ctypes.c_void_p
+            for name in ["model", *call.memory, *call.inputs, *call.outputs]])
+        arrays = [name for name in call.inputs if name not in _SCALARS + _INTEGERS]
+        self.arena, views = self._carve([name for name in arrays if name != "actuated"])
+        if "actuated" in arrays:
+            views["actuated"] = np.zeros(owner.nv, np.intc)
+        self.output, results = self._carve(call.outputs)
+        self.views = list(results.values())
+        self.arguments = [owner._address(kind).value for kind in ["model", *call.memory]]
+        self.inputs = [(place, name, views.get(name), name in call.optional)
+                       for place, name in enumerate(call.inputs, len(self.arguments))]
+        self.first = views.get(call.inputs[0]) if call.inputs else None
+        self.arguments += [views[name].ctypes.data if name in views else None for name in call.inputs]
+        self.results_at = len(self.arguments)
+        self.arguments += [view.ctypes.data for view in self.views]
+        self.flagged = [(place, flag) for place, flag in enumerate(call.flags, self.results_at)
+                        if flag is not None]
+        self.plain = len(self.views) == 1 and self.views[0].ndim > 0
+
+    def _carve(self, names):
+        """An array of numbers, and the part of it for each name."""
+        shapes = {name: _shape(self.call.shapes[name], self.owner._dims) for name in names}
+        arena, start, views = np.zeros(sum(map(math.prod, shapes.values())), self.owner.library.dtype), 0, {}
+        for name, shape in shapes.items():
+            views[name] = arena[start:start + math.prod(shape)].reshape(shape)
+            start += math.prod(shape)
+        return arena, views
+
+    def __call__(self, *values):
+        arguments = self.arguments.copy()
+        with self.lock:
+            for (place, name, view, optional), value in zip(self.inputs, values):
+                if value is None and optional:
+                    arguments[place] = None
+                elif view is None:
+                    arguments[place] = self._convert(name, value)
+                else:
+                    if (type(value) is not np.ndarray or value.dtype is not view.dtype
+                            or value.shape != view.shape):
+                        if view is self.first and np.ndim(value) == view.ndim + 1:
+                            return self._batch(values)
+                        value = _numbers(self.call.name, name, value, view.shape, view.dtype)
+                    view[...] = value
+            if not math.isfinite(self.arena.dot(self.arena)):
+                self._refuse()
+            for place, flag in self.flagged:
+                if values[flag] is None or values[flag] is False:
+                    arguments[place] = None
+            status = self.function(*arguments)
+            if status or not math.isfinite(self.output.dot(self.output)):
+                self._fail(status, arguments)
+            return self.views[0].copy() if self.plain else self._results(arguments)
+
+    def _convert(self, name, value):
+        """An argument that is a number."""
+        call = self.call.name
+        return (_number(call, name, value) if name in _SCALARS else
+                _axes(call, value) if name == "axes" else self.owner._body(value, call))
+
+    def _results(self, arguments):
+        """The results in memory of their own; None for those not wanted."""
+        return self.call.results([None if argument is None else view.copy() if view.ndim else view.item()
+                                  for argument, view in zip(arguments[self.results_at:], self.views)])
+
+    def _refuse(self):
+        """Names an input that is not finite, and forgets it."""
+        try:
+            for _, name, view, _ in self.inputs:
+                if view is not None:
+                    _finite(self.call.name, name, view)
+        except ValueError:
+            self.arena[...] = 0
+            raise
+
+    def _fail(self, status, arguments):
+        """Raises what the call ended with, if it is an error, and forgets the results."""
+        try:
+            if status:
+                raise self.owner._error(self.call.name, status, self._results(arguments))
+            for name, view in zip(self.call.outputs, self.views):
+                _finite(self.call.name, name, view, FloatingPointError)
+        except (RbdError, FloatingPointError):
+            self.output[...] = 0
+            raise
+
+    def _batch(self, values):
+        """The same for n states, whose arrays C reads where they are."""
+        call, owner = self.call, self.owner
+        n, dtype = np.shape(values[0])[0], owner.library.dtype
+        shapes = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
+        if not call.batch:
+            first = call.inputs[0]
+            raise ValueError(f"{call.name}: {first} must have the shape {shapes[first]}, not "
+                             f"{np.shape(values[0])}: this call takes one state at a time")
+        inputs = [None if value is None and name in call.optional else
+                  _numbers(call.name, name, value, (n, *shapes[name]), dtype)
+                  for name, value in zip(call.inputs, values)]
+        outputs = {name: None if flag is not None and (values[flag] is None or values[flag] is False) else
+                   np.zeros((n, *shapes[name]), dtype) for name, flag in zip(call.outputs, call.flags)}
+        memory = ["batch" if kind == "work" else f"batch_{kind}" for kind in call.memory]
+        return owner._run(f"batch_{call.name}", memory, [n, *inputs], outputs, call.results)
+
+
+class _Owner:
+    """What Model and Constraints have in common: memory for C, and the calls in it."""
+
+    def __init__(self, library, lock):
+        self.library, self._lock = library, lock
+        self._calls, self._memories, self._addresses = {}, {}, {}
+
+    def _address(self, kind):
+        """Where this part of memory is; prepared when it is first asked for."""
+        if kind not in self._addresses:
+            with self._lock:
+                if kind not in self._addresses:
+                    self._prepare(kind)
+        return self._addresses[kind]
+
+    def _bind(self, call):
+        """A method's call, made when it is first asked for."""
+        with self._lock:
+            if call.name not in self._calls:
+                self._calls[call.name] = _Bound(call, self)
+        return self._calls[call.name]
+
+    def _run(self, call, memory, inputs, outputs, results=tuple):
+        """Calls C with arrays that are right: whole numbers and inputs, then outputs by name. Gives
+        results(outputs), checked."""
+        with self._lock:
+            addresses = map(self._address, ["model", *memory])
+            status = self.library.call(call, *addresses, *inputs, *outputs.values())
+            if status:
+                raise self._error(call, status, results(outputs.values()))
+        for name, array in outputs.items():
+            if array is not None:
+                _finite(call, name, array, FloatingPointError)
+        return results(outputs.values())
+
+
+# ---- descriptions ----
+
+@dataclass
+class Body:
+    """One body and the joint that carries it: a row of a description, rbd_body of rbd.h.
+
+    parent is the index or the name of an earlier body, -1 the world; type a name as "revolute", "floating"
+    (JointType has all). Where one number per degree of freedom is meant, one is enough for a joint of one.
+    """
+    name: str | None = None             #: of the link; unique
+    joint: str | None = None            #: name of the joint; unique
+    parent: int | str = -1              #: index or name of an earlier body, -1 = the world
+    type: str = "fixed"                 #: of the joint
+    axis: tuple = (0, 0, 0)             #: in the joint frame
+    axis2: tuple = (0, 0, 0)            #: universal: the second axis
+    pitch: float = 0.0                  #: helical: m/rad
+    position: tuple = (0, 0, 0)         #: of the joint frame's origin in the parent's link frame, m
+    rotation: tuple = (0,) * 9          #: 3 x 3, joint-frame vectors into the parent's; all 0 = identity
+    mass: float = 0.0                   #: kg
+    com: tuple = (0, 0, 0)              #: centre of mass, link frame, m
+    inertia: tuple = (0,) * 6           #: xx xy xz yy yz zz about the centre of mass, link axes, kg m^2
+    armature: tuple | float = 0.0       #: per degree of freedom: rotor inertia seen at the joint
+    damping: tuple | float = 0.0        #: per degree of freedom: see Model.passive
+    friction: tuple | float = 0.0       #: per degree of freedom: see Model.passive
+    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    upper: float = 0.0
+    velocity: float = 0.0               #: limit, 0 = none; carried for the user
+    effort: float = 0.0                 #: limit, 0 = none; carried for the user
+    mimic: str | None = None            #: name of the joint that this one follows
+    mimic_ratio: float = 0.0            #: q = ratio * (q of that joint) + offset
+    mimic_offset: float = 0.0
+
+
+@dataclass
+class Constraint:
+    """Frame 1, fixed in body 1, held to frame 2, fixed in body 2, along some axes: rbd_constraint of
+    rbd_constraints.h. Bodies by index, or name of the link; -1 is the world."""
+    name: str | None = None             #: for messages
+    body1: int | str = -1
+    body2: int | str = -1
+    rotation1: tuple = (0,) * 9         #: 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity
+    position1: tuple = (0, 0, 0)        #: of its origin in body 1, m
+    rotation2: tuple = (0,) * 9         #: the same of frame 2 in body 2
+    position2: tuple = (0, 0, 0)
+    axes: tuple = (0,) * 6              #: 1 = held: omega_x _y _z v_x _y _z, along the axes of frame 2
+    kp: float = 0.0                     #: 1/s^2, Baumgarte's stabilisation: J a + gamma = -kd J v - kp e
+    kd: float = 0.0                     #: 1/s
+
+
+_PER_DOF = ("armature", "damping", "friction")
+
+
+def _to_c(values, row, where):
+    """Writes a Body or a Constraint into a C struct."""
+    for member, kind in row._fields_:
+        value = getattr(values, member)
+        try:
+            if kind is ctypes.c_char_p:
+                value = value.encode() if value is not None else None
+            elif issubclass(kind, ctypes.Array):
+                numbers = np.asarray(value, float).reshape(-1)
+                short = member in _PER_DOF and len(numbers) < kind._length_
+                if len(numbers) != kind._length_ and not short:
+                    raise ValueError(f"has {len(numbers)} numbers instead of {kind._length_}")
+                if kind._type_ is ctypes.c_int:
+                    if (numbers != np.rint(numbers)).any():
+                        raise ValueError("must be whole numbers")
+                    numbers = map(int, numbers)
+                value = kind(*numbers)
+            elif member == "type":
+                value = JointType[value.upper()] if isinstance(value, str) else JointType(value)
+            elif kind is ctypes.c_int:
+                value = _int(operator.index(value))
+            setattr(row, member, value)
+        except KeyError:
+            raise ValueError(f"{where}, field 'type': unknown joint type {value!r}") from None
+        except (TypeError, ValueError, AttributeError) as error:
+            raise type(error)(f"{where}, field '{member}': {error}") from None
+
+
+def _from_c(row):
+    """The Body of a C struct."""
+    values = {}
+    for member, kind in row._fields_:
+        value = getattr(row, member)
+        if isinstance(value, bytes):
+            value = value.decode(errors="replace")
+        elif isinstance(value, ctypes.Array):
+            value = tuple(value)
+        values[member] = value
+    values["type"] = JointType(row.type).name.lower()
+    return Body(**values)
+
+
+def _rows(bodies):
+    """Bodies as an array of rbd_body."""
+    index = {}
+    rows = (structure("rbd_body") * len(bodies))()
+    for number, body in enumerate(bodies):
+        where = f"body {number}" + (f" '{body.name}'" if getattr(body, "name", None) else "")
+        if not isinstance(body, Body):
+            raise TypeError(f"{where}: must be a Body, not {type(body).__name__}")
+        if isinstance(body.parent, str):
+            if body.parent not in index:
+                raise ValueError(f"{where}, field 'parent': no earlier body is called '{body.parent}'")
+            body = replace(body, parent=index[body.parent])
+        _to_c(body, rows[number], where)
+        index.setdefault(body.name, number)
+    return rows
+
+
+def load_table(path, name=None):
+    """The description in a C table, as rbd-model writes it and models/ has it: a list of Body. The file is
+    compiled.
+
+    path   of a C header with `static const rbd_body NAME_bodies[...]`
+    name   of the array, where there are several
+    """
+    path = Path(path).resolve()
+    text = path.read_text()
+    arrays = re.findall(r"\brbd_body\s+(\w+)\s*\[", text)
+    if name is None and len(arrays) != 1 or name is not None and name not in arrays:
+        raise ValueError(f"{path}: " + (f"has the arrays of rbd_body {', '.join(arrays)}" if arrays
+                                        else "has no array of rbd_body"))
+    array = name or arrays[0]
+    unit = (f'#include "rbd.h"\n{text}\nconst rbd_body *const table = {array};\n'
+            f"const int length = sizeof {array} / sizeof *{array};\n")
+    library = _compile([unit], [*_c_compiler(), f"-I{path.parent}"])
+    pointer = ctypes.POINTER(structure("rbd_body")).in_dll(library, "table")
+    return [_from_c(pointer[k]) for k in range(ctypes.c_int.in_dll(library, "length").value)]
+
+
+# ---- URDF files ----
+
+_URDF = """
+#define RBD_STATIC
+#define RBD_IMPLEMENTATION
+#define RBD_URDF_IMPLEMENTATION
+#include "rbd_urdf.h"
+"""
+Frame = namedtuple("Frame", "link joint parent body position rotation")
+Frame.__doc__ = """A link of a URDF: where it is on the bodies, as rbd_urdf_frame.
+
+parent: index of the frame that carries it, -1 = it is the root; body: index of the body that it is, or is
+merged into, -1 = the world; position 3, m, and rotation 3 x 3 in that body's frame."""
+
+
+@dataclass
+class Urdf:
+    """What a URDF file holds: `Model(urdf)` takes it."""
+    name: str           #: of the robot
+    bodies: list        #: of Body
+    frames: list        #: of Frame: all links, fixed ones too
+    warnings: list      #: sentences
+    gravity: tuple      #: world frame, m/s^2
+    fixed_mass: float   #: kg, of the links that are fixed to the world: in no body
+
+
+@functools.lru_cache(maxsize=None)
+def _urdf_library():
+    """The loader, compiled with urdfdom."""
+    try:
+        words = _run(["pkg-config", "--cflags", "--libs", "urdfdom"]).split()
+    except RuntimeError as error:
+        raise RuntimeError("URDF files need urdfdom, its headers and pkg-config (Debian: liburdfdom-dev "
+                           "pkg-config). Without them a model is made of rows (Body) or of a C table "
+                           f"(load_table), which rbd-model writes on another machine.\n{error}") from None
+    libraries = [word for word in words if word.startswith(("-l", "-L"))]
+    compiler = shlex.split(os.environ.get("CXX") or "c++")
+    command = [*compiler, "-O1", "-std=c++17", *(word for word in words if word not in libraries)]
+    return _compile([_URDF], command, libraries, "rbd_urdf.h with urdfdom")
+
+
+def load_urdf(path, **options):
+    """A robot from a URDF file.
+
+    root           "fixed" or "floating": the joint of the root link
+    root_joint     its name; None = "root"
+    root_link      take only this link, as the root, and what hangs on it
+    gravity        3, world frame; None = (0, 0, -9.81)
+    keep           names of fixed links to keep as bodies, where others are merged
+    keep_all       keep all fixed links as bodies
+    lock           {joint: value}: joints to hold still, rad or m
+    lock_massless  hold joints still that move no mass
+    strict         warnings are errors
+    show_messages  leave urdfdom's messages to standard error
+    """
+    path = os.fspath(path)
+    return _urdf("rbd_urdf_load", [os.fsencode(path)], path, **options)
+
+
+def parse_urdf(text, **options):
+    """A robot from the text of a URDF; options as of load_urdf."""
+    text = text.encode() if isinstance(text, str) else bytes(text)
+    return _urdf("rbd_urdf_parse", [text, ctypes.c_size_t(len(text))], "URDF", **options)
+
+
+def _urdf(function, arguments, source, *, root="fixed", root_joint=None, root_link=None, gravity=None,
+          keep=(), keep_all=False, lock=None, lock_massless=False, strict=False, show_messages=False):
+    """Counts, makes room, and reads."""
+    load = _urdf_library()[function]
+    if root not in ("fixed", "floating"):
+        raise ValueError(f"root must be 'fixed' or 'floating', not {root!r}")
+    if isinstance(keep, str):
+        raise TypeError("keep must be a list of names")
+    g = None if gravity is None else (ctypes.c_double * 3)(*_numbers("load_urdf", "gravity", gravity, (3,)))
+    kept = (ctypes.c_char_p * (len(keep) + 1))(*(name.encode() for name in keep))
+    locks = (structure("rbd_urdf_lock") * (len(lock or {}) + 1))(
+        *((name.encode(), _number("load_urdf", f"lock '{name}'", at)) for name, at in (lock or {}).items()))
+    options = structure("rbd_urdf_options")(
+        root=JointType[root.upper()], root_joint=root_joint and root_joint.encode(), keep_all=keep_all,
+        root_link=root_link and root_link.encode(), lock_massless=lock_massless, strict=strict,
+        show_messages=show_messages, gravity=g and ctypes.addressof(g), keep=ctypes.addressof(kept),
+        lock=ctypes.addressof(locks))
+    robot = structure("rbd_urdf")()
+
+    def read():
+        status = load(*arguments, ctypes.byref(options), ctypes.byref(robot))
+        if status:
+            error = robot.error
+            line = f":{error.line}" if error.line else ""
+            raise RbdError(UrdfStatus(status), f"{source}{line}: {error.text.decode(errors='replace')}")
+
+    read()
+    bodies = (structure("rbd_body") * robot.nb)()
+    frames = (structure("rbd_urdf_frame") * robot.nframes)()
+    findings = (structure("rbd_urdf_finding") * robot.nwarnings)()
+    names = ctypes.create_string_buffer(robot.names_size)
+    robot.bodies, robot.bodies_max = ctypes.addressof(bodies), len(bodies)
+    robot.frames, robot.frames_max = ctypes.addressof(frames), len(frames)
+    robot.warnings, robot.warnings_max = ctypes.addressof(findings), len(findings)
+    robot.names, robot.names_max = ctypes.addressof(names), len(names)
+    read()
+    sentences = [f"{source}:{finding.line}: {finding.text.decode(errors='replace')}" for finding in findings]
+    for sentence in sentences:
+        warnings.warn(sentence, RbdWarning, stacklevel=4)
+    return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
+                [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
+                       np.array(frame.position), np.array(frame.rotation).reshape(3, 3)) for frame in frames],
+                sentences, tuple(robot.gravity), robot.fixed_mass)
+
+
+# ---- model ----
+
+JointInfo = namedtuple("JointInfo", "type iq nq iv nv lower upper velocity effort")
+JointInfo.__doc__ = """Where a joint lies in q and in v, and how much of them it has; limits.
+
+A mimic or fixed joint has nq = nv = 0 and iq = iv = -1. No limits if lower >= upper."""
+
+_Hybrid = namedtuple("hybrid", "a tau")
+_Momentum = namedtuple("momentum", "h h_dot")
+_MEMORIES = {  # what C computes in, and what it stands on
+    "work": [],
+    "derivatives": ["work"],
+    "batch": [],
+    "batch_derivatives": ["batch"],
+}
+
+
+class Model(_Owner):
+    """A robot: constants, and the memory that one thread computes in.
+
+    bodies   list of Body, parents first; or what load_urdf gave, whose gravity it takes
+    gravity  3, world frame, m/s^2; None = (0, 0, -9.81)
+    library  a Library; None = double, compiled for this machine
+
+    What no real body can have, but can be computed with, is an RbdWarning, and is kept in `warnings`.
+    """
+
+    def __init__(self, bodies, *, gravity=None, library=None):
+        super().__init__(library or _default_library(), threading.RLock())
+        if isinstance(bodies, Urdf):
+            gravity = bodies.gravity if gravity is None else gravity
+            bodies = bodies.bodies
+        self.bodies = list(bodies)
+        self._rows = _rows(self.bodies)
+        self._build()
+        self.nb, self.nq, self.nv = (self.library.call(n, self._address("model")) for n in ("nb", "nq", "nv"))
+        self._dims = {"nb": self.nb, "nq": self.nq, "nv": self.nv, "nh": self.packed_size()}
+        if gravity is not None:
+            self.set_gravity(gravity)
+
+    @classmethod
+    def from_urdf(cls, path, *, library=None, **options):
+        """A model of a URDF file; options as of load_urdf."""
+        return cls(load_urdf(path, **options), library=library)
+
+    def _build(self):
+        """Builds the model from its rows."""
+        rows, nb, call = self._rows, len(self._rows), self.library.call
+        size = call("model_size", rows, nb, result=ctypes.c_size_t)
+        self._memories["model"] = memory = ctypes.create_string_buffer(max(size, 1))
+        self._addresses["model"] = model = ctypes.c_void_p()
+        report = structure("rbd_report", self.library.scalar)()
+        status = call("model_build", rows, nb, memory, ctypes.c_size_t(size), ctypes.byref(model), report)
+        if status:
+            raise RbdError(Status(status), self.library.finding_text(report.error))
+        found = report.warning[:min(report.warnings, len(report.warning))]
+        self.warnings = [self.library.finding_text(finding) for finding in found]
+        for sentence in self.warnings:
+            warnings.warn(sentence, RbdWarning, stacklevel=4)
+
+    def _prepare(self, kind):
+        """Makes this part of memory, or makes it anew in its place."""
+        model, address, call = self._addresses["model"], ctypes.c_void_p(), self.library.call
+        if kind not in self._memories:
+            size = call(f"{kind}_size", model, result=ctypes.c_size_t)
+            self._memories[kind] = ctypes.create_string_buffer(size)
+        memory = self._memories[kind]
+        status = call(f"{kind}_init", model, *map(self._address, _MEMORIES[kind]), memory,
+                      ctypes.c_size_t(len(memory)), ctypes.byref(address))
+        if status:
+            raise self._error(f"{kind}_init", status)
+        self._addresses[kind] = address
+        if kind == "batch":
+            call("batch_set_gravity", address, self.get_gravity())
+
+    def _error(self, call, status, results=None):
+        """The exception for a status: the header's sentence, and where it happened."""
+        text = f"{call}: {self.library.status_string(status)}"
+        if status in (Status.ERR_SINGULAR, Status.ERR_NAN):
+            dof, state = self.singular_dof(), None
+            if call.startswith("batch_"):
+                state, dof = self.batch_singular()
+                text += f"; state {state}"
+            if dof >= 0:
+                text += f"; degree of freedom {dof}, '{self.dof_names[dof]}'"
+        return RbdError(Status(status), text, results)
+
+    def _body(self, body, call):
+        """The index of a body, from its name too."""
+        if isinstance(body, str):
+            return self.body_index(body)
+        try:
+            return _int(operator.index(body))
+        except TypeError:
+            raise TypeError(f"{call}: a body is an index or the name of a link, not {body!r}") from None
+
+    def copy(self):
+        """Another Model of the same robot, with memory of its own: for another thread."""
+        return _again(self.bodies, self.get_gravity(), self.library)
+
+    def __reduce__(self):
+        return _again, (self.bodies, self.get_gravity(), self.library)
+
+    def __repr__(self):
+        return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
+
+    # -- gravity, payload, errors --
+
+    def set_gravity(self, gravity):
+        """Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow."""
+        gravity = _numbers("set_gravity", "gravity", gravity, (3,), self.library.dtype)
+        with self._lock:
+            self.library.call("set_gravity", self._address("work"), gravity)
+            if "batch" in self._addresses:
+                self.library.call("batch_set_gravity", self._address("batch"), gravity)
+
+    def get_gravity(self):
+        """What gravity is set to: 3, world frame, m/s^2."""
+        gravity = np.empty(3, self.library.dtype)
+        self.library.call("get_gravity", self._address("work"), gravity)
+        return gravity
+
+    def add_payload(self, body, mass, com=(0, 0, 0), inertia=None):
+        """Adds mass to a body, as a new build would see it: what a hand took up. With what was added negated,
+        takes it off again, to rounding.
+
+            body      index, or name of the link
+            mass      kg, may be negative
+            com       3, of the payload, link frame, m
+            inertia   xx xy xz yy yz zz about its com, link axes, kg m^2; None = a point
+        """
+        index = self._body(body, "add_payload")
+        com = _numbers("add_payload", "com", com, (3,))
+        inertia = None if inertia is None else _numbers("add_payload", "inertia", inertia, (6,))
+        mass = ctypes.c_double(_number("add_payload", "mass", mass))
+        with self._lock:
+            status = self.library.call("add_payload", self._memories["model"], index, mass, com, inertia)
+            if status:
+                raise self._error("add_payload", status)
+            for kind in "derivatives", "batch_derivatives":  # they hold constants of the model
+                if kind in self._addresses:
+                    self._prepare(kind)
+            self.bodies[index] = self.library.set_parameters(self.bodies[index], self.body_parameters(index))
+
+    def singular_dof(self):
+        """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
+        or not a number; else -1."""
+        return self.library.call("singular_dof", self._address("work"))
+
+    def batch_singular(self):
+        """After that error of a batch: (the first singular state, its degree of freedom); else (-1, -1)."""
+        dof = ctypes.c_int(-1)
+        return self.library.call("batch_singular", self._address("batch"), ctypes.byref(dof)), dof.value
+
+    # -- dynamics --
+
+    @_c("work", "tau", batch=True)
+    def rnea(self, q, v, a, f_ext=None):
+        """Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1."""
+
+    @_c("work", "c", batch=True)
+    def bias(self, q, v, f_ext=None):
+        """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches."""
+
+    @_c("work", "g")
+    def gravity(self, q):
+        """Gravity torque g = tau at v = a = 0: what holds the robot still."""
+
+    @_c("work", "p? ctv?")
+    def generalized_momentum(self, q, v, *, p=True, ctv=True):
+        """Generalized momentum p = M v and C' v, for a momentum observer: dp/dt = tau + C' v - g + sum J'
+        f_ext."""
+
+    @_c("work", "M", batch=True)
+    def crba(self, q):
+        """Mass matrix, both triangles. Composite rigid bodies, RBDA table 6.2."""
+
+    @_c("work", "H", batch=True)
+    def crba_packed(self, q):
+        """Mass matrix packed: of the lower triangle what the tree fills, row after row; see packed_index."""
+
+    @_c("work", "a", batch=True)
+    def aba(self, q, v, tau, f_ext=None):
+        """Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1."""
+
+    @_c("work", "a", batch=True)
+    def fd_cholesky(self, q, v, tau, f_ext=None):
+        """Forward dynamics by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6."""
+
+    def hybrid(self, q, v, given, a, tau, f_ext=None):
+        """Hybrid dynamics: of each degree of freedom the acceleration or the torque is given, and the other
+        computed; M a + c = tau + sum J' f_ext. RBDA section 9.2. Gives (a, tau), all of both.
+
+            q            nq        configuration
+            v            nv        velocity
+            given        nv        1 where the acceleration is given, 0 where the torque is
+            a            nv        accelerations, read where they are given
+            tau          nv        torques, read where they are given
+            f_ext        nb x 6    wrenches on the bodies; None = none
+        """
+        call, dtype, n = "hybrid", self.library.dtype, (self.nv,)
+        flags = _numbers(call, "given", given, n, np.dtype(np.intc)) != 0
+        inputs = [_numbers(call, "q", q, (self.nq,), dtype), _numbers(call, "v", v, n, dtype),
+                  flags.view(np.uint8),
+                  None if f_ext is None else _numbers(call, "f_ext", f_ext, (self.nb, 6), dtype)]
+        outputs = {name: _numbers(call, name, x, n, dtype).copy() for name, x in (("a", a), ("tau", tau))}
+        return self._run(call, ["work"], inputs, outputs, _Hybrid._make)
+
+    @_c("work", "Minv", batch=True)
+    def minverse(self, q):
+        """Inverse of the mass matrix, both triangles."""
+
+    @_c("work", "L")
+    def cholesky_factor(self, M):
+        """Factor of M = L' D L that keeps the tree's zeros, RBDA section 6.5: packed like crba_packed, L
+        below the diagonal, 1/D on it. Only the lower triangle of M is read."""
+
+    def cholesky_factor_packed(self, H):
+        """The same of a packed mass matrix (crba_packed): a new packed array."""
+        factor = _numbers("cholesky_factor_packed", "H", H, (self._dims["nh"],), self.library.dtype).copy()
+        return self._run("cholesky_factor_packed", ["work"], [], {"L": factor})[0]
+
+    @_c("work", "x")
+    def cholesky_solve(self, L, b):
+        """Solves M x = b with the factor L."""
+
+    def cholesky_solve_many(self, L, B):
+        """Solves M X = B with the factor L. B: nv x n, right-hand sides as columns; gives X, nv x n."""
+        call, dtype = "cholesky_solve_many", self.library.dtype
+        B = _numbers(call, "B", B, (self.nv, None), dtype)
+        L = _numbers(call, "L", L, (self._dims["nh"],), dtype)
+        return self._run(call, ["work"], [L, B.shape[1], B], {"X": np.zeros_like(B)})[0]
+
+    def packed_size(self):
+        """Number of entries of a packed matrix."""
+        return self.library.call("packed_size", self._address("model"))
+
+    def packed_index(self, i, j):
+        """Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero."""
+        return self.library.call("packed_index", self._address("model"), _int(i), _int(j))
+
+    @_c("work", "tau")
+    def passive(self, v):
+        """Passive torque of the joints, -damping v - friction sign(v): add it to the tau given to forward
+        dynamics, subtract it from the tau that inverse dynamics gives."""
+
+    # -- kinematics: the calls after `kinematics` read what it left --
+
+    @_c("work")
+    def kinematics(self, q, v=None, a=None):
+        """Computes poses, velocities and accelerations of all bodies; the calls below read them. None =
+        zero."""
+
+    @_c("work", "R p", p="3")
+    def body_pose(self, body):
+        """Pose of a body after `kinematics`: R, and p, the link's origin in the world, m."""
+
+    @_c("work", "velocity")
+    def body_velocity(self, body):
+        """Spatial velocity (omega; v of the link's origin) of a body, link axes."""
+
+    @_c("work", "acceleration")
+    def body_acceleration(self, body):
+        """Spatial acceleration of a body, link axes, without gravity: d/dt of the components of the
+        velocity."""
+
+    @_c("work", "acceleration")
+    def body_acceleration_classical(self, body):
+        """Classical acceleration (domega/dt; of the link's origin), link axes, without gravity."""
+
+    @_c("work", "kinetic potential")
+    def energy(self):
+        """Energies of all bodies that a joint moves, after `kinematics`."""
+
+    @_c("work", "position velocity acceleration", velocity="3", acceleration="3")
+    def com(self):
+        """Centre of mass of those bodies, its velocity and acceleration, world frame, after `kinematics`."""
+
+    def mass(self):
+        """Mass of all bodies that a joint moves, kg."""
+        return self.library.call("mass", self._address("model"), result=self.library.scalar)
+
+    @_c("work", "wrench")
+    def joint_wrench(self, q, v, a, f_ext=None):
+        """The wrench that each body's joint transmits, fixed joints too: what loads gears and bearings. Calls
+        `kinematics`."""
+
+    # -- points and momentum, after `kinematics` --
+
+    @_c("work", "J")
+    def jacobian(self, body, point=None, axes="world"):
+        """Jacobian of a point of a body, after `kinematics`: (omega; velocity of the point) = J v."""
+
+    @_c("work", "J")
+    def relative_jacobian(self, body, point=None, reference=-1, axes="world"):
+        """Jacobian of a point of a body as seen from another body. "link" axes are the reference's."""
+
+    @_c("work", "tau")
+    def jacobian_transpose(self, body, point, axes, f):
+        """tau = J' f for a wrench at a point; J is never formed. point may be None."""
+
+    @_c("work", "position")
+    def point_position(self, body, point=None):
+        """Position of a point of a body in the world."""
+
+    @_c("work", "velocity")
+    def point_velocity(self, body, point=None, axes="world"):
+        """Motion of a point: (omega of the body; velocity of the point)."""
+
+    @_c("work", "acceleration")
+    def point_acceleration(self, body, point=None, axes="world"):
+        """(domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v."""
+
+    @_c("work", "row")
+    def point_wrench(self, body, point, axes, f):
+        """A wrench at a point as the body's row of f_ext; rows of several points add up. point may be
+        None."""
+
+    @_c("work", "h h_dot")
+    def momentum(self):
+        """Centroidal momentum of all bodies that a joint moves, and its rate."""
+
+    def batch_jacobian(self, q, body, point=None, axes="world"):
+        """Jacobians, n x 6 x nv, of a point of a body at n configurations, n x nq; point and axes as of
+        `jacobian`."""
+        call, dtype = "batch_jacobian", self.library.dtype
+        q = _numbers(call, "q", q, (None, self.nq), dtype)
+        point = None if point is None else _numbers(call, "point", point, (3,), dtype)
+        J = np.zeros((len(q), 6, self.nv), dtype)
+        inputs = [len(q), q, self._body(body, call), point, _axes(call, axes)]
+        return self._run(call, ["batch"], inputs, {"J": J})[0]
+
+    def batch_momentum(self, q, v=None, a=None):
+        """Centroidal momenta h and their rates h_dot, n x 6 each, of n states. None = zero."""
+        call, dtype = "batch_momentum", self.library.dtype
+        q = _numbers(call, "q", q, (None, self.nq), dtype)
+        v, a = (None if x is None else _numbers(call, name, x, (len(q), self.nv), dtype)
+                for name, x in (("v", v), ("a", a)))
+        outputs = {"h": np.zeros((len(q), 6), dtype), "h_dot": np.zeros((len(q), 6), dtype)}
+        return self._run(call, ["batch"], [len(q), q, v, a], outputs, _Momentum._make)
+
+    # -- configuration manifold --
+
+    @_c("", "q")
+    def neutral(self):
+        """The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0)."""
+
+    @_c("", "q_next")
+    def integrate(self, q, v, dt):
+        """q moved by the tangent step v dt: exponentials in body axes for spherical, planar and floating
+        joints, addition for the others."""
+
+    @_c("", "d")
+    def difference(self, q0, q1):
+        """The tangent step d for which integrate(q0, d, 1) is q1, the shortest rotation."""
+
+    @_c("", "rates")
+    def rates_from_velocity(self, q, v):
+        """Rates dq/dt of the coordinates from the velocity, for filters and ODE solvers."""
+
+    @_c("", "v")
+    def velocity_from_rates(self, q, rates):
+        """The velocity from such rates."""
+
+    def random(self, seed, n=None):
+        """A random configuration, nq, or n of them, n x nq: uniform within limits where given, else angles in
+        (-pi, pi), lengths in (-1, 1), orientations uniform. The same whole number as seed gives the same."""
+        state = ctypes.c_uint64(seed)
+        q = np.zeros((1 if n is None else n, self.nq), self.library.dtype)
+        for row in q:
+            self.library.call("random", self._address("model"), ctypes.byref(state), row)
+        return q[0] if n is None else q
+
+    # -- names --
+
+    def _index(self, function, name, names):
+        index = self.library.call(function, self._address("model"), os.fsencode(name))
+        if index < 0:
+            near = difflib.get_close_matches(name, [known for known in names if known], 1)
+            raise KeyError(f"'{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
+        return index
+
+    def body_index(self, name):
+        """Index of a body by the name of its link; KeyError if there is none."""
+        return self._index("body_index", name, self.body_names)
+
+    def joint_index(self, name):
+        """Index of a body by the name of the joint that carries it; KeyError if there is none."""
+        return self._index("joint_index", name, self.joint_names)
+
+    def _name(self, function, body):
+        name = self.library.call(function, self._address("model"), _int(body), result=ctypes.c_char_p)
+        return None if name is None else os.fsdecode(name)
+
+    def body_name(self, body):
+        """Name of a body's link; None if nameless or no such body."""
+        return self._name("body_name", body)
+
+    def joint_name(self, body):
+        """Name of the joint that carries a body; None if nameless or no such body."""
+        return self._name("joint_name", body)
+
+    @functools.cached_property
+    def body_names(self):
+        """Names of all links, by body."""
+        return [self.body_name(body) for body in range(self.nb)]
+
+    @functools.cached_property
+    def joint_names(self):
+        """Names of all joints, by body."""
+        return [self.joint_name(body) for body in range(self.nb)]
+
+    @functools.cached_property
+    def dof_names(self):
+        """Names of the degrees of freedom: the joint's, with [k] where it has several."""
+        return self._coordinates("iv", "nv", self.nv)
+
+    @functools.cached_property
+    def q_names(self):
+        """Names of the coordinates, likewise."""
+        return self._coordinates("iq", "nq", self.nq)
+
+    def _coordinates(self, first, count, length):
+        names = [""] * length
+        for body in range(self.nb):
+            joint = self.joint(body)
+            n, name = getattr(joint, count), self.joint_name(body) or f"joint {body}"
+            for k in range(n):
+                names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
+        return names
+
+    def joint(self, body):
+        """JointInfo: type, place in q and v, and limits of the joint that carries a body."""
+        info = structure("rbd_joint_info", self.library.scalar)()
+        status = self.library.call("joint", self._address("model"), self._body(body, "joint"), info)
+        if status:
+            raise self._error("joint", status)
+        return JointInfo(JointType(info.type), *(getattr(info, name) for name in JointInfo._fields[1:]))
+
+    def dof_body(self, dof):
+        """The body whose joint has this degree of freedom, -1 if there is none."""
+        return self.library.call("dof_body", self._address("model"), _int(dof))
+
+    def describe(self, body):
+        """A Body read back from the model, from which a build makes the same, to rounding: its parent is the
+        body whose joint carries it, axes are of unit length, an added payload is in it."""
+        row = structure("rbd_body")()
+        status = self.library.call("describe", self._address("model"), self._body(body, "describe"), row)
+        if status:
+            raise self._error("describe", status)
+        return _from_c(row)
+
+    # -- derivatives and what else stands on a common frame: rbd_derivatives.h --
+
+    @_c("derivatives", "A A_dot_v?v", batch=True)
+    def momentum_matrix(self, q, v=None):
+        """Centroidal momentum matrix A, A v = (angular momentum about the centre of mass; linear momentum),
+        world axes; and dA/dt v unless v is None."""
+
+    @_c("derivatives", "J", J="3 nv")
+    def com_jacobian(self, q):
+        """Jacobian of the centre of mass: J v is its velocity, world axes."""
+
+    @_c("derivatives", "C", batch=True)
+    def coriolis(self, q, v):
+        """The matrix C with C v = c - g and dM/dt - 2 C skew, of all such the one without torsion. Echeandia
+        and Wensing (2021)."""
+
+    @_c("derivatives", "dtau_dq? dtau_dv? M?", batch=True)
+    def rnea_derivatives(self, q, v, a, f_ext=None, *, dtau_dq=True, dtau_dv=True, M=True):
+        """Derivatives of the inverse dynamics. By q along integrate(q, t e_k), components of v and a held,
+        wrenches in their bodies' axes; M = dtau/da."""
+
+    @_c("derivatives", "dg_dq")
+    def gravity_derivatives(self, q):
+        """Derivative of the gravity torque."""
+
+    @_c("derivatives", "a? da_dq? da_dv? Minv?", batch=True)
+    def fd_derivatives(self, q, v, tau, f_ext=None, *, a=True, da_dq=True, da_dv=True, Minv=True):
+        """Derivatives of the forward dynamics, components of v and tau held; Minv = da/dtau."""
+
+    @_c("derivatives", "Y")
+    def regressor(self, q, v, a):
+        """Torque regressor: rnea(q, v, a) = Y pi + armature a, with the body_parameters pi of all bodies."""
+
+    @_c("derivatives", "Y_kinetic?v Y_potential")
+    def energy_regressors(self, q, v=None):
+        """Energy regressors: kinetic = Y_kinetic pi + sum of armature v^2 / 2, potential = Y_potential pi."""
+
+    @_c("", "pi")
+    def body_parameters(self, body):
+        """The ten inertial parameters of a body, as it was described. See Library.set_parameters,
+        check_parameters."""
+
+    @_c("", "dnext_dq dnext_dv")
+    def integrate_derivatives(self, v, dt):
+        """Derivatives of integrate(q, v, dt) in tangent components; they do not depend on q."""
+
+    @_c("", "dd_dq0 dd_dq1")
+    def difference_derivatives(self, q0, q1):
+        """Derivatives of difference(q0, q1) in tangent components."""
+
+    # -- constraints: rbd_constraints.h --
+
+    def constraints(self, rows):
+        """A set of constraints that hold together, from a list of Constraint: see Constraints."""
+        return Constraints(self, rows)
+
+    def _constraint(self, function, *arguments):
+        """The Constraint of a function of C: names and indices are bodies, all else points and axes."""
+        row = self.library.call(function, *(
+            self._body(x, function) if isinstance(x, (int, str)) else
+            x if x is None else _numbers(function, "a point or axis", x, (3,)) for x in arguments),
+            result=structure("rbd_constraint"))
+        values = {member: getattr(row, member) for member, _ in row._fields_}
+        return Constraint(**{member: tuple(value) if isinstance(value, ctypes.Array) else value
+                             for member, value in values.items()})
+
+    def point_contact(self, body, point=(0, 0, 0), place=None):
+        """A Constraint: a point of a body (3, body axes) held at a place (3, world; None = anywhere); 3
+        rows."""
+        return self._constraint("point_contact", body, point, place)
+
+    def flat_contact(self, body, point=(0, 0, 0), place=None):
+        """The same of a whole surface: 6 rows."""
+        return self._constraint("flat_contact", body, point, place)
+
+    def ball_loop(self, body1, point1, body2, point2):
+        """A Constraint: points of two bodies, each in its body's axes, coincide; 3 rows."""
+        return self._constraint("ball_loop", body1, point1, body2, point2)
+
+    def hinge_loop(self, body1, point1, axis1, body2, point2, axis2):
+        """The same, and the lines along axis1 and axis2 there coincide; 5 rows."""
+        return self._constraint("hinge_loop", body1, point1, axis1, body2, point2, axis2)
+
+    # -- for firmware --
+
+    def c_model(self, name, source="a Model in Python"):
+        """The built model as a C table for firmware, to be written to NAME_model.h: what rbd-model --c-model
+        NAME writes. It serves double and float. source: what its head says that it was made of."""
+        return _print_c(self, name, source, built=True)
+
+    def c_table(self, name, source="a Model in Python"):
+        """The description as a C table, to be written to NAME.h: what rbd-model --c NAME writes."""
+        return _print_c(self, name, source, built=False)
+
+
+def _again(bodies, gravity, library):
+    """A Model that was built before, and has warned."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RbdWarning)
+        return Model(bodies, gravity=gravity, library=library)
+
+
+# ---- constraints ----
+
+class Constraints(_Owner):
+    """Contacts and closed loops that hold together, rbd_constraints of a Model; made by
+    Model.constraints(rows).
+
+    They compute in the Model's memory: what `kinematics` left there is gone after a call. `rows` is their
+    number: axes held by all. """
+
+    def __init__(self, model, rows):
+        super().__init__(model.library, model._lock)
+        self.model, self.nv, self.list = model, model.nv, list(rows)
+        self._rows = (structure("rbd_constraint") * len(self.list))()
+        for number, constraint in enumerate(self.list):
+            if not isinstance(constraint, Constraint):
+                raise TypeError(f"constraint {number} must be a Constraint, not {type(constraint).__name__}")
+            where = f"constraint {number}" + (f" '{constraint.name}'" if constraint.name else "")
+            bodies = {side: model._body(getattr(constraint, side), where) for side in ("body1", "body2")}
+            _to_c(replace(constraint, **bodies), self._rows[number], where)
+        self._prepare("constraints", "work")
+        self.rows = self.library.call("constraint_rows", self._addresses["constraints"])
+        self._dims = {**model._dims, "rows": self.rows}
+
+    def _prepare(self, kind, base):
+        """Makes the memory of the set, or of its batches."""
+        call, model, n = self.library.call, self.model._address("model"), len(self.list)
+        size = call(f"{kind}_size", model, self._rows, n, result=ctypes.c_size_t)
+        self._memories[kind] = memory = ctypes.create_string_buffer(max(size, 1))
+        address, report = ctypes.c_void_p(), structure("rbd_report", self.library.scalar)()
+        status = call(f"{kind}_init", model, self.model._address(base), self._rows, n, memory,
+                      ctypes.c_size_t(size), ctypes.byref(address), report)
+        if status:
+            raise RbdError(Status(status), self.library.finding_text(report.error, "constraint_finding_text"))
+        self._addresses[kind] = address
+
+    def _address(self, kind):
+        if kind == "batch_constraints" and kind not in self._addresses:
+            self._prepare(kind, "batch")
+        return self._addresses[kind] if kind in self._addresses else self.model._address(kind)
+
+    def _body(self, body, call):
+        return self.model._body(body, call)
+
+    def _error(self, call, status, results=None):
+        error = self.model._error(call, status, results)
+        row = self.infeasible_row()
+        if status == Status.ERR_INFEASIBLE and row >= 0 and not call.startswith("batch_"):
+            number = max(k for k in range(len(self.list)) if self.first(k) <= row)
+            name = self.list[number].name
+            error.args = (f"{error}; row {row}, of constraint {number}" + (f" '{name}'" if name else ""),)
+        return error
+
+    def first(self, constraint):
+        """The first row of a constraint, -1 if there is none (rbd_constraint_first)."""
+        return self.library.call("constraint_first", self._addresses["constraints"], _int(constraint))
+
+    def rank(self):
+        """After constrained_fd and impact: the rank of J (rbd_constraint_rank)."""
+        address, scalar = self._addresses["constraints"], self.library.scalar
+        return int(self.library.call("constraint_rank", address, result=scalar))
+
+    def infeasible_row(self):
+        """After Status.ERR_INFEASIBLE: the first row that contradicts those behind it, else -1."""
+        return self.library.call("infeasible_row", self._addresses["constraints"])
+
+    @_c("constraints", "J? gamma? e?", J="rows nv")
+    def constraint_jacobian(self, q, v=None, *, J=True, gamma=True, e=True):
+        """Jacobian J of the constraints, row: constraint; dJ/dt v; and the position error. v: None = zero."""
+
+    @_c("constraints", "a lambda_", batch=True)
+    def constrained_fd(self, q, v, tau, f_ext=None):
+        """Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma =
+        -kd J v - kp e. Of dependent rows lambda is the solution of least norm. RBDA section 8.4."""
+
+    @_c("constraints", "v_plus impulse")
+    def impact(self, q, v, restitution=0.0):
+        """Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v. RBDA section
+        11.7."""
+
+    @_c("constraints", "tau lambda_")
+    def constrained_id(self, q, v, a, f_ext=None, actuated=None, weight=None):
+        """Inverse dynamics with contacts, where only some joints have motors: of all lambda that leave tau =
+        0 at the others, that with the least sum of weight lambda^2; else what comes nearest. Mistry, Buchli
+        and Schaal (2010)."""
+
+    @_c("constraints", "q_near v_near?v", weight="nv")
+    def assemble(self, q, v=None, weight=None):
+        """Closes loops, or puts feet in their places: q_near with e = 0 nearest to q, in the sum of weight
+        d^2, d = difference(q, q_near); and, unless v is None, v_near with J v_near = 0 there nearest to v.
+        Newton's method."""
+
+    @_c("constraints derivatives",
+        "a lambda_ da_dq?dq da_dv?dv da_dtau?dtau dlambda_dq?dq dlambda_dv?dv dlambda_dtau?dtau")
+    def constrained_derivatives(self, q, v, tau, f_ext=None, *, dq=True, dv=True, dtau=True):
+        """Derivatives of constrained_fd by q, v and tau; by those for which the keyword is True. Carpentier,
+        Budhiraja and Mansard (2021)."""
+
+    def __repr__(self):
+        return f"<rbd.Constraints, {len(self.list)} with {self.rows} rows>"
+
+
+# ---- C tables: the writers of rbd-model ----
+
+# They print to standard output; here to a file.
+_TO_FILE = """
+#include <stdio.h>
+extern FILE *rbd_out;
+#define printf(...) fprintf(rbd_out, __VA_ARGS__)
+#define putchar(c) fputc(c, rbd_out)
+"""
+_PRINT = """
+#include <stdio.h>
+#include <stdlib.h>
+#define RBD_IMPLEMENTATION
+#include "rbd_constraints.h"
+#include "tools/print.h"
+
+FILE *rbd_out;
+const char *program = "rbd";
+void *grown(void *memory, size_t size) {
+    if (!(memory = realloc(memory, size))) abort();
+    return memory;
+}
+void *allocate(size_t n, size_t size) {
+    void *memory = calloc(n ? n : 1, size ? size : 1);
+    if (!memory) abort();
+    return memory;
+}
+
+int rbd_print(const char *path, int built, const char *name, const char *source, rbd_body *bodies, int nb,
+              const double gravity[3]) {
+    rbd_urdf_frame root = {0};
+    robot r = {0};
+    size_t size = rbd_model_size(bodies, nb);
+    r.model_memory = allocate(size, 1);
+    if (rbd_model_build(bodies, nb, r.model_memory, size, &r.model, NULL) == RBD_OK &&
+        (rbd_out = fopen(path, "w"))) {
+        rbd_model *m = (rbd_model *)r.model;
+        m->gravity.x = gravity[0], m->gravity.y = gravity[1], m->gravity.z = gravity[2];
+        root.body = bodies[0].type == RBD_FLOATING ? 0 : -1;
+        r.path = source, r.urdf.name = name, r.urdf.bodies = bodies, r.urdf.nb = nb, r.urdf.frames = &root;
+        (built ? print_c_model : print_c)(&r, name);
+        built = ferror(rbd_out) | fclose(rbd_out) ? -1 : 0;
+    } else {
+        built = -1;
+    }
+    free(r.model_memory);
+    return built;
+}
+"""
+_print_lock = threading.Lock()
+
+
+def _print_c(model, name, source, built):
+    """What rbd-model writes of this robot: it builds anew, in double, from the description."""
+    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.A):
+        raise ValueError(f"{name!r} is not a C identifier")
+    files = ("print", "print_c", "print_c_indices", "print_c_model")
+    units = [_PRINT, *(f'{_TO_FILE}#line 1 "{file}.c"\n' + (SOURCES / f"tools/{file}.c").read_text()
+                       for file in files)]
+    library = _compile(units, [*_c_compiler(), "-O1", "-ffp-contract=off", f"-I{SOURCES / 'tools'}"], ["-lm"])
+    rows = _rows(model.bodies)
+    gravity = (ctypes.c_double * 3)(*model.get_gravity())
+    with tempfile.TemporaryDirectory() as folder, _print_lock:
+        path = Path(folder, "table.h")
+        if library.rbd_print(os.fsencode(path), built, name.encode(), source.encode(), rows, len(rows),
+                             gravity):
+            raise RuntimeError(f"{path}: cannot be written")
+        return path.read_text()
+
+
+# ---- spatial algebra: rbd_spatial.h ----
+
+Placement = namedtuple("Placement", "rotation position")
+AxisAngle = namedtuple("AxisAngle", "axis angle")
+
+# Of each kind of quantity: its C type, None = an array of numbers; its shape; how the docstrings call it.
+_KINDS = {
+    "number": ("rbd_real", (), "a number"),
+    "vector": ("rbd_vec3", (3,), "3"),
+    "rotation": ("rbd_rotation", (3, 3), "3 x 3"),
+    "placement": ("rbd_placement", (12,), "a pair (rotation 3 x 3, position 3), as of body_pose"),
+    "motion": ("rbd_motion", (6,), "6, (angular; linear)"),
+    "force": ("rbd_force", (6,), "6, (moment; force)"),
+    "inertia": ("rbd_inertia", (10,), "10: m, m c (3), xx xy xz yy yz zz about the origin"),
+    "quaternion": (None, (4,), "4, (x, y, z, w)"),
+    "rpy": (None, (3,), "3, roll pitch yaw as of URDF"),
+    "axis_angle": (None, (4,), "a pair (axis 3, angle)"),
+    "array3": (None, (3,), "3"),
+    "array6": (None, (6,), "6: xx xy xz yy yz zz"),
+}
+# The calls: name(parameters: kinds) -> kind, what it is, and the C expression where it is not just the call.
+_SPATIAL = [re.fullmatch(r"(\w+)\((.*)\) -> (\w+) \| ([^|]*?)(?:\n +\| (.*))?", line).groups()
+            for line in re.split(r"\n(?=\w)", """
+rotation_product(a: rotation, b: rotation) -> rotation | a b: first b, then a.
+rotation_inverse(r: rotation) -> rotation | Its transpose.
+rotate(r: rotation, v: vector) -> vector | r v.
+rotate_back(r: rotation, v: vector) -> vector | r' v.
+rotation_from_quaternion(q: quaternion) -> rotation | q of any length; zero gives the identity.
+rotation_to_quaternion(r: rotation) -> quaternion | The unit quaternion with w >= 0. Shepperd (1978).
+rotation_from_rpy(roll: number, pitch: number, yaw: number) -> rotation | Rz(yaw) Ry(pitch) Rx(roll), rad.
+rotation_to_rpy(r: rotation) -> rpy | Roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2].
+rotation_exp(turn: vector) -> rotation | The rotation about turn by its length, rad.
+rotation_log(r: rotation) -> vector | The shortest turn, at most pi, whose exp is r.
+rotation_from_axis_angle(axis: vector, angle: number) -> rotation | The axis's length does not count.
+rotation_to_axis_angle(r: rotation) -> axis_angle | The angle in [0, pi]; the axis is z where it is 0.
+    | out[3] = rbd_rotation_to_axis_angle(r, (rbd_vec3 *)out)
+placement_compose(b: placement, c: placement) -> placement | c in a, from b in a and c in b.
+placement_inverse(x: placement) -> placement | The frame `in` seen from `of`.
+placement_exp(v: motion) -> placement | Where a frame gets in unit time that moves with v.
+    | rbd_placement_exp(v, 0)
+placement_log(x: placement) -> motion | The v with the shortest turn whose exp is x.
+point_up(x: placement, point: vector) -> vector | A point of frame `of` in coordinates of `in`.
+point_down(x: placement, point: vector) -> vector | A point of frame `in` in coordinates of `of`.
+motion_up(x: placement, m: motion) -> motion | A motion of frame `of` in frame `in`; RBDA (2.24).
+motion_down(x: placement, m: motion) -> motion | A motion of frame `in` in frame `of`.
+motion_cross(v: motion, m: motion) -> motion | v x m: the rate of a motion that v carries along; RBDA (2.31).
+force_up(x: placement, f: force) -> force | A force of frame `of` in frame `in`; RBDA (2.25).
+force_down(x: placement, f: force) -> force | A force of frame `in` in frame `of`.
+force_cross(v: motion, f: force) -> force | v x* f: the rate of a force that v carries along; RBDA (2.32).
+power(v: motion, f: force) -> number | v . f, W; the same in every frame.
+inertia_of(mass: number, com: array3, inertia: array6) -> inertia | Of a description: inertia about com.
+    | rbd_inertia_of(mass, com, inertia, 0)
+inertia_up(x: placement, i: inertia) -> inertia | An inertia of frame `of` in frame `in`; RBDA (2.66).
+inertia_down(x: placement, i: inertia) -> inertia | An inertia of frame `in` in frame `of`.
+inertia_times(i: inertia, m: motion) -> force | i m: of a velocity the momentum; RBDA (2.63).
+""".strip())]
+_SPATIAL = {name: ([tuple(item.split(": ")) for item in parameters.split(", ")], result, text, code)
+            for name, parameters, result, text, code in _SPATIAL}
+
+
+def _spatial_unit():
+    """C functions that take and give arrays, around the inline ones of the header, which take structs."""
+    lines = ["#include <string.h>"]
+    for name, (parameters, result, _, code) in _SPATIAL.items():
+        arguments = ", ".join(f"const rbd_real *{p}_" for p, _ in parameters)
+        lines.append(f"void rbd_array_{name}({arguments}, rbd_real *out) {{")
+        for p, kind in parameters:
+            c_type = _KINDS[kind][0]
+            lines.append(f"    {c_type} {p}; memcpy(&{p}, {p}_, sizeof {p});" if c_type else
+                         f"    const rbd_real *{p} = {p}_;")
+        c_type, names = _KINDS[result][0], [p for p, _ in parameters]
+        if c_type:
+            call = code or f"rbd_{name}({', '.join(names)})"
+            lines.append(f"    {c_type} result = {call}; memcpy(out, &result, sizeof result);")
+        else:
+            lines.append(f"    {code or 'rbd_' + name + '(' + ', '.join([*names, 'out']) + ')'};")
+        lines.append("}")
+    return "\n".join(lines)
+
+
+class Spatial:
+    """Rotations, placements and spatial vectors by rbd_spatial.h, as arrays: `library.spatial`,
+    `model.library.spatial`.
+
+    Spatial vectors are 6 numbers, angular first. A placement says where frame `of` stands in frame `in`: a
+    pair of the rotation, which turns vectors from of's axes into in's, and the position of of's origin, in
+    in's axes. up: from `of` to `in`, as from a child to its parent; down: back. What adds or scales them is
+    numpy's + and *. """
+
+    def __init__(self, library):
+        self._library = library
+
+    def _call(self, name, values):
+        parameters, result, _, _ = _SPATIAL[name]
+        dtype, arrays = self._library.dtype, []
+        for (parameter, kind), value in zip(parameters, values):
+            if kind == "placement":
+                rotation = _numbers(name, f"{parameter}.rotation", value[0], (3, 3), dtype)
+                position = _numbers(name, f"{parameter}.position", value[1], (3,), dtype)
+                arrays.append(np.concatenate([rotation.reshape(-1), position]))
+            else:
+                arrays.append(_numbers(name, parameter, value, _KINDS[kind][1], dtype))
+        out = np.zeros(_KINDS[result][1], dtype)
+        self._library.call(f"array_{name}", *arrays, out, result=None)
+        _finite(name, result, out, FloatingPointError)
+        if result == "placement":
+            return Placement(out[:9].reshape(3, 3), out[9:])
+        if result == "axis_angle":
+            return AxisAngle(out[:3], out[3].item())
+        return out if out.ndim else out.item()
+
+
+def _spatial_method(name, parameters, result, text):
+    names = ", ".join(p for p, _ in parameters)
+    method = eval(f"lambda self, {names}: self._call('{name}', ({names},))")
+    method.__name__, method.__qualname__, method.__module__ = name, f"Spatial.{name}", __name__
+    lines = [f"    {p:<12} {_KINDS[kind][2]}" for p, kind in parameters]
+    method.__doc__ = "\n".join([text, "", *lines, "gives", f"    {'':<12} {_KINDS[result][2]}"])
+    return method
+
+
+for _name, (_parameters, _result, _text, _) in _SPATIAL.items():
+    setattr(Spatial, _name, _spatial_method(_name, _parameters, _result, _text))

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: MIT
+"""The module rbd with the headers that it compiles, which are copied from the repository's root."""
+import re
+import shutil
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCES = ["LICENSE", "rbd*.h", "models/*.h", "models/*.urdf", "tools/print*.[ch]", "tools/robot.h"]
+
+
+class BuildWithSources(build_py):
+    def run(self):
+        super().run()
+        for path in (path for pattern in SOURCES for path in ROOT.glob(pattern)):
+            target = Path(self.build_lib, "rbd_sources", path.relative_to(ROOT))
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, target)
+
+
+if not (ROOT / "rbd.h").is_file():
+    raise SystemExit(f"{ROOT} has no rbd.h: this is built within rbd's repository")
+setup(version=re.search(r'#define RBD_VERSION "(.*)"', (ROOT / "rbd.h").read_text())[1],
+      cmdclass={"build_py": BuildWithSources})

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
+import rbd  # noqa: E402
+
+# Compiled in seconds: what is tested here is rbd.py; what the optimiser makes of the headers, elsewhere.
+FLAGS = "-O0 -march=native -Dalways_inline=unused"
+
+
+@pytest.fixture(scope="session", params=["double", "float"])
+def library(request):
+    return rbd.Library(request.param, flags=FLAGS)
+
+
+@pytest.fixture(scope="session")
+def double():
+    return rbd.Library("double", flags=FLAGS)
+
+
+@pytest.fixture
+def iiwa(double):
+    return rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"), library=double)
+
+
+@pytest.fixture
+def hyq(double):
+    return rbd.Model(rbd.load_table(rbd.SOURCES / "models/hyq.h"), library=double)

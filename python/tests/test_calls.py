@@ -1,0 +1,588 @@
+# SPDX-License-Identifier: MIT
+"""What is wrapped, what is refused and how, memory, threads and processes."""
+import ctypes
+import inspect
+import multiprocessing
+import pickle
+import re
+import subprocess
+import sys
+import threading
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+import rbd
+
+HERE = rbd.Path(rbd.__file__).resolve()
+
+# Public functions of the headers that Python has no call of, and why.
+NOT_WRAPPED = {
+    "rbd_keep_zeros": "results are new arrays each time, which C has to write whole",
+    "rbd_urdf_status_string": "the sentence of a finding says more; UrdfStatus has the names",
+    "rbd_urdf_joint": "Urdf.bodies and Urdf.frames are lists to look in",
+    "rbd_urdf_link": "likewise",
+    "rbd_vec3_of": "three numbers are an array",
+    "rbd_rotation_identity": "numpy.eye(3)",
+    "rbd_placement_of": "a pair",
+    "rbd_placement_from_arrays": "a pair, as body_pose gives it",
+    "rbd_placement_identity": "numpy.eye(3), numpy.zeros(3)",
+    "rbd_motion_of": "six numbers are an array; numpy adds and scales them",
+    "rbd_motion_add": "+",
+    "rbd_motion_scale": "*",
+    "rbd_force_of": "as of motions",
+    "rbd_force_add": "+",
+    "rbd_force_scale": "*",
+    "rbd_inertia_add": "+",
+    "rbd_inertia_from_parameters": "an inertia is its ten parameters",
+    "rbd_inertia_to_parameters": "likewise",
+    **{f"rbd_{what}_{way}_array": "quantities are arrays" for what in ("vec3", "rotation", "motion", "force")
+       for way in ("from", "to")},
+}
+# Those that have another name or place here.
+ELSEWHERE = {
+    "rbd_model_build": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
+    "rbd_derivatives_init": "Model", "rbd_derivatives_size": "Model", "rbd_batch_init": "Model",
+    "rbd_batch_size": "Model", "rbd_batch_derivatives_init": "Model", "rbd_batch_derivatives_size": "Model",
+    "rbd_constraints_init": "Constraints", "rbd_constraints_size": "Constraints",
+    "rbd_batch_constraints_init": "Constraints", "rbd_batch_constraints_size": "Constraints",
+    "rbd_constraint_rows": "Constraints.rows", "rbd_constraint_first": "Constraints.first",
+    "rbd_constraint_rank": "Constraints.rank",
+    "rbd_nb": "Model.nb", "rbd_nq": "Model.nq", "rbd_nv": "Model.nv",
+    "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
+    "rbd_constraint_finding_text": "Constraints",
+    "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
+}
+
+
+def public_functions():
+    """Declared in the public parts of the headers."""
+    found = set()
+    for name, text in rbd._HEADERS.items():
+        text = re.sub(r"/\*.*?\*/", "", text.partition("Stop here if you only use it.")[0], flags=re.S)
+        if name == "rbd_spatial.h":
+            found |= set(re.findall(r"^(?:RBDI_INLINE|static RBDI_UNUSED) \w+ (rbd_\w+)\(", text, re.M))
+        elif name == "rbd_urdf.h":
+            text = text.partition("#endif")[0] + text.partition("calls [calls]")[2]
+            text = rbd._HEADERS[name].partition("Implementation\n")[0]
+            found |= set(re.findall(r"^(?:const char \*|int |rbd_urdf_status )(rbd_urdf_\w+)\(", text, re.M))
+        else:
+            found |= set(re.findall(r"^RBD_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
+    return found
+
+
+def test_every_public_function_is_wrapped_or_excused():
+    functions = public_functions()
+    assert len(functions) > 150
+    assert {"rbd_rnea", "rbd_batch_crba", "rbd_constrained_fd", "rbd_urdf_load", "rbd_motion_up"} <= functions
+    methods = {name for owner in (rbd.Model, rbd.Constraints, rbd.Library, rbd.Spatial)
+               for name, method in inspect.getmembers(owner, callable) if not name.startswith("_")}
+    batches = {f"rbd_batch_{call.name}" for call in table_calls() if call.batch}
+    wrapped = {f"rbd_{name}" for name in methods} | batches
+    missing = functions - wrapped - set(NOT_WRAPPED) - set(ELSEWHERE)
+    assert not missing, f"neither wrapped nor excused: {sorted(missing)}"
+    stale = (set(NOT_WRAPPED) | set(ELSEWHERE)) - functions | set(NOT_WRAPPED) & wrapped
+    assert not stale, f"excused, but not there, or wrapped: {sorted(stale)}"
+
+
+def table_calls():
+    """The calls that the decorator made."""
+    found = [getattr(method, "__globals__", {}).get("call") for owner in (rbd.Model, rbd.Constraints)
+             for method in vars(owner).values()]
+    return [call for call in found if isinstance(call, rbd._Call)]
+
+
+def test_arguments_are_those_of_the_header():
+    """Inputs and results of each call stand in C's order: its last arguments, but for what it computes in."""
+    text = re.sub(r"/\*.*?\*/", "", rbd._TEXT, flags=re.S)
+    assert len(table_calls()) >= 50
+    for call in table_calls():
+        expected = ["lambda" if x == "lambda_" else x for x in call.inputs + call.outputs]
+        for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
+            declared = re.search(rf"\b{prefix}{call.name}\(([^;]*)\);", text)[1]
+            arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
+            first = len(arguments) - len(expected)
+            assert arguments[first:] == expected, call.name
+            assert first == 1 + len(call.memory) + (prefix == "rbd_batch_"), call.name
+
+
+def test_help_shows_signature_shapes_and_units():
+    assert str(inspect.signature(rbd.Model.rnea)) == "(self, q, v, a, f_ext=None)"
+    for words in ("Inverse dynamics", "nb x 6", "in its axes", "N m", "For n states"):
+        assert words in rbd.Model.rnea.__doc__
+
+
+def test_structures_are_those_of_the_header(double):
+    assert {f.name for f in fields(rbd.Body)} == {name for name, _ in rbd.structure("rbd_body")._fields_}
+    members = {name for name, _ in rbd.structure("rbd_constraint")._fields_}
+    assert {f.name for f in fields(rbd.Constraint)} == members
+    assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
+    names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
+             "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
+    unit = '#include "rbd_constraints.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+        f"sizeof({name})" for name in names)
+    sizes = (ctypes.c_size_t * len(names)).in_dll(rbd._compile([unit], ["cc"]), "sizes")
+    assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]
+    assert rbd.Status.ERR_SINGULAR == -6 and rbd.JointType.FLOATING == 15 and rbd.UrdfStatus.ERR_XML == -6
+
+
+# ---- what is refused ----
+
+q = v = a = np.zeros(7)
+WRONG = [
+    (lambda m: m.rnea(q, v, a[:6]), ValueError, r"rnea: a must have the shape \(7,\), not \(6,\)"),
+    (lambda m: m.rnea(q, v, a.reshape(7, 1)), ValueError, "rnea: a must have the shape"),
+    (lambda m: m.rnea(q, v, a, f_ext=np.zeros(6)), ValueError, r"rnea: f_ext must have the shape \(7, 6\)"),
+    (lambda m: m.rnea(np.zeros((3, 7)), v, a), ValueError, r"rnea: v must .* \(3, 7\), not \(7,\)"),
+    (lambda m: m.rnea(np.zeros((3, 8)), v, a), ValueError, r"rnea: q must .* \(3, 7\), not \(3, 8\)"),
+    (lambda m: m.rnea(np.zeros((2, 3, 7)), v, a), ValueError, "rnea: q must have the shape"),
+    (lambda m: m.gravity(np.zeros((3, 7))), ValueError, "gravity: q .* one state at a time"),
+    (lambda m: m.rnea(q, v, None), TypeError, "rnea: a is missing"),
+    (lambda m: m.rnea(q, v), TypeError, "missing 1 required positional argument: 'a'"),
+    (lambda m: m.rnea(q, v, a, tau=1), TypeError, "unexpected keyword argument 'tau'"),
+    (lambda m: m.rnea(q, v, a * 1j), TypeError, "rnea: a must be real numbers, not complex128"),
+    (lambda m: m.rnea(q, v, "seven77"), TypeError, "rnea: a must be real numbers"),
+    (lambda m: m.rnea(q, v, [1, [2]]), TypeError, "rnea: a"),
+    (lambda m: m.rnea(q, v, a.astype(object)), TypeError, "rnea: a must be real numbers, not object"),
+    (lambda m: m.rnea(q, [0, 0, np.nan, 0, 0, 0, 0], a), ValueError, r"rnea: v\[2\] is nan"),
+    (lambda m: m.rnea(q, v, a, np.full((7, 6), np.inf)), ValueError, r"rnea: f_ext\[0, 0\] is inf"),
+    (lambda m: m.rnea([q, q], [v, v], [a, a + np.nan]), ValueError, r"rnea: a\[1, 0\] is nan"),
+    (lambda m: m.kinematics(q, v * np.nan), ValueError, r"kinematics: v\[0\] is nan"),
+    (lambda m: m.rnea(q, v, [1e308] * 7), FloatingPointError, r"rnea: tau\[\d\] is"),
+    (lambda m: m.rnea(*np.full((3, 2, 7), 1e308)), FloatingPointError, r"rnea: tau\[\d, \d\] is"),
+    (lambda m: m.integrate(q, v, "soon"), TypeError, "integrate: dt must be a number, not 'soon'"),
+    (lambda m: m.integrate(q, v, float("nan")), ValueError, "integrate: dt is nan"),
+    (lambda m: m.hybrid(q, v, q + 0.5, a, a), TypeError, "hybrid: given must be whole numbers"),
+    (lambda m: m.hybrid(q, v, q.astype(int), a, a[1:]), ValueError, "hybrid: tau must have the shape"),
+    (lambda m: m.set_gravity([0, 0]), ValueError, r"set_gravity: gravity must have the shape \(3,\)"),
+    (lambda m: m.cholesky_solve_many(np.ones(28), np.ones((6, 2))), ValueError, r"B must .* \(7, n\)"),
+    (lambda m: m.jacobian(0, axes="body"), ValueError, "jacobian: axes must be 'world' or 'link', not 'b"),
+    (lambda m: m.jacobian(0.5), TypeError, "jacobian: a body is an index or the name of a link, not 0.5"),
+    (lambda m: m.jacobian("lbr_iiwa_link_9"), KeyError, "did you mean 'lbr_iiwa_link_"),
+    (lambda m: m.body_index("hand"), KeyError, "'hand'"),
+    (lambda m: m.random("x"), TypeError, ""),
+    (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
+    (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
+    (lambda m: m.constraints(["foot"]), TypeError, "constraint 0 must be a Constraint"),
+    (lambda m: m.constraints([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
+    (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(WRONG)))
+def test_wrong_arguments_are_refused_by_name(iiwa, number):
+    call, error, text = WRONG[number]
+    iiwa.kinematics(q)
+    with pytest.raises(error, match=text):
+        call(iiwa)
+    assert np.isfinite(iiwa.rnea(q, v, a)).all()  # and nothing of it stays
+
+
+FAILING = [
+    (lambda m: m.body_pose(7), "ERR_INDEX", "body_pose: "),
+    (lambda m: m.body_pose(-1), "ERR_INDEX", "body_pose: "),
+    (lambda m: m.body_pose(2**40), "ERR_INDEX", "body_pose: "),
+    (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: rbd_kinematics must be called first"),
+    (lambda m: m.joint(7), "ERR_INDEX", "joint: "),
+    (lambda m: m.describe(2**33), "ERR_INDEX", "describe: "),
+    (lambda m: m.add_payload(2, -100), "ERR_MASS", "add_payload: "),
+    (lambda m: m.batch_jacobian(np.zeros((2, 7)), 99), "ERR_INDEX", "batch_jacobian: "),
+    (lambda m: m.constraints([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
+    (lambda m: m.constraints([rbd.Constraint("tip", 2**32, axes=[1] * 6)]), "ERR_INDEX", "0 'tip'"),
+    (lambda m: m.library.check_parameters([-1] + [0] * 9), "ERR_MASS", "check_parameters: "),
+]
+
+
+@pytest.mark.parametrize("number", range(len(FAILING)))
+def test_errors_of_the_library_are_exceptions(iiwa, number):
+    call, status, text = FAILING[number]
+    iiwa.kinematics(q)
+    with pytest.raises(rbd.RbdError, match=text) as caught:
+        call(iiwa)
+    assert caught.value.status == rbd.Status[status]
+
+
+DESCRIPTIONS = [
+    ([], rbd.RbdError, "number of bodies"),
+    ([rbd.Body("rod", None, -1, "revolute", (0, 1, 0), mass=-1)], rbd.RbdError, "'rod', field 'mass': neg"),
+    ([rbd.Body("rod", None, -1, "revolute", (0, 1, 0), mass=np.nan)], rbd.RbdError, "'rod', field 'mass'"),
+    ([rbd.Body("rod", type="revolute", mass=1)], rbd.RbdError, "body 0 'rod', field 'axis'"),
+    ([rbd.Body("rod", parent="arm")], ValueError, "'rod', field 'parent': no earlier body is called 'arm'"),
+    ([rbd.Body("rod", parent=2**32)], rbd.RbdError, "body 0 'rod', field 'parent'"),
+    ([rbd.Body("rod", type="hinge")], ValueError, "body 0 'rod', field 'type': unknown joint type 'hinge'"),
+    ([rbd.Body("rod", type=99)], ValueError, "body 0 'rod', field 'type'"),
+    ([rbd.Body("rod", mass="7 kg")], TypeError, "body 0 'rod', field 'mass'"),
+    ([rbd.Body("rod", axis=(0, 1))], ValueError, "body 0 'rod', field 'axis': has 2 numbers instead of 3"),
+    ([rbd.Body("rod", damping=(1,) * 7)], ValueError, "body 0 'rod', field 'damping'"),
+    ([rbd.Body(7)], (TypeError, AttributeError), "body 0 '7', field 'name'"),
+    (["rod"], TypeError, "body 0: must be a Body, not str"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(DESCRIPTIONS)))
+def test_wrong_descriptions_are_refused_by_body_and_field(double, number):
+    bodies, error, text = DESCRIPTIONS[number]
+    with pytest.raises(error, match=text):
+        rbd.Model(bodies, library=double)
+
+
+def test_singular_systems_name_state_and_degree_of_freedom(double):
+    """Two gimbals in a row: at q = 0 the first and the last axis coincide."""
+    m = rbd.Model([rbd.Body("a", "outer", -1, "revolute", (1, 0, 0)),
+                   rbd.Body("b", "middle", 0, "revolute", (0, 1, 0)),
+                   rbd.Body("c", "inner", 1, "revolute", (1, 0, 0), mass=1, inertia=(1, 0, 0, 1, 0, 1))],
+                  library=double)
+    z = np.zeros(3)
+    assert np.isfinite(m.aba([0, 1, 0], z, z)).all()
+    with pytest.raises(rbd.RbdError, match=r"aba: .*singular.*freedom \d, '(outer|inner)'") as caught:
+        m.aba(z, z, z)
+    assert caught.value.status == rbd.Status.ERR_SINGULAR and m.singular_dof() in (0, 2)
+    states = np.array([[0, 1, 0], [0, 2, 0], [0, 0, 0], [0, 1, 0]], float)
+    with pytest.raises(rbd.RbdError, match="state 2; degree of freedom") as caught:
+        m.aba(states, 0 * states, np.ones((4, 3)))
+    assert m.batch_singular()[0] == 2
+    stands = m.aba(states[3], z, np.ones(3))
+    np.testing.assert_allclose(caught.value.results[3], stands, rtol=1e-12)
+    with pytest.raises(rbd.RbdError, match="minverse"):
+        m.minverse(z)
+
+
+def test_odd_bodies_warn(double):
+    with pytest.warns(rbd.RbdWarning, match="body 0 'rod', field 'inertia'"):
+        m = rbd.Model([rbd.Body("rod", None, -1, "revolute", (0, 0, 1), mass=1, inertia=(1, 0, 0, 1, 0, 5))],
+                      library=double)
+    assert len(m.warnings) == 1
+
+
+# ---- arrays ----
+
+def test_any_array_of_numbers_will_do(iiwa):
+    x = iiwa.random(5)
+    expected = iiwa.rnea(x, v + 1, a + 2)
+    strided = np.zeros((7, 3))
+    strided[:, 1] = x
+    for q1, v1, a1 in ((list(x), [1] * 7, (2,) * 7), (strided[:, 1], np.ones(7, int), np.full(7, 2, np.int8)),
+                       (x[::-1].copy()[::-1], np.ones(7, np.float32), np.full(7, 2, ">f8")),
+                       (np.asfortranarray(x), np.ones(7, bool), np.full(7, 2.0))):
+        np.testing.assert_array_equal(iiwa.rnea(q1, v1, a1), expected)
+    many = np.repeat(x[None], 5, 0)
+    for Q in many, np.asfortranarray(many), np.repeat(many, 2, 0)[::2], many.tolist():
+        found = iiwa.rnea(Q, np.ones((5, 7)), np.full((5, 7), 2))
+        np.testing.assert_allclose(found, np.repeat(expected[None], 5, 0), rtol=1e-12)
+    assert iiwa.rnea(np.zeros((0, 7)), np.zeros((0, 7)), np.zeros((0, 7))).shape == (0, 7)
+
+
+def test_results_are_arrays_of_their_own(iiwa):
+    x = iiwa.random(6)
+    first = iiwa.rnea_derivatives(x, v, a)
+    kept = [array.copy() for array in first]
+    iiwa.rnea_derivatives(iiwa.random(7), v + 1, a)
+    for array, copy in zip(first, kept):
+        np.testing.assert_array_equal(array, copy)
+    M = iiwa.crba(x)
+    M[...] = 0
+    assert iiwa.crba(x)[0, 0] > 0
+    L = iiwa.crba_packed(x)
+    before = L.copy()
+    iiwa.cholesky_factor_packed(L)
+    np.testing.assert_array_equal(L, before)
+
+
+def test_float_is_float(library):
+    m = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"), library=library)
+    assert m.rnea(q, v, a).dtype == library.dtype == m.get_gravity().dtype
+    assert m.rnea(np.zeros((2, 7)), np.zeros((2, 7)), np.zeros((2, 7))).dtype == library.dtype
+    if library.real == "float":
+        with pytest.raises(ValueError, match=r"rnea: a\[0\] is inf"):
+            m.rnea(q, v, np.full(7, 1e300))
+
+
+# ---- models ----
+
+def test_gravity(iiwa):
+    x, moon = iiwa.random(1), (0, 0, -1.62)
+    on_earth = iiwa.gravity(x)
+    iiwa.bias(x[None], v[None])
+    iiwa.set_gravity(moon)
+    np.testing.assert_allclose(iiwa.gravity(x), on_earth * 1.62 / 9.81, atol=1e-12)
+    np.testing.assert_allclose(iiwa.bias(x[None], v[None])[0], on_earth * 1.62 / 9.81, atol=1e-12)
+    np.testing.assert_allclose(iiwa.copy().gravity(x), iiwa.gravity(x))
+    there = rbd.Model(iiwa.bodies, gravity=moon, library=iiwa.library)
+    np.testing.assert_array_equal(there.get_gravity(), moon)
+
+
+def test_payload_is_that_of_a_new_build(iiwa):
+    x, u = iiwa.random(2), v + 1
+    before = iiwa.fd_derivatives(x, u, a)
+    batch = [x[None], u[None], a[None]]
+    iiwa.fd_derivatives(*batch)
+    iiwa.add_payload("lbr_iiwa_link_7", 3, com=(0, 0.1, 0.2), inertia=(0.1, 0, 0, 0.1, 0, 0.1))
+    fresh = iiwa.copy()
+    for loaded in iiwa.fd_derivatives(x, u, a), [array[0] for array in iiwa.fd_derivatives(*batch)]:
+        for found, expected, old in zip(loaded, fresh.fd_derivatives(x, u, a), before):
+            np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+            assert np.abs(found - old).max() > 1e-3 * np.abs(old).max()
+    assert abs(iiwa.describe(6).mass - iiwa.bodies[6].mass) < 1e-12
+    np.testing.assert_allclose(iiwa.describe(6).inertia, fresh.bodies[6].inertia, atol=1e-12)
+
+
+def test_names(hyq):
+    assert hyq.body_names[0] == "base_link_0" and hyq.joint_names[0] == "root"
+    assert hyq.dof_names[:7] == [f"root[{k}]" for k in range(6)] + ["lf_haa_joint"]
+    assert hyq.q_names[6:8] == ["root[6]", "lf_haa_joint"]
+    assert hyq.body_index("lf_upperleg") == 5 == hyq.joint_index("lf_hfe_joint")
+    assert hyq.joint("lf_upperleg").iv == 10 and hyq.dof_body(10) == 5 and hyq.dof_body(99) == -1
+    assert hyq.body_name(99) is None
+    joint = hyq.joint("lf_hipassembly")
+    assert joint.type == rbd.JointType.REVOLUTE and joint.lower < joint.upper
+
+
+def test_random_is_within_limits_and_repeats(hyq):
+    many = hyq.random(3, 50)
+    np.testing.assert_array_equal(many[0], hyq.random(3))
+    joint = hyq.joint("lf_hipassembly")
+    angles = many[:, joint.iq]
+    assert joint.lower <= angles.min() < angles.max() <= joint.upper
+    np.testing.assert_allclose(np.linalg.norm(many[:, 3:7], axis=1), 1)
+
+
+def test_describe_builds_the_same(hyq):
+    again = rbd.Model([hyq.describe(body) for body in range(hyq.nb)], library=hyq.library)
+    x = hyq.random(4)
+    np.testing.assert_allclose(again.crba(x), hyq.crba(x), atol=1e-12)
+
+
+def test_passive_mass_and_parameters(double):
+    m = rbd.Model([rbd.Body("rod", "hinge", -1, "revolute", (0, 0, 1), mass=2, com=(1, 0, 0),
+                            inertia=(1, 0, 0, 1, 0, 1), damping=3, friction=0.5)], library=double)
+    np.testing.assert_allclose(m.passive([2.0]), [-6.5])
+    assert m.mass() == 2
+    pi = m.body_parameters("rod")
+    np.testing.assert_allclose(pi, [2, 2, 0, 0, 1, 0, 0, 3, 0, 3])
+    double.check_parameters(pi)
+    twice = double.set_parameters(m.bodies[0], 2 * pi)
+    assert twice.mass == 4 and twice.name == "rod"
+    np.testing.assert_allclose(twice.inertia, [2, 0, 0, 2, 0, 2], atol=1e-15)
+
+
+def test_from_urdf_is_the_table(double, hyq):
+    urdf = rbd.load_urdf(rbd.SOURCES / "models/hyq.urdf", root="floating", gravity=(0, 0, -1))
+    assert urdf.bodies == hyq.bodies and urdf.name == "hyq" and urdf.fixed_mass == 0
+    assert [frame.link for frame in urdf.frames] == hyq.body_names
+    m = rbd.Model(urdf, library=double)
+    np.testing.assert_array_equal(m.get_gravity(), [0, 0, -1])
+    x = hyq.random(8)
+    np.testing.assert_array_equal(rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", root="floating",
+                                                      library=double).crba(x), hyq.crba(x))
+
+
+URDF = """<robot name="arm"><link name="base"/><link name="rod"><inertial><mass value="{mass}"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link><link name="tool"/>
+<joint name="hinge" type="revolute"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+<joint name="flange" type="fixed"><parent link="rod"/><child link="tool"/><origin xyz="0 0 1"/></joint>
+</robot>"""
+
+
+def test_urdf_options():
+    text = URDF.format(mass=1)
+    assert [body.name for body in rbd.parse_urdf(text).bodies] == ["rod"]
+    assert [body.name for body in rbd.parse_urdf(text.encode(), keep=["tool"]).bodies] == ["rod", "tool"]
+    assert len(rbd.parse_urdf(text, keep_all=True).bodies) == 3
+    tool = rbd.parse_urdf(text).frames[2]
+    assert (tool.link, tool.joint, tool.body) == ("tool", "flange", 0)
+    np.testing.assert_array_equal(tool.position, [0, 0, 1])
+    with pytest.raises(rbd.RbdError, match="nothing moves|no joint"):
+        rbd.parse_urdf(text, lock={"hinge": 0.5})
+    with pytest.raises(rbd.RbdError) as caught:
+        rbd.parse_urdf(text.replace("</robot>", ""))
+    assert caught.value.status == rbd.UrdfStatus.ERR_XML
+    with pytest.raises(rbd.RbdError, match="elbow") as caught:
+        rbd.parse_urdf(text, lock={"elbow": 0.5})
+    assert caught.value.status == rbd.UrdfStatus.ERR_OPTION
+    with pytest.raises(rbd.RbdError, match="nowhere.urdf") as caught:
+        rbd.load_urdf("nowhere.urdf")
+    assert caught.value.status == rbd.UrdfStatus.ERR_FILE
+    with pytest.raises(ValueError, match="root must be"):
+        rbd.parse_urdf(text, root="free")
+    with pytest.raises(TypeError, match="keep"):
+        rbd.parse_urdf(text, keep="tool")
+    with pytest.warns(rbd.RbdWarning, match="name"):
+        rbd.parse_urdf(text.replace(' name="arm"', ""))
+
+
+def test_c_tables_are_those_of_rbd_model(hyq):
+    assert hyq.c_model("hyq", "hyq.urdf") == (rbd.SOURCES / "models/hyq_model.h").read_text()
+    assert hyq.c_table("hyq", "hyq.urdf") == (rbd.SOURCES / "models/hyq.h").read_text()
+
+
+def test_c_tables_of_all_joint_types(double, tmp_path):
+    """Also those that URDF lacks, and followers: the tables compile, and compute what the models do."""
+    solid = dict(mass=1, com=(0.1, 0.2, 0.3), inertia=(1, 0, 0, 1, 0, 1))
+    bodies = [rbd.Body(f"b{t.value}", f"j{t.value}", t.value - 2, t.name.lower(), (0, 0, 1), (0, 1, 0),
+                       pitch=0.1, position=(0, 0, 1), **solid)
+              for t in rbd.JointType if t.name not in ("FIXED", "JOINT_TYPES")]
+    for body in bodies:
+        if body.type in ("spherical", "planar", "translation", "floating") or body.type.startswith("euler"):
+            body.axis = (0, 0, 0)
+        if body.type != "universal":
+            body.axis2 = (0, 0, 0)
+    bodies += [rbd.Body("f1", "k1", 0, "revolute", (0, 1, 0), **solid),
+               rbd.Body("f2", "k2", "f1", "revolute", (0, 1, 0), position=(1, 0, 0),
+                        mimic="k1", mimic_ratio=2, **solid)]
+    m = rbd.Model(bodies, gravity=(1, 2, -3), library=double)
+    table = m.c_model("all")
+    assert "RBDI_TIED | RBDI_TIED_FIRST" in table
+    for constant in "Q_J3_COS", "Q_J6_LENGTH", "Q_J8_QW", "DOF_J8_WZ", "Q_J9_Z", "DOF_J14_Z":
+        assert f"ALL_{constant} =" in table
+    unit = f"""#define RBD_IMPLEMENTATION
+#include "rbd.h"
+{table}
+rbd_status from_table(const double *q, const double *v, const double *tau, double *a) {{
+    static unsigned char memory[ALL_WORK_SIZE];
+    rbd_work *w;
+    rbd_status status = rbd_work_init(&all_model, memory, sizeof memory, &w);
+    return status ? status : rbd_aba(&all_model, w, q, v, tau, NULL, a);
+}}"""
+    call = rbd._compile([unit], ["cc", "-O0", "-Dalways_inline=unused"], ["-lm"]).from_table
+    x, u, found = m.random(1), np.linspace(-1, 1, m.nv), np.zeros(m.nv)
+    assert call(*(ctypes.c_void_p(array.ctypes.data) for array in (x, u, u, found))) == 0
+    expected = m.aba(x, u, u)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+    (tmp_path / "all.h").write_text(m.c_table("all"))
+    again = rbd.Model(rbd.load_table(tmp_path / "all.h"), library=double)
+    np.testing.assert_allclose(again.crba(x), m.crba(x), atol=1e-12)
+
+
+def test_load_table_says_what_it_lacks(tmp_path):
+    (tmp_path / "empty.h").write_text("int x;\n")
+    with pytest.raises(ValueError, match="has no array of rbd_body"):
+        rbd.load_table(tmp_path / "empty.h")
+    (tmp_path / "broken.h").write_text("static const rbd_body x_bodies[1] = {{nonsense}};\n")
+    with pytest.raises(RuntimeError, match="nonsense"):
+        rbd.load_table(tmp_path / "broken.h")
+    with pytest.raises(FileNotFoundError):
+        rbd.load_table(tmp_path / "nowhere.h")
+
+
+# ---- spatial algebra ----
+
+def test_spatial(library):
+    s, eps = library.spatial, 100 * np.finfo(library.dtype).eps
+    rng = np.random.default_rng(1)
+    turn, v6, f6, point = rng.normal(size=3), rng.normal(size=6), rng.normal(size=6), rng.normal(size=3)
+
+    def same(found, expected):
+        np.testing.assert_allclose(found, expected, atol=20 * eps)
+
+    def skew(x):
+        return np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]])
+
+    R = s.rotation_exp(turn)
+    angle = np.linalg.norm(turn)
+    k = skew(turn / angle)
+    same(R, np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k)  # Rodrigues
+    same(s.rotation_log(R), turn)
+    same(s.rotation_from_quaternion(2 * s.rotation_to_quaternion(R)), R)
+    same(s.rotation_from_rpy(*s.rotation_to_rpy(R)), R)
+    same(s.rotation_from_axis_angle(*s.rotation_to_axis_angle(R)), R)
+    same(s.rotation_product(R, R), R @ R)
+    same(s.rotation_inverse(R), R.T)
+    same(s.rotate(R, point), R @ point)
+    same(s.rotate_back(R, point), R.T @ point)
+    x = s.placement_exp(v6)
+    same(s.placement_log(x), v6)
+    up = np.block([[x.rotation, np.zeros((3, 3))], [skew(x.position) @ x.rotation, x.rotation]])
+    same(s.motion_up(x, f6), up @ f6)
+    same(s.motion_down(x, f6), np.linalg.solve(up, f6))
+    same(s.force_up(x, f6), np.linalg.inv(up).T @ f6)
+    same(s.force_down(x, f6), up.T @ f6)
+    cross = np.block([[skew(v6[:3]), np.zeros((3, 3))], [skew(v6[3:]), skew(v6[:3])]])
+    same(s.motion_cross(v6, f6), cross @ f6)
+    same(s.force_cross(v6, f6), -cross.T @ f6)
+    same(s.power(v6, f6), v6 @ f6)
+    same(s.point_up(x, point), x.rotation @ point + x.position)
+    same(s.point_down(x, s.point_up(x, point)), point)
+    both = s.placement_compose(x, x)
+    same(both.position, x.rotation @ x.position + x.position)
+    same(s.placement_compose(x, s.placement_inverse(x)).rotation, np.eye(3))
+    i = s.inertia_of(2, point, [3, 0.1, 0.2, 4, 0.3, 5])
+    I_com = np.array([[3, 0.1, 0.2], [0.1, 4, 0.3], [0.2, 0.3, 5]])
+    c = skew(point)
+    matrix = np.block([[I_com - 2 * c @ c, 2 * c], [-2 * c, 2 * np.eye(3)]])
+    same(s.inertia_times(i, v6), matrix @ v6)
+    same(s.inertia_times(s.inertia_up(x, i), v6), np.linalg.inv(up).T @ matrix @ np.linalg.inv(up) @ v6)
+    same(s.inertia_down(x, s.inertia_up(x, i)), i)
+    with pytest.raises(ValueError, match=r"motion_up: x.rotation must have the shape \(3, 3\)"):
+        s.motion_up((np.eye(2), point), v6)
+    with pytest.raises(ValueError, match="rotation_exp: turn.* is nan"):
+        s.rotation_exp([0, np.nan, 0])
+
+
+# ---- threads and processes ----
+
+def test_models_of_threads_do_not_disturb_each_other(hyq):
+    states = hyq.random(1, 300)
+    expected = [hyq.crba(x) for x in states]
+    wrong = []
+
+    def work(model):
+        for _ in range(3):
+            for x, M in zip(states, expected):
+                if not np.array_equal(model.crba(x), M):
+                    wrong.append(x)
+
+    for models in ([hyq.copy(), hyq.copy(), hyq.copy()], [hyq, hyq, hyq]):  # one each, and one for all
+        threads = [threading.Thread(target=work, args=(model,)) for model in models]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert not wrong
+
+
+def test_models_travel_to_processes(iiwa):
+    iiwa.set_gravity((0, 0, -1))
+    other = pickle.loads(pickle.dumps(iiwa))
+    x = iiwa.random(9)
+    np.testing.assert_array_equal(other.gravity(x), iiwa.gravity(x))
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        np.testing.assert_array_equal(pool.map(iiwa.gravity, [x, x]), [iiwa.gravity(x)] * 2)
+
+
+def test_processes_may_compile_at_once(tmp_path):
+    """Four with an empty cache: all get the same file, and nothing else stays."""
+    program = ("import sys; sys.path.insert(0, sys.argv[1]); import rbd; "
+               "print(len(rbd.load_table(rbd.SOURCES / 'models/pendulum.h')))")
+    environment = {**rbd.os.environ, "RBD_CACHE": str(tmp_path / "cache")}
+    jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent)], env=environment,
+                             stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    assert [job.communicate()[0] for job in jobs] == ["1\n"] * 4
+    assert [path.suffix for path in (tmp_path / "cache").iterdir()] == [".so"]
+
+
+def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
+    with pytest.raises(RuntimeError, match="rbd needs 'no-such-cc'"):
+        rbd.Library(compiler="no-such-cc")
+    with pytest.raises(RuntimeError, match="-fno-such-option"):
+        rbd.Library(flags="-fno-such-option")
+    with pytest.raises(ValueError, match="real must be 'double' or 'float', not 'half'"):
+        rbd.Library("half")
+    with pytest.raises(ValueError, match="lanes must be"):
+        rbd.Library(lanes=3)
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("RBD_CACHE", str(tmp_path / "file/cache"))
+    with pytest.raises(RuntimeError, match=r"\$RBD_CACHE may name another folder"):
+        rbd.load_table(rbd.SOURCES / "models/pendulum.h")
+
+
+def test_without_urdfdom_the_error_says_what_to_do(monkeypatch):
+    monkeypatch.setenv("PKG_CONFIG_LIBDIR", "/nowhere")
+    monkeypatch.delenv("PKG_CONFIG_PATH", raising=False)
+    rbd._urdf_library.cache_clear()
+    try:
+        with pytest.raises(RuntimeError, match="liburdfdom-dev.*load_table"):
+            rbd.parse_urdf(URDF.format(mass=1))
+    finally:
+        rbd._urdf_library.cache_clear()

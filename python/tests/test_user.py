@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""What a user does first: install, the README's lines, the example."""
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rbd
+
+PYTHON = rbd.SOURCES / "python"
+
+
+def readme_program():
+    return re.search(r"```python\n(.*?)```", (PYTHON / "README.md").read_text(), re.S)[1]
+
+
+def run(*command, **options):
+    done = subprocess.run([*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          **options)
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """The flags of the other tests, for programs that take the default."""
+    from conftest import FLAGS
+    monkeypatch.setenv("RBD_FLAGS", FLAGS)
+
+
+def test_readme(tmp_path, monkeypatch, quick):
+    """The ten lines run, and write a table that a compiler takes."""
+    program = readme_program()
+    assert len(program.splitlines()) <= 12
+    monkeypatch.setenv("PYTHONPATH", str(PYTHON))
+    printed = run(sys.executable, "-c", program, cwd=tmp_path)
+    assert printed.count("[") == 2
+    (tmp_path / "main.c").write_text('#include "rbd.h"\n#include "iiwa_model.h"\n'
+                                     "int main(void) { return iiwa_model.nv - 7; }\n")
+    run("cc", f"-I{rbd.SOURCES}", "main.c", "-o", "main", cwd=tmp_path)
+    run("./main", cwd=tmp_path)
+
+
+def test_example(tmp_path, monkeypatch, quick):
+    """The feet carry the weight, the motors can do it, and all files are there."""
+    monkeypatch.setenv("PYTHONPATH", str(PYTHON))
+    printed = run(sys.executable, PYTHON / "examples/hyq_gait.py", tmp_path)
+    assert "hyq_model.h" in printed
+    table = np.genfromtxt(tmp_path / "hyq_gait.csv", delimiter=",", names=True)
+    forces = np.array([table[f"{leg}_foot"] for leg in ("lf", "rf", "lh", "rh")])
+    assert ((forces > 100).sum(0) == 2).all() and forces.max() < 600
+    assert abs(forces.sum(0).mean() - 86.8 * 9.81) < 5
+    torques = np.array([table[name] for name in table.dtype.names[1:13]])
+    assert np.isfinite(torques).all() and 80 < np.abs(torques).max() < 150
+    assert (tmp_path / "hyq_gait.png").read_bytes().startswith(b"\x89PNG")
+    assert "HYQ_MODEL_H" in (tmp_path / "hyq_model.h").read_text()
+
+
+def test_package_installs_without_network(tmp_path, quick):
+    """In a venv that sees the system's numpy, pip and setuptools, away from the repository."""
+    run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
+    python = tmp_path / "venv/bin/python"
+    (tmp_path / "tree").mkdir()
+    run("cp", "-r", PYTHON, *rbd.SOURCES.glob("rbd*.h"), rbd.SOURCES / "LICENSE", rbd.SOURCES / "models",
+        rbd.SOURCES / "tools", tmp_path / "tree")
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    run(python, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index",
+        tmp_path / "tree/python", env=environment)
+    run("rm", "-r", tmp_path / "tree")
+    where = run(python, "-c", "import rbd; print(rbd.__file__, rbd.__version__)", cwd=tmp_path,
+                env=environment)
+    assert str(tmp_path / "venv") in where and where.split()[1] == rbd.__version__
+    run(python, "-c", readme_program(), cwd=tmp_path, env=environment)
+    assert (tmp_path / "iiwa_model.h").stat().st_size > 1000
