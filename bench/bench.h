@@ -28,6 +28,7 @@ struct options {
     int experiments;
     uint64_t seed;
     bool gravity;
+    bool cold;        /* every call out of cold caches */
     enum count count; /* instead of timing */
     enum format format;
     const char *output; /* file name, NULL = standard output */
@@ -225,6 +226,10 @@ int measure(struct row *rows, int n, int samples, int experiments);
 
 /* Sets *ns to the time that the row's samples first .. first + count - 1 take. */
 typedef rbd_status timer(const struct row *row, int first, int count, double *ns);
+
+/* That of single calls, each after other data and code have filled the caches up to level 2
+   (timing/cold.c). */
+timer time_cold;
 
 /* The same by another clock. */
 int measure_by(struct row *rows, int n, int samples, int experiments, timer *time_of);

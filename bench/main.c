@@ -92,7 +92,8 @@ static int finish(struct bench *b, const struct options *o) {
     if (o->count == COUNT_CALLGRIND) return count_by_callgrind(b->rows, b->row_count, o->samples);
     if (o->count == COUNT_PERF) return report_by(count_by_perf, o, b->rows, b->row_count);
     if (measure_accuracy(b->rows, b->row_count, o->samples) != 0 ||
-        measure(b->rows, b->row_count, o->samples, o->experiments) != 0)
+        (o->cold ? measure_by(b->rows, b->row_count, o->samples, o->experiments, time_cold)
+                 : measure(b->rows, b->row_count, o->samples, o->experiments)) != 0)
         return -1;
     return report_by(report_times, o, b->rows, b->row_count);
 }

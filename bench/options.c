@@ -23,6 +23,7 @@ static const char help[] =
     "  --experiments N    how often all samples are timed, spread over the run (default 10)\n"
     "  --seed N           of the random states (default 1)\n"
     "  --gravity          with gravity (default without)\n"
+    "  --cold             every call after other data and code have filled the caches up to level 2\n"
     "  --count SOURCE     count events instead of timing: perf (CSV), or callgrind (run under it)\n"
     "  --format FORMAT    table, csv or json (default table)\n"
     "  --output FILE      write there instead of standard output\n"
@@ -199,6 +200,10 @@ static int read_argument(struct options *o, char **argv, int *i) {
         o->gravity = true;
         return -1;
     }
+    if (strcmp(argument, "--cold") == 0) {
+        o->cold = true;
+        return -1;
+    }
     if (strcmp(argument, "--floating") == 0) {
         o->floating = true;
         return -1;
@@ -224,6 +229,7 @@ int options_read(struct options *o, int argc, char **argv) {
         if (status >= 0) return status;
     }
     if (o->model && o->robot != ALL) return usage_error("--model: it stands instead of --robot");
+    if (o->cold && o->count != COUNT_NONE) return usage_error("--cold: it belongs to times, not to --count");
     if (o->floating && !o->model) return usage_error("--floating: it belongs to --model");
     return -1;
 }

@@ -7,6 +7,11 @@
 #include "rbd.h"
 #include "rbd_derivatives.h"
 
+#ifdef FIGURES_GENERATED
+#include "bench/firmware/atlas_code.h"
+#include "bench/firmware/hyq_code.h"
+#include "bench/firmware/iiwa_code.h"
+#endif
 #include "models/atlas_model.h"
 #include "models/hyq_model.h"
 #include "models/iiwa_model.h"
@@ -82,6 +87,15 @@ CALL(did, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
 CALL(dfd, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
 #endif
 
+#ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
+CALL(iiwa_generated_id, (iiwa_id(q, v, a, out), m ? RBD_OK : RBD_ERR_NULL))
+CALL(iiwa_generated_fd, (m && iiwa_fd(q, v, tau, out) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
+CALL(hyq_generated_id, (hyq_id(q, v, a, out), m ? RBD_OK : RBD_ERR_NULL))
+CALL(hyq_generated_fd, (m && hyq_fd(q, v, tau, out) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
+CALL(atlas_generated_id, (atlas_id(q, v, a, out), m ? RBD_OK : RBD_ERR_NULL))
+CALL(atlas_generated_fd, (m && atlas_fd(q, v, tau, out) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
+#endif
+
 typedef struct algorithm {
     const char *name;
     rbd_status (*call)(const rbd_model *m);
@@ -129,9 +143,22 @@ static __attribute__((noinline)) int stack_of(rbd_status (*call)(const rbd_model
 typedef struct robot {
     const char *name;
     const rbd_model *model;
+#ifdef FIGURES_GENERATED
+    algorithm generated[2];
+#endif
 } robot;
 
-static const robot robots[] = {{"iiwa", &iiwa_model}, {"hyq", &hyq_model}, {"atlas", &atlas_model}};
+#ifdef FIGURES_GENERATED
+#define GENERATED(name) \
+    , { \
+        {"generated_id", name##_generated_id}, { "generated_fd", name##_generated_fd } \
+    }
+#else
+#define GENERATED(name)
+#endif
+static const robot robots[] = {{"iiwa", &iiwa_model GENERATED(iiwa)},
+                               {"hyq", &hyq_model GENERATED(hyq)},
+                               {"atlas", &atlas_model GENERATED(atlas)}};
 
 /* Uniform in [-bound, bound), by a linear congruential generator. */
 static void draw(rbd_real *x, int n, rbd_real bound, uint32_t *seed) {
@@ -163,19 +190,30 @@ static rbd_status prepare(const rbd_model *m) {
     return status;
 }
 
-/* The calls agree: forward dynamics of the torque that inverse dynamics gives is the acceleration. */
-static int is_right(const rbd_model *m) {
+/* The forward dynamics of the torque that inverse dynamics gives is the acceleration. */
+static int gives_back(const rbd_model *m, const algorithm *inverse, const algorithm *forward) {
     const rbd_real bound = sizeof(rbd_real) == sizeof(float) ? (rbd_real)2e-2 : (rbd_real)1e-9;
-    if (rbd_rnea(m, w, q, v, a, NULL, tau) != RBD_OK) return 0;
-    for (int way = 0; way < 2; way++) {
-        if ((way ? fd_cholesky(m) : fd(m)) != RBD_OK) return 0;
-        for (int i = 0; i < rbd_nv(m); i++)
-            if (!(out[i] - a[i] < bound && a[i] - out[i] < bound)) return 0;
-    }
+    if (inverse->call(m) != RBD_OK) return 0;
+    for (int i = 0; i < rbd_nv(m); i++) tau[i] = out[i];
+    if (forward->call(m) != RBD_OK) return 0;
+    for (int i = 0; i < rbd_nv(m); i++)
+        if (!(out[i] - a[i] < bound && a[i] - out[i] < bound)) return 0;
     return 1;
 }
 
-static int print_row(const robot *r, const algorithm *g) {
+/* The calls agree: each inverse dynamics is undone by rbd_aba, and each forward dynamics undoes rbd_rnea. */
+static int is_right(const robot *r) {
+    enum { INVERSE = 0, FORWARD = 2, CHOLESKY = 3 }; /* in the table */
+    const algorithm *inverse = &algorithms[INVERSE], *forward = &algorithms[FORWARD];
+#ifdef FIGURES_GENERATED
+    if (!gives_back(r->model, &r->generated[0], forward) || !gives_back(r->model, inverse, &r->generated[1]))
+        return 0;
+#endif
+    return gives_back(r->model, inverse, &algorithms[CHOLESKY]) && gives_back(r->model, inverse, forward);
+}
+
+/* work: bytes that the call needs. */
+static int print_row(const robot *r, const algorithm *g, size_t work) {
     uint64_t seed_q = 1;
     uint32_t seed = 2;
     double sum = 0;
@@ -191,20 +229,30 @@ static int print_row(const robot *r, const algorithm *g) {
         if (status != RBD_OK || again != RBD_OK || depth < 0) return 0;
         sum += instructions(middle, end) - instructions(start, middle);
         stack = depth > stack ? depth : stack;
-        if (!is_right(r->model)) return 0;
+        if (!is_right(r)) return 0;
     }
-    printf("%s,%s,%lu,%d,%lu\n", r->name, g->name, (unsigned long)rbd_work_size(r->model), stack,
+    printf("%s,%s,%lu,%d,%lu\n", r->name, g->name, (unsigned long)work, stack,
            (unsigned long)(sum / STATES + 0.5));
+    return 1;
+}
+
+/* The rows of some algorithms; work: whether they need one. */
+static int print_rows(const robot *r, const algorithm *list, size_t n, int work) {
+    for (size_t j = 0; j < n; j++)
+        if (prepare(r->model) != RBD_OK || !print_row(r, &list[j], work ? rbd_work_size(r->model) : 0)) {
+            printf("%s, %s: wrong\n", r->name, list[j].name);
+            return 0;
+        }
     return 1;
 }
 
 int main(void) {
     board_start();
-    for (size_t i = 0; i < FIGURES_ROBOTS; i++)
-        for (size_t j = 0; j < sizeof algorithms / sizeof *algorithms; j++)
-            if (prepare(robots[i].model) != RBD_OK || !print_row(&robots[i], &algorithms[j])) {
-                printf("%s, %s: wrong\n", robots[i].name, algorithms[j].name);
-                return 1;
-            }
+    for (size_t i = 0; i < FIGURES_ROBOTS; i++) {
+        if (!print_rows(&robots[i], algorithms, sizeof algorithms / sizeof *algorithms, 1)) return 1;
+#ifdef FIGURES_GENERATED
+        if (!print_rows(&robots[i], robots[i].generated, 2, 0)) return 1;
+#endif
+    }
     return 0;
 }

@@ -26,6 +26,8 @@ SMALL = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rb
 LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "did": "rbd_rnea_derivatives",
          "dfd": "rbd_fd_derivatives"}
 ALGORITHMS = {**SMALL, **LARGE}
+# Straight-line code of rbd-codegen, for one robot: float, -O2, where RAM for Atlas is.
+GENERATED = {"generated_id": "id", "generated_fd": "fd"}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "model", "work", "stack", "frames"]
@@ -84,12 +86,12 @@ def compiler(target):
 
 # ---- build and run ----
 
-def build(target, folder, scalars):
+def build(target, folder, scalars, codegen):
     if not (folder / "build.ninja").exists():
         family = "riscv.ini" if is_riscv(target) else "arm.ini"
         output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
                   CROSS / (target + ".ini"), "--cross-file", CROSS / family, "-Dfirmware_scalars=" + ",".join(scalars),
-                  folder, ROOT)
+                  "-Dcodegen=" + str(codegen or ""), folder, ROOT)
     output_of("ninja", "-C", folder, "--quiet")
 
 
@@ -212,8 +214,14 @@ def figures(target, folder, scalars, printed):
             for line in re.findall(r"^\w+,\w+,\d+,\d+,\d+$", printed.get("figures " + name, ""), re.M):
                 robot, algorithm, work, stack, instructions = line.split(",")
                 row = dict(target=target, compiler=title, scalar=scalar, level=level, robot=robot, algorithm=algorithm,
-                           code=code[algorithm], model=model[robot], work=int(work), stack=int(stack),
-                           frames=frames[ALGORITHMS[algorithm]], instructions=int(instructions))
+                           work=int(work), stack=int(stack), instructions=int(instructions))
+                if algorithm in GENERATED:  # constants are in the code
+                    function = f"{robot}_{GENERATED[algorithm]}"
+                    graph = next((here / f"libgenerated_{robot}.a.p").glob("*.ci"))
+                    row.update(code=flash_bytes(target, here / f"code_generated_{function}"), model=0,
+                               frames=worst_frames(graph)[function])
+                else:
+                    row.update(code=code[algorithm], model=model[robot], frames=frames[ALGORITHMS[algorithm]])
                 check_stack(row)
                 rows.append(row)
     if len(rows) < 2 * len(scalars) * len(SMALL):
@@ -321,6 +329,10 @@ def table(rows, robots):
         for figure, text in (("model", "model, in flash"), ("work", "work, in RAM")):
             lines.append(f"  {text:41}" + "".join(
                 f"{next(row[figure] for row in group if row['robot'] == r):>10}{'':11}" for r in there).rstrip())
+        for row in group:
+            if row["algorithm"] in GENERATED:
+                lines.append(f"  {row['algorithm'] + ' ' + row['robot']:19}{row['code']:>4}{row['stack']:>7}"
+                             f"{row['instructions']:>21}{rate(row['instructions']):>11}")
     return "\n".join(lines)
 
 
@@ -339,7 +351,20 @@ def readme_table(rows):
     lines += ["", "| cortex-m4f | iiwa | HyQ | Atlas |", "|---|--:|--:|--:|"]
     for figure, name in (("model", "model, in flash"), ("work", "work, in RAM")):
         lines.append(f"| {name} | " + " | ".join(str(some["cortex-m4f", r, "id"][figure]) for r in ROBOTS) + " |")
-    return "\n".join(lines)
+    return "\n".join(lines + generated_table(some))
+
+
+def generated_table(some):
+    """Of the targets that ./run test has, as far as there are such rows; nothing lies in RAM but the stack."""
+    lines = ["", "| rbd-codegen, float, -O2 | | iiwa: code | stack | instr. | HyQ: code | stack | instr. | "
+             "Atlas: code | stack | instr. |", "|---|---|" + "--:|" * 9]
+    for target in ("cortex-m3", "cortex-m4f", "rv32imafc"):
+        for algorithm, name in (("generated_id", "RNEA"), ("generated_fd", "ABA")):
+            cells = [some[target, r, algorithm][f] for r in ROBOTS if (target, r, algorithm) in some
+                     for f in ("code", "stack", "instructions")]
+            if cells:
+                lines.append(f"| {target} | {name} | " + " | ".join(map(str, cells)) + " |")
+    return lines if len(lines) > 3 else []
 
 
 # ---- the course ----
@@ -359,15 +384,17 @@ def options():
     parser.add_argument("--format", choices=["table", "csv", "readme"], default="table")
     parser.add_argument("--proofs", action="store_true", help="print what the proofs found")
     parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv")
+    parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
+                        "firmware gives its own")
     parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
     parser.add_argument("--check", action="store_true", help="only check that budgets are sharp and that the README's table "
                         "is the accepted one")
     return parser.parse_args()
 
 
-def do_target(target, directory, scalars, proofs):
+def do_target(target, directory, scalars, proofs, codegen):
     say(f"firmware: {target}: building")
-    build(target, directory / target, scalars)
+    build(target, directory / target, scalars, codegen)
     say(f"firmware: {target}: running")
     printed = run_tests(target, directory / target)
     for name, text in printed.items():
@@ -410,7 +437,7 @@ def main():
     scalars = ["float"] if wanted.float_only else SCALARS
     rows = []
     for target in targets:
-        rows += do_target(target, wanted.directory, scalars, wanted.proofs)
+        rows += do_target(target, wanted.directory, scalars, wanted.proofs, wanted.codegen)
         if not wanted.accept:
             say(f"  {check_budgets(target, [r for r in rows if r['target'] == target])}")
     shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and wanted.level in ("all", r["level"])

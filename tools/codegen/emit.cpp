@@ -233,7 +233,7 @@ std::string writer::sines() const {
         for (size_t j = k; j < k + 4; j++) s += ", " + angle_text(2 * p.angles[j < n ? j : k]);
         s += format(", angle + %zu, sine + %zu, cosine + %zu, &inside);\n", k, k, k);
     }
-    return s + "    SINES_BEYOND(" + format("%zu);\n", n);
+    return s + format("    SINES_OF(%zu);\n    SINES_BEYOND(%zu);\n", n, n);
 }
 
 /* Results that are no statements, and the judgement of the pivots. */

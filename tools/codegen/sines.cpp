@@ -93,7 +93,7 @@ INLINE void sines(batch x, batch *s, batch *c, bits *inside) {
 /* Of the first n of four angles, which are kept in x. They come by value: what is stored one by one and read
    together stalls. */
 INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, real *c, bits *inside) {
-#ifndef OWN_SINES
+#if !defined OWN_SINES || LANES * BATCH == 1
     (void)s, (void)c, (void)inside;
     x[0] = x0;
     if (n > 1) x[1] = x1;
@@ -118,6 +118,14 @@ INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, 
     if (n > 3) sines(x[3] = x3, &s[3], &c[3], inside);
 #endif
 }
+
+/* One at a time they are a loop, for the sake of flash. */
+#if defined OWN_SINES && LANES * BATCH == 1
+#define SINES_OF(n) \
+    for (int i = 0; i < (n); ++i) sines(angle[i], sine + i, cosine + i, &inside)
+#else
+#define SINES_OF(n) (void)0
+#endif
 
 #ifndef ANGLES_ARE_BOUNDED
 INLINE int are_inside(bits inside) {
