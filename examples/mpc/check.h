@@ -38,8 +38,8 @@ static inline rbd_real ilqr_derivative_error(ilqr *s, rbd_real *memory) {
             for (int side = 0; side < 2; side++) {
                 rbd_real *q = x[side], *v = q + nq, *u = v + n;
                 ilqr_moved(s, k, j, side ? h : -h, q);
-                p->cost(p->user, k, q, v, end ? NULL : u, &l[side], NULL, NULL);
                 if (!end && p->step(p->user, k, q, v, u, u + m) != RBD_OK) return (rbd_real)1e9;
+                p->cost(p->user, k, q, v, end ? NULL : u, &l[side], NULL, NULL);
             }
             for (int i = 0; i < n && !end; i++) {
                 const rbd_real difference = (x[1][size - n + i] - x[0][size - n + i]) / (2 * h);
