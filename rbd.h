@@ -1367,6 +1367,12 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_UNROLL_ROW RBDI_UNROLL
 #define RBDI_UNROLL_TWO
 #endif
+/* Before columns of a row are read or written one by one: or each gets an index of its own. */
+#if RBDI_GNU
+#define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
+#else
+#define RBDI_ONE_INDEX(row) (void)(row)
+#endif
 
 RBDI_CODE_BEGIN
 
@@ -3855,21 +3861,55 @@ RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
     }
 }
 
-/* X = sign M^-1 X for n columns of the rows X, X + stride ... */
-RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
-                               rbd_real *X) {
+/* X = sign M^-1 X for so few columns of the rows X, X + stride ... that those of a row stay in registers. */
+#define RBDI_COLUMNS 8
+RBDI_INLINE void rbdi_solve_columns(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
+                                    rbd_real *X) {
+    rbd_real y[RBDI_COLUMNS];
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row];
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(&X[i * stride], l[t], &X[k * stride], n);
+        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j];
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            const rbd_real a = l[t];
+            rbd_real *x = &X[i * stride];
+            RBDI_ONE_INDEX(x);
+            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) x[j] = x[j] - a * y[j];
+        }
     }
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
-        rbd_real *x = &X[k * stride];
-        rbdi_multiply(x, sign < 0 ? -l[d] : l[d], n);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(x, l[t], &X[i * stride], n);
+        const rbd_real inverse = sign < 0 ? -l[d] : l[d];
+        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j] * inverse;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            const rbd_real a = l[t], *x = &X[i * stride];
+            RBDI_ONE_INDEX(x);
+            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = y[j] - a * x[j];
+        }
+        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) X[k * stride + j] = y[j];
+    }
+}
+
+/* The same for n columns. */
+RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
+                               rbd_real *X) {
+    for (; n > 0; n -= RBDI_COLUMNS, X += RBDI_COLUMNS) {
+#if RBDI_FOR_SPEED
+#define RBDI_OF_COLUMNS(n) \
+    case n: rbdi_solve_columns(m, L, stride, sign, n, X); break
+        switch (n) {
+            RBDI_OF_COLUMNS(1);
+            RBDI_OF_COLUMNS(2);
+            RBDI_OF_COLUMNS(3);
+            RBDI_OF_COLUMNS(4);
+            RBDI_OF_COLUMNS(5);
+            RBDI_OF_COLUMNS(6);
+            RBDI_OF_COLUMNS(7);
+        default: rbdi_solve_columns(m, L, stride, sign, RBDI_COLUMNS, X); break;
+        }
+#else
+        rbdi_solve_columns(m, L, stride, sign, n < RBDI_COLUMNS ? n : RBDI_COLUMNS, X);
+#endif
     }
 }
 
@@ -3949,7 +3989,7 @@ enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
         } \
         RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
             const rbd_real *row = g.X + g.at[t], x = mode == RBDI_OWN ? g.x[t] * row[g.d] : g.x[t]; \
-            __asm__("" : "+r"(row)); /* or each column gets an index of its own */ \
+            RBDI_ONE_INDEX(row); \
             RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) sum[b] = \
                 sum[b] - RBDI_OF_ROW(const T, row) * x; \
         } \
@@ -4096,7 +4136,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
 /* Sum of entries of a column, each times its factor. */
 RBDI_INLINE rbd_real rbdi_gather_column(rbdi_gathered g) {
     rbd_real a = rbdi_zero(), b = a;
-    __asm__("" : "+r"(g.X));
+    RBDI_ONE_INDEX(g.X);
     for (; g.n > 1; g.n -= 2, g.x += 2, g.at += 2)
         a = a + g.x[0] * g.X[g.at[0]], b = b + g.x[1] * g.X[g.at[1]];
     return g.n > 0 ? a + g.x[0] * g.X[g.at[0]] + b : a + b;
