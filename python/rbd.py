@@ -92,6 +92,7 @@ UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
 
 
+@functools.lru_cache(maxsize=None)
 def structure(name, real=ctypes.c_double, text=_TEXT):
     """A C struct of a header as a ctypes.Structure of the same layout; `real` is the scalar of rbd_const."""
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
@@ -113,9 +114,6 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
                 kind *= int(length if length.isdigit() else re.search(rf"#define {length} (\d+)", text)[1])
             members.append((member, kind))
     return type(name, (ctypes.Structure,), {"_fields_": members})
-
-
-structure = functools.lru_cache(maxsize=None)(structure)
 
 
 class RbdError(Exception):
@@ -251,8 +249,7 @@ class Library:
         self.spatial = Spatial(self)
 
     def function(self, name, result=ctypes.c_int, arguments=None):
-        """A C function by its name without `rbd_`. An object of its own each time: threads may set its
-        types."""
+        """A C function by its name without `rbd_`: an object of its own, as threads may set its types."""
         try:
             function = self._c[f"rbd_{name}_{self.real}"]
         except AttributeError:
@@ -409,8 +406,7 @@ def _numbers(call, name, value, shape, dtype=np.dtype(float)):
 
 
 def _finite(call, name, array, error=ValueError):
-    """Refuses what is not finite, by name and index. The sum of squares is finite, or it has to be looked
-    at."""
+    """Refuses what is not finite, by name and index. Where the sum of squares is finite, all is."""
     flat = array.reshape(-1)
     if array.dtype.kind == "f" and not math.isfinite(np.dot(flat, flat)):
         bad = np.argwhere(~np.isfinite(array))
@@ -447,13 +443,17 @@ def _number(call, name, value):
 def _c(memory, gives="", batch=False, **shapes):
     """Makes a method of its signature and docstring: it calls the C function of that name, after `rbd_`.
 
-    The method's parameters are the inputs, in C's order; those with a default may be None, keywords that are
-    `True` leave a result out. memory: what C computes in, besides the model. gives: the results in C's order;
-    "dtau_dq?" may be left out by the keyword `dtau_dq`, "A_dot_v?v" is where v is None. batch: also for n
-    states, by rbd_batch_...  shapes: of quantities that are of another shape here than in the table. """
+    The method's parameters are the inputs, in C's order, and then keywords that leave results out.
+    memory   what C computes in, besides the model
+    gives    the results in C's order; "dtau_dq?" is left out where the keyword dtau_dq is False, "A_dot_v?v"
+             where v is None
+    batch    also for n states, by rbd_batch_...
+    shapes   of quantities that are of another shape here than in the table
+    """
     def make(method):
         call = _Call(method, memory, gives, batch, shapes)
         parameters = ", ".join(list(inspect.signature(method).parameters)[1:])
+        # A lambda with this signature: Python itself then sorts out the arguments.
         source = (f"lambda {str(inspect.signature(method))[1:-1]}: "
                   f"(self._calls.get('{method.__name__}') or self._bind(call))({parameters})")
         wrapper = functools.update_wrapper(eval(source, {"call": call}), method)
@@ -488,7 +488,7 @@ class _Call:
 
     def documentation(self, method):
         """The method's docstring, with the arguments and results, their shapes, and what they are."""
-        def lines(names, also=""):
+        def lines(names):
             for name in names:
                 shape = self.shapes[name].replace(" ", " x ").replace("-", "")
                 yield f"    {name:<12} {shape:<9} {_QUANTITIES[name][1]}"
@@ -654,7 +654,7 @@ class Body:
     """One body and the joint that carries it: a row of a description, rbd_body of rbd.h.
 
     parent is the index or the name of an earlier body, -1 the world; type a name as "revolute", "floating"
-    (JointType has all). Where one number per degree of freedom is meant, one is enough for a joint of one.
+    (JointType has all). A single number as armature, damping or friction is meant for each degree of freedom.
     """
     name: str | None = None             #: of the link; unique
     joint: str | None = None            #: name of the joint; unique
@@ -708,6 +708,8 @@ def _to_c(values, row, where):
                 value = value.encode() if value is not None else None
             elif issubclass(kind, ctypes.Array):
                 numbers = np.asarray(value, float).reshape(-1)
+                if member in _PER_DOF and np.ndim(value) == 0:
+                    numbers = np.repeat(numbers, kind._length_)
                 short = member in _PER_DOF and len(numbers) < kind._length_
                 if len(numbers) != kind._length_ and not short:
                     raise ValueError(f"has {len(numbers)} numbers instead of {kind._length_}")
@@ -816,7 +818,7 @@ def _urdf_library():
                            f"(load_table), which rbd-model writes on another machine.\n{error}") from None
     libraries = [word for word in words if word.startswith(("-l", "-L"))]
     compiler = shlex.split(os.environ.get("CXX") or "c++")
-    command = [*compiler, "-O1", "-std=c++17", *(word for word in words if word not in libraries)]
+    command = [*compiler, "-O0", "-std=c++17", *(word for word in words if word not in libraries)]
     return _compile([_URDF], command, libraries, "rbd_urdf.h with urdfdom")
 
 
@@ -1603,7 +1605,7 @@ def _print_c(model, name, source, built):
     files = ("print", "print_c", "print_c_indices", "print_c_model")
     units = [_PRINT, *(f'{_TO_FILE}#line 1 "{file}.c"\n' + (SOURCES / f"tools/{file}.c").read_text()
                        for file in files)]
-    library = _compile(units, [*_c_compiler(), "-O1", "-ffp-contract=off", f"-I{SOURCES / 'tools'}"], ["-lm"])
+    library = _compile(units, [*_c_compiler(), "-O0", "-ffp-contract=off", f"-I{SOURCES / 'tools'}"], ["-lm"])
     rows = _rows(model.bodies)
     gravity = (ctypes.c_double * 3)(*model.get_gravity())
     with tempfile.TemporaryDirectory() as folder, _print_lock:

@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 import threading
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -294,6 +294,7 @@ def test_float_is_float(library):
     assert m.rnea(q, v, a).dtype == library.dtype == m.get_gravity().dtype
     assert m.rnea(np.zeros((2, 7)), np.zeros((2, 7)), np.zeros((2, 7))).dtype == library.dtype
     if library.real == "float":
+        assert library.lanes == 4
         with pytest.raises(ValueError, match=r"rnea: a\[0\] is inf"):
             m.rnea(q, v, np.full(7, 1e300))
 
@@ -308,6 +309,7 @@ def test_gravity(iiwa):
     np.testing.assert_allclose(iiwa.gravity(x), on_earth * 1.62 / 9.81, atol=1e-12)
     np.testing.assert_allclose(iiwa.bias(x[None], v[None])[0], on_earth * 1.62 / 9.81, atol=1e-12)
     np.testing.assert_allclose(iiwa.copy().gravity(x), iiwa.gravity(x))
+    np.testing.assert_allclose(iiwa.copy().bias(x[None], v[None])[0], iiwa.gravity(x), atol=1e-12)
     there = rbd.Model(iiwa.bodies, gravity=moon, library=iiwa.library)
     np.testing.assert_array_equal(there.get_gravity(), moon)
 
@@ -357,6 +359,9 @@ def test_passive_mass_and_parameters(double):
     m = rbd.Model([rbd.Body("rod", "hinge", -1, "revolute", (0, 0, 1), mass=2, com=(1, 0, 0),
                             inertia=(1, 0, 0, 1, 0, 1), damping=3, friction=0.5)], library=double)
     np.testing.assert_allclose(m.passive([2.0]), [-6.5])
+    ball = replace(m.bodies[0], type="spherical", axis=(0, 0, 0), friction=(0.5,))
+    ball = rbd.Model([ball], library=double)
+    np.testing.assert_allclose(ball.passive([1.0, 2.0, 0.0]), [-3.5, -6, 0])
     assert m.mass() == 2
     pi = m.body_parameters("rod")
     np.testing.assert_allclose(pi, [2, 2, 0, 0, 1, 0, 0, 3, 0, 3])
@@ -523,18 +528,20 @@ def test_spatial(library):
 # ---- threads and processes ----
 
 def test_models_of_threads_do_not_disturb_each_other(hyq):
-    states = hyq.random(1, 300)
+    """One Model for each thread, also while others make theirs; and one for all."""
+    states = hyq.random(1, 20)
     expected = [hyq.crba(x) for x in states]
     wrong = []
 
-    def work(model):
-        for _ in range(3):
-            for x, M in zip(states, expected):
-                if not np.array_equal(model.crba(x), M):
-                    wrong.append(x)
+    def compare(model):
+        wrong.extend(x for x, M in zip(states, expected) if not np.array_equal(model.crba(x), M))
 
-    for models in ([hyq.copy(), hyq.copy(), hyq.copy()], [hyq, hyq, hyq]):  # one each, and one for all
-        threads = [threading.Thread(target=work, args=(model,)) for model in models]
+    def work(make):
+        for _ in range(30):
+            compare(make())
+
+    for make in hyq.copy, lambda: hyq:
+        threads = [threading.Thread(target=work, args=(make,)) for _ in range(4)]
         for thread in threads:
             thread.start()
         for thread in threads:

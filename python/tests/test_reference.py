@@ -57,8 +57,8 @@ def stacked(group, name):
     return np.array([getattr(state, name) for state in group])
 
 
-# What a state's figures are called, how they are computed, whether M's inverse is in them. `s` is one state or
-# the arrays of a batch.
+# What a state's figures are called, how they are computed, whether M's inverse is in them. `s` is one state
+# or the arrays of a batch.
 DYNAMICS = [
     ("tau_rnea", lambda m, s: m.rnea(s.q, s.v, s.vdot), False),
     ("tau_rnea_ext", lambda m, s: m.rnea(s.q, s.v, s.vdot, s.f_ext), False),
