@@ -124,6 +124,9 @@ class RbdError(Exception):
         self.status = status
         self.results = results
 
+    def __reduce__(self):
+        return RbdError, (self.status, str(self))
+
 
 class RbdWarning(UserWarning):
     """What is odd in a description or a URDF file, but can be computed with."""
@@ -462,6 +465,12 @@ def _c(memory, gives="", batch=False, **shapes):
     return make
 
 
+def _results(call, *names):
+    """A named tuple for the results of a call, in this module so that it can be pickled."""
+    kind = globals()[f"{call}_results"] = namedtuple(f"{call}_results", names)
+    return kind
+
+
 class _Call:
     """What a method asks of C."""
 
@@ -480,7 +489,7 @@ class _Call:
             self.outputs.append(name)
             self.flags.append(names.index(flag or name) if question else None)
         self.shapes = {name: shapes.get(name, _QUANTITIES[name][0]) for name in self.inputs + self.outputs}
-        self.tuple = namedtuple(self.name, self.outputs) if len(self.outputs) > 1 else None
+        self.tuple = _results(self.name, *self.outputs) if len(self.outputs) > 1 else None
 
     def results(self, values):
         """One result, or a named tuple of several, or None."""
@@ -898,8 +907,7 @@ JointInfo.__doc__ = """Where a joint lies in q and in v, and how much of them it
 
 A mimic or fixed joint has nq = nv = 0 and iq = iv = -1. No limits if lower >= upper."""
 
-_Hybrid = namedtuple("hybrid", "a tau")
-_Momentum = namedtuple("momentum", "h h_dot")
+_HYBRID, _MOMENTA = _results("hybrid", "a", "tau"), _results("batch_momentum", "h", "h_dot")
 _MEMORIES = {  # what C computes in, and what it stands on
     "work": [],
     "derivatives": ["work"],
@@ -1097,7 +1105,7 @@ class Model(_Owner):
                   flags.view(np.uint8),
                   None if f_ext is None else _numbers(call, "f_ext", f_ext, (self.nb, 6), dtype)]
         outputs = {name: _numbers(call, name, x, n, dtype).copy() for name, x in (("a", a), ("tau", tau))}
-        return self._run(call, ["work"], inputs, outputs, _Hybrid._make)
+        return self._run(call, ["work"], inputs, outputs, _HYBRID._make)
 
     @_c("work", "Minv", batch=True)
     def minverse(self, q):
@@ -1230,7 +1238,7 @@ class Model(_Owner):
         v, a = (None if x is None else _numbers(call, name, x, (len(q), self.nv), dtype)
                 for name, x in (("v", v), ("a", a)))
         outputs = {"h": np.zeros((len(q), 6), dtype), "h_dot": np.zeros((len(q), 6), dtype)}
-        return self._run(call, ["batch"], [len(q), q, v, a], outputs, _Momentum._make)
+        return self._run(call, ["batch"], [len(q), q, v, a], outputs, _MOMENTA._make)
 
     # -- configuration manifold --
 

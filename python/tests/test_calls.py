@@ -319,12 +319,17 @@ def test_payload_is_that_of_a_new_build(iiwa):
     before = iiwa.fd_derivatives(x, u, a)
     batch = [x[None], u[None], a[None]]
     iiwa.fd_derivatives(*batch)
+    held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+    held.constrained_fd(x, u, a)
     iiwa.add_payload("lbr_iiwa_link_7", 3, com=(0, 0.1, 0.2), inertia=(0.1, 0, 0, 0.1, 0, 0.1))
     fresh = iiwa.copy()
     for loaded in iiwa.fd_derivatives(x, u, a), [array[0] for array in iiwa.fd_derivatives(*batch)]:
         for found, expected, old in zip(loaded, fresh.fd_derivatives(x, u, a), before):
             np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
             assert np.abs(found - old).max() > 1e-3 * np.abs(old).max()
+    fresh_held = fresh.constraints([fresh.point_contact("lbr_iiwa_link_6")])
+    for found, expected in zip(held.constrained_fd(x, u, a), fresh_held.constrained_fd(x, u, a)):
+        np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
     assert abs(iiwa.describe(6).mass - iiwa.bodies[6].mass) < 1e-12
     np.testing.assert_allclose(iiwa.describe(6).inertia, fresh.bodies[6].inertia, atol=1e-12)
 
@@ -556,6 +561,12 @@ def test_models_travel_to_processes(iiwa):
     np.testing.assert_array_equal(other.gravity(x), iiwa.gravity(x))
     with multiprocessing.get_context("fork").Pool(2) as pool:
         np.testing.assert_array_equal(pool.map(iiwa.gravity, [x, x]), [iiwa.gravity(x)] * 2)
+        found = pool.apply(iiwa.rnea_derivatives, (x, v, a))
+        np.testing.assert_array_equal(found.M, iiwa.rnea_derivatives(x, v, a).M)
+        np.testing.assert_array_equal(pool.apply(iiwa.hybrid, (x, v, v < 1, a, a)).a, a)
+        with pytest.raises(rbd.RbdError, match="body_pose") as caught:
+            pool.apply(iiwa.body_pose, (99,))
+        assert caught.value.status == rbd.Status.ERR_INDEX
 
 
 def test_processes_may_compile_at_once(tmp_path):
