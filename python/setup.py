@@ -2,6 +2,7 @@
 """The module rbd with the headers that it compiles, which are copied from the repository's root."""
 import re
 import shutil
+import tempfile
 from pathlib import Path
 
 from setuptools import setup
@@ -22,5 +23,7 @@ class BuildWithSources(build_py):
 
 if not (ROOT / "rbd.h").is_file():
     raise SystemExit(f"{ROOT} has no rbd.h: this is built within rbd's repository")
+scratch = tempfile.TemporaryDirectory()  # nothing is left in the repository
 setup(version=re.search(r'#define RBD_VERSION "(.*)"', (ROOT / "rbd.h").read_text())[1],
-      cmdclass={"build_py": BuildWithSources})
+      cmdclass={"build_py": BuildWithSources},
+      options={"build": {"build_base": scratch.name}, "egg_info": {"egg_base": scratch.name}})

@@ -69,6 +69,8 @@ def test_package_installs_without_network(tmp_path, quick):
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     run(python, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index",
         tmp_path / "tree/python", env=environment)
+    left = {path.name for path in (tmp_path / "tree/python").iterdir()}
+    assert not left & {"build", "rbd.egg-info"}, f"pip left {left}"
     run("rm", "-r", tmp_path / "tree")
     where = run(python, "-c", "import rbd; print(rbd.__file__, rbd.__version__)", cwd=tmp_path,
                 env=environment)
