@@ -6873,8 +6873,8 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
             const rbdi_wide x = (rbdi_wide)sign * rbdi_draft_dof_scale(&pair[1], k);
             rbdi_payload_scale(&dof[iv + k], x);
-            if (iv + k >= m->nv) {
-                const rbdi_mimic *f = &m->mimic[iv + k - m->nv];
+            if (iv >= m->nv) { /* which has one dof */
+                const rbdi_mimic *f = &m->mimic[iv - m->nv];
                 rbdi_payload_scale(&dof[f->source_v], (rbdi_wide)f->ratio * (rbdi_wide)f->ratio * x);
             }
         }

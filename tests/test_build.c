@@ -224,10 +224,12 @@ static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 START_TEST(matrices_that_do_not_rotate_are_refused) {
     const double mirror[9] = {1, 0, 0, 0, 1, 0, 0, 0, -1}, twice[9] = {2, 0, 0, 0, 2, 0, 0, 0, 2};
     const double shear[9] = {1, 0.01, 0, 0, 1, 0, 0, 0, 1}, flat[9] = {1, 0, 0, 0, 1, 0, 0, 0, 0};
+    const double tall[9] = {1, 0, 0, 0, 1, 0, 0, 0, 2};
     REFUSES(RBD_ERR_ROTATION, 1, "rotation", memcpy(b[1].rotation, mirror, sizeof mirror));
     REFUSES(RBD_ERR_ROTATION, 1, "rotation", memcpy(b[1].rotation, twice, sizeof twice));
     REFUSES(RBD_ERR_ROTATION, 1, "rotation", memcpy(b[1].rotation, shear, sizeof shear));
     REFUSES(RBD_ERR_ROTATION, 2, "rotation", memcpy(b[2].rotation, flat, sizeof flat));
+    REFUSES(RBD_ERR_ROTATION, 2, "rotation", memcpy(b[2].rotation, tall, sizeof tall));
     REFUSES(RBD_ERR_ROTATION, 0, "rotation", b[0].rotation[4] = 1);
     for (int k = 0; k < 9; k++)
         REFUSES_NONFINITE(RBD_ERR_ROTATION, 1, "rotation", memcpy(b[1].rotation, identity, sizeof identity);

@@ -2,6 +2,7 @@
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
@@ -62,12 +63,44 @@ START_TEST(straight_line_calls_give_the_results_of_the_generic_ones) {
 }
 END_TEST
 
+/* Of each second dof the acceleration; a row is what is known of both, tau behind a. */
+static void draw_hybrid(int nv, uint64_t *seed, unsigned char *given, double *x) {
+    for (int k = 0; k < nv; k++) {
+        given[k] = k % 2 == 0;
+        x[k] = x[MAX_V + k] = uniform(seed);
+    }
+}
+
+START_TEST(straight_line_hybrid_dynamics_are_the_generic_ones) {
+    const rbd_model *m = special_model();
+    const int nv = rbd_nv(m);
+    void *memory = malloc(rbd_work_size(m));
+    rbd_work *w;
+    uint64_t seed = 8;
+    ck_assert_int_eq(rbd_work_init(m, memory, rbd_work_size(m), &w), RBD_OK);
+    for (int s = 0; s < 20; s++) {
+        double q[MAX_V + 1], v[MAX_V], x[2 * MAX_V], y[2 * MAX_V];
+        unsigned char given[MAX_V];
+        ck_assert_int_eq(rbd_random(m, &seed, q), RBD_OK);
+        for (int k = 0; k < nv; k++) v[k] = uniform(&seed);
+        draw_hybrid(nv, &seed, given, x);
+        memcpy(y, x, sizeof y);
+        ck_assert_int_eq(special_hybrid(q, v, given, x, x + MAX_V), RBD_OK);
+        ck_assert_int_eq(rbd_hybrid(m, w, q, v, given, NULL, y, y + MAX_V), RBD_OK);
+        expect_close("hybrid, a", s, x, y, nv, 1e-11);
+        expect_close("hybrid, tau", s, x + MAX_V, y + MAX_V, nv, 1e-11);
+    }
+    free(memory);
+}
+END_TEST
+
 int main(void) {
     Suite *suite = suite_create("specialised");
     TCase *c = tcase_create("specialised");
     SRunner *runner;
     int failed;
     tcase_add_test(c, straight_line_calls_give_the_results_of_the_generic_ones);
+    tcase_add_test(c, straight_line_hybrid_dynamics_are_the_generic_ones);
     suite_add_tcase(suite, c);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);

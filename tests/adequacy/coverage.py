@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Branch coverage of rbd.h's implementation by the tests, counted at source level: a macro or a function that is
+"""Branch coverage of the headers' implementation by the tests, counted at source level: a macro or a function that is
 inlined in many places counts once, and so does what several builds have in common (double, float, lanes, batches,
 quad, a C++ class). Prints what no test reaches and unreachable.txt does not excuse; fails if there is any."""
 import argparse
@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from source import Exceptions, HEADER, ROOT, Source
+from source import Exceptions, HEADERS, ROOT, Source
 
 HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
@@ -32,7 +32,7 @@ QUICK = ["-O0", "-D__OPTIMIZE__=1", "-Dalways_inline=unused"]
 
 
 def programs():
-    """(name, sources with the header's implementation, other sources, flags, libraries). Every build here reaches
+    """(name, sources with the headers' implementation, other sources, flags, libraries). Every build here reaches
     something that those before it do not."""
     out = [("suites", ["rbd.c"], [s for s in suite_sources() if s != "rbd.c"], QUICK, [])]
     out.append(("scalar lanes", ["scalars.c"], ["reference.c", "control.c"], [*QUICK, "-DRBD_LANES=4"], []))
@@ -41,6 +41,8 @@ def programs():
     for real, lanes in ("double", 8), ("float", 16):
         flags = [*QUICK, f"-DRBD_REAL={real}", f"-DBATCH_LANES={lanes}"]
         out.append((f"batch {real} {lanes}", ["batch.c", "rbd.c"], ["test_batch.c", "reference.c"], flags, []))
+    out.append(("spatial", ["test_spatial.c"], ["reference.c"], QUICK, ["-lquadmath"]))
+    out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
     return out
 
 
@@ -72,7 +74,7 @@ class Build:
         return str(out)
 
     def measure(self, program):
-        """Builds and runs one program; what llvm-cov says of rbd.h in it."""
+        """Builds and runs one program; what llvm-cov says of the headers in it."""
         name, covered, others, flags, libraries = program
         place = self.folder / name.replace(" ", "_")
         place.mkdir(parents=True, exist_ok=True)
@@ -95,14 +97,17 @@ class Build:
 
 
 class Counts:
-    """How often each region ran and each condition was true and false, by its place in rbd.h."""
+    """How often each region ran and each condition was true and false, by its place in a header."""
 
-    def __init__(self):
+    def __init__(self, header):
+        self.header = header
         self.regions, self.branches, self.compiled = {}, {}, set()
 
     def add(self, export):
         for function in export["data"][0]["functions"]:
-            here = [Path(name) == HEADER for name in function["filenames"]]
+            here = [Path(name) == self.header for name in function["filenames"]]
+            if not any(here):
+                continue
             present, skipped = set(), set()
             for l1, c1, l2, c2, count, file, _, kind in function["regions"]:
                 if here[file]:
@@ -152,36 +157,44 @@ def main():
     parser.add_argument("--all", action="store_true", help="print what is excused too, with its reason")
     parser.add_argument("--if-possible", action="store_true", help="skipped, by name, without the compiler")
     parser.add_argument("--refresh", action="store_true",
-                        help="find the entries of unreachable.txt again whose text in rbd.h changed")
+                        help="find the entries of unreachable.txt again whose text in the headers changed")
     options = parser.parse_args()
     missing = [tool for tool in tools(options.compiler) if not shutil.which(tool)]
     if missing:
         print("not installed: " + " ".join(missing))
         return SKIPPED if options.if_possible else 1
-    source, counts = Source(), Counts()
+    headers = [(Source(ROOT / name), Counts(ROOT / name)) for name in HEADERS]
     build = Build(options.folder, options.compiler)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for export in pool.map(build.measure, programs()):
-            counts.add(export)
-    missed = list(gaps(source, counts)) + list(not_compiled(source, counts))
+            for _, counts in headers:
+                counts.add(export)
+    missed = [[*gaps(*header), *not_compiled(*header)] for header in headers]
     excuses = Exceptions(HERE / "unreachable.txt", FIELDS)
     if options.refresh:
-        excuses.refresh([key for _, key in missed])
+        excuses.refresh([key for part in missed for _, key in part])
         return 0
+    bad = sum(report(*header, part, excuses, options.all) for header, part in zip(headers, missed))
+    for key in excuses.stale():
+        print("unreachable.txt has what is reached, or is not there (--refresh finds it again): " + " | ".join(key))
+    return 1 if bad or excuses.stale() else 0
+
+
+def report(source, counts, missed, excuses, every):
+    """Prints what was missed of a header without an excuse, and how much that is."""
     bad = 0
     for place, key in missed:
         reason = excuses.find(key)
         bad += reason is None
-        if reason is None or options.all:
-            print(f"rbd.h:{place[0]}:{place[1]}\n" + "\n".join(f"  {f}: {t}" for f, t in zip(FIELDS, key)))
+        if reason is None or every:
+            print(f"{source.name}:{place[0]}:{place[1]}\n" + "\n".join(f"  {f}: {t}" for f, t in zip(FIELDS, key)))
             if reason:
                 print("   ", reason)
-    for key in excuses.stale():
-        print("unreachable.txt has what is reached, or is not there (--refresh finds it again): " + " | ".join(key))
     whole = sum(1 for p in counts.regions if p[0] > source.first)
     branches = 2 * sum(1 for p, c in counts.branches.items() if p[0] > source.first and any(c))
-    print(f"{whole} regions and {branches} branches; {len(missed)} not reached, {len(missed) - bad} of these excused")
-    return 1 if bad or excuses.stale() else 0
+    print(f"{source.name}: {whole} regions and {branches} branches; {len(missed)} not reached, "
+          f"{len(missed) - bad} of these excused")
+    return bad
 
 
 if __name__ == "__main__":

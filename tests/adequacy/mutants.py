@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mutation test: small faults are put into rbd.h's implementation, one at a time, and the tests must see each.
+"""Mutation test: small faults are put into a header's implementation, one at a time, and the tests must see each.
 
 What no test sees is either a test that is missing or a change that alters no result; those stand in
 equivalent.txt with a reason. The mutants are those with the smallest hashes of seed, function and text: the same
@@ -18,7 +18,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from source import Exceptions, HEADER, ROOT, Source, squeeze
+from source import Exceptions, HEADERS, ROOT, Source, squeeze
 
 HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
@@ -80,12 +80,14 @@ def members(code):
 
 
 def indices(code):
+    """The index before or after; of an array that is declared one element less."""
+    declared = re.match(r"\s*(?:const |static )*(?:rbdi?_\w+|int|double|unsigned char) \*?\w+(\[[^\]]*\])*[,; ]", code)
     for match in re.finditer(r"(?<=[\w\]])\[([^\[\]]+)\]", code):
         inner = match.group(1)
         if inner.isdigit():
             yield match.start(1), match.end(1), str(int(inner) - 1 if int(inner) > 0 else 1)
         else:
-            yield match.start(1), match.end(1), inner + " + 1"
+            yield match.start(1), match.end(1), inner + (" - 1" if declared and " = " not in code else " + 1")
 
 
 def constants(code):
@@ -203,7 +205,9 @@ def mutate(source, m):
 
 # ---- the programs that must see them ----
 
-WARN_NOT = ["-w", "-Wno-psabi"]
+# A type that does not fit is no fault that a test must see: the compiler does.
+WARN_NOT = ["-Wno-psabi", "-Wno-attributes", "-Werror=incompatible-pointer-types", "-Werror=int-conversion",
+            "-Werror=implicit-function-declaration"]
 APART = "-Dalways_inline=unused"  # compiles in a fraction of the time
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", APART)
 
@@ -219,8 +223,10 @@ class Stage:
     link: tuple = ()
     environment: tuple = ()
     run: tuple = ()     # what runs the program
+    arguments: tuple = ()
     parts: tuple = ("",) # Check's suites that are run one by one, the quickest first
     functions: str = "" # which functions' mutants it can see and the stages before it cannot; all
+    headers: str = "rbd.h|rbd_derivatives|rbd_constraints" # and which headers'
 
 
 def suite_sources():
@@ -252,11 +258,38 @@ def stages():
     def tables(name, *flags):
         return Stage("tables " + name, (("tables.c", ("-O0", "-ffp-contract=off", *flags)),))
 
-    out = [Stage("suites", (("rbd.c", ("-O0", APART)),), fast, parts=parts),
+    def bounds(scalar_name):
+        flag = f"-DRBD_REAL={scalar_name}"
+        return Stage("bounds " + scalar_name, (("test_bounds.c", ("-O0", APART, flag)),),
+                     (("fuzz/robots.c", ("-O1", flag)), ("fuzz/world.c", ("-O1", "-DRBD_REAL=double"))), ("-lquadmath",),
+                     functions="judge|gross|give_way|bound_up|axis_of|abi_plus|abi_up_link|held|factor")
+
+    def axes(scalar_name):
+        flag = f"-DRBD_REAL={scalar_name}"
+        return Stage("axes " + scalar_name, (("rbd.c", ("-O0", APART, flag)),),
+                     (("test_axes.c", ("-O1", flag)), ("textbook.c", ("-O1", flag))), functions="draft|parallel|snap|zxz")
+
+    def spatial(name, *flags):
+        return Stage("spatial " + name, (("test_spatial.c", ("-O0", *flags)),), (("reference.c", ("-O1",)),),
+                     ("-lquadmath",), headers="rbd_spatial")
+
+    def sanitized_batch(scalar_name, lanes):
+        flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
+        return Stage(f"batch {scalar_name} {lanes} sanitized", (("batch.c", (*SANITIZE, *flags)),),
+                     (("rbd.c", ("-O1", flags[0])), ("test_batch.c", ("-O1", *flags)), *ref), link=SANITIZE[:2],
+                     environment=(("ASAN_OPTIONS", "detect_leaks=0"),), functions="batch|gather|scatter|transpose|EXCHANGE|task|lanes")
+
+    out = [spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
+           Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),
+           Stage("suites", (("rbd.c", ("-O0", "-D__OPTIMIZE__=1", APART)),), fast, parts=parts), bounds("double"), bounds("float"), axes("double"), axes("float"),
+           Stage("suites specialised", (("rbd.c", ("-O0", APART, "-DRBD_SPECIALISE")),), fast,
+                 parts=tuple(name for name in parts if name != "singular"), functions="status_of|hybrid_status|aligned"),
            sincos("double"), sincos("float", "-DRBD_REAL=float"), sincos("scalars", "-U__SSE2__"), sincos("float scalars", "-U__SSE2__", "-DRBD_REAL=float"),
            batch("double", 4), batch("double", 2), batch("double", 8), batch("float", 4), batch("float", 16),
            tables("double"), tables("float", "-DSCALAR_FLOAT"),
            scalar("float", "-DSCALAR_FLOAT"), scalar("4 lanes", "-DRBD_LANES=4"),
+           sanitized_batch("double", 4), sanitized_batch("float", 16),
+           Stage("arrays", (("arrays.c", SANITIZE),), link=SANITIZE[:2], arguments=("400",), headers="rbd.h|rbd_derivatives"),
            Stage("suites sanitized", (("rbd.c", SANITIZE),), fast, link=SANITIZE[:2], parts=parts,
                  environment=(("ASAN_OPTIONS", "detect_leaks=0"),))]
     if shutil.which("valgrind"):
@@ -271,14 +304,17 @@ class Bench:
 
     def __init__(self, folder, source):
         self.folder = folder
+        self.header = source.name
+        self.stages = [stage for stage in stages() if re.search(stage.headers, source.name)]
         # what an object without the implementation depends on
-        self.seen = digest_of(*sorted(TESTS.glob("*.[ch]*"))) + "".join(source.lines[:source.first])
+        self.seen = digest_of(*sorted(TESTS.rglob("*.[ch]*"))) + "".join(
+            "".join(header.lines[:header.first]) for header in (Source(ROOT / name) for name in HEADERS[:3]))
         self.check = subprocess.run(["pkg-config", "--cflags", "--libs", "check"], capture_output=True, text=True,
                                     check=True).stdout.split()
         self.lock = threading.Lock()
         self.base = {}   # stage and unit: digest of the object of the unchanged header
         self.limit = {}  # stage and part: seconds
-        self.preparing = {stage.name: threading.Lock() for stage in stages()}
+        self.preparing = {stage.name: threading.Lock() for stage in self.stages}
 
     def compile(self, compiler, name, flags, include, out):
         standard = [] if compiler == "g++" else ["-std=c99"]
@@ -330,7 +366,7 @@ class Bench:
             if part:
                 environment["CK_RUN_SUITE"] = part
             limit = ["timeout", "-s", "KILL", str(self.limit.get((stage.name, part), 1200))]  # also if this is ended
-            result = subprocess.run([*limit, *stage.run, str(program)], cwd=ROOT, env=environment,
+            result = subprocess.run([*limit, *stage.run, str(program), *stage.arguments], cwd=ROOT, env=environment,
                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             if result.returncode:
                 return "fails"
@@ -338,23 +374,34 @@ class Bench:
                 self.limit[stage.name, part] = 10 + 6 * (time.monotonic() - began)
         return "passes"
 
+    def lay(self, include, text):
+        """The headers in a folder, one with this text; and what tests/arrays.c makes of rbd.h."""
+        shutil.rmtree(include, ignore_errors=True)
+        include.mkdir(parents=True)
+        for name in [path.name for path in ROOT.glob("rbd*.h") if path.name != self.header]:
+            (include / name).symlink_to(ROOT / name)
+        (include / self.header).write_text(text, encoding="utf-8")
+        rbd = (include / "rbd.h").read_text(encoding="utf-8")
+        (include / "rbd_arrays.h").write_text(rbd.replace("RBDI_PART void *rbdi_take(", "RBDI_PART void *rbdi_unused("))
+
     def prepare(self, stage, place):
         """The unchanged header must pass; its time and objects are the measure."""
         with self.preparing[stage.name]:
-            if (stage.name, stage.parts[-1]) not in self.limit and self.attempt(stage, ROOT, place, original=True) != "passes":
+            if (stage.name, stage.parts[-1]) in self.limit:
+                return
+            include = place / "original"
+            self.lay(include, (ROOT / self.header).read_text(encoding="utf-8"))
+            if self.attempt(stage, include, place, original=True) != "passes":
                 print(f"{stage.name}: fails without a mutant", file=sys.stderr, flush=True)
                 os._exit(1)
 
-    def judge(self, mutant_text, function, all_stages, place):
-        """The name of the stage that sees the mutant; 'no compile'; 'same' if no build differs; 'survives'."""
+    def judge(self, mutant_text, function, count, place):
+        """The name of the stage, of so many, that sees the mutant; 'no compile'; 'same' if no build differs;
+        'survives'."""
         include = place / "include"
-        include.mkdir(parents=True, exist_ok=True)
-        (include / "rbd.h").write_text(mutant_text, encoding="utf-8")
-        for header in ROOT.glob("rbd_*.h"):  # which include the rbd.h beside them
-            if not (include / header.name).exists():
-                (include / header.name).symlink_to(header)
+        self.lay(include, mutant_text)
         differs = False
-        for stage in all_stages:
+        for stage in self.stages[:count]:
             if not re.search(stage.functions, function):
                 continue
             self.prepare(stage, place)
@@ -377,12 +424,12 @@ def digest_of(*paths):
 
 
 class Results:
-    """Verdicts, one a line. They hold for one header; a survivor's for one state of the tests too."""
+    """Verdicts, one a line. They hold for one text of the header; a survivor's for one state of the tests too."""
 
-    def __init__(self, path, fresh):
+    def __init__(self, path, header, fresh):
         self.path = path
-        self.header = digest_of(HEADER)
-        self.tests = digest_of(*sorted(TESTS.glob("*.[ch]*")), Path(__file__))
+        self.header = digest_of(header)
+        self.tests = digest_of(*sorted(TESTS.rglob("*.[ch]*")), Path(__file__))
         self.verdicts = {}
         if fresh and path.exists():
             path.unlink()
@@ -397,7 +444,7 @@ class Results:
             file.write(json.dumps({"key": key, "verdict": verdict, "header": self.header, "tests": self.tests}) + "\n")
 
 
-def report(counted, equivalents):
+def report(header, counted, equivalents):
     """The score; whether all is well."""
     killed = [m for m, verdict in counted if verdict not in ("survives", "same")]
     left = [m for m, verdict in counted if verdict in ("survives", "same")]
@@ -407,18 +454,19 @@ def report(counted, equivalents):
     for _, verdict in counted:
         by_stage[verdict] = by_stage.get(verdict, 0) + 1
     for m in alive:
-        print(f"SURVIVES rbd.h:{m.line}\n  function: {m.function}\n  text: {m.text}\n  mutated: {m.mutated}")
+        print(f"SURVIVES {header}:{m.line}\n  function: {m.function}\n  text: {m.text}\n  mutated: {m.mutated}")
     for name, number in sorted(by_stage.items(), key=lambda row: -row[1]):
         print(f"{number:5}  {name}")
     whole = len(counted) - len(excused)
     score = 100 * len(killed) / whole if whole else 0
-    print(f"{len(counted)} mutants, {len(excused)} equivalent, {len(killed)} of {whole} killed: {score:.1f} %")
+    print(f"{header}: {len(counted)} mutants, {len(excused)} equivalent, {len(killed)} of {whole} killed: {score:.1f} %")
     return not alive
 
 
 def main():
     parser = argparse.ArgumentParser(prog="run mutants", description=__doc__.split("\n")[0])
     parser.add_argument("folder", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--header", choices=HEADERS, default=HEADERS[0], help="which to put them into (rbd.h)")
     parser.add_argument("--count", type=int, default=300, help="mutants that compile (300)")
     parser.add_argument("--seed", type=int, default=1, help="another choice of mutants (1)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="side by side (one a core)")
@@ -428,20 +476,21 @@ def main():
     parser.add_argument("--list", action="store_true", help="print the mutants, run nothing")
     parser.add_argument("--check", action="store_true", help="only that equivalent.txt speaks of what is there")
     parser.add_argument("--refresh", action="store_true",
-                        help="find the entries of equivalent.txt again whose text in rbd.h changed")
+                        help="find the entries of equivalent.txt again whose text in the headers changed")
     options = parser.parse_args()
-    source = Source()
+    sources = {name: Source(ROOT / name) for name in HEADERS}
     equivalents = Exceptions(HERE / "equivalent.txt", FIELDS)
-    mutants = enumerate_mutants(source, options.seed)
+    every = {name: enumerate_mutants(source, options.seed) for name, source in sources.items()}
+    present = {m.key for mutants in every.values() for m in mutants}
     if options.refresh:
-        equivalents.refresh([m.key for m in mutants])
+        equivalents.refresh(list(present))
         return 0
-    present = {m.key for m in mutants}
     missing = [key for key, _ in equivalents.entries if key not in present]
     for key in missing:
-        print("equivalent.txt has what rbd.h has not (--refresh finds it again): " + " | ".join(key))
+        print("equivalent.txt has what no header has (--refresh finds it again): " + " | ".join(key))
     if options.check:
         return 1 if missing else 0
+    source, mutants = sources[options.header], every[options.header]
     if options.only:
         mutants = [m for m in mutants if re.search(options.only, f"{m.function}: {m.text} -> {m.mutated}")]
         options.count = len(mutants)
@@ -451,14 +500,14 @@ def main():
         print(f"{len(mutants)} in all")
         return 0
     options.folder.mkdir(parents=True, exist_ok=True)
-    results = Results(options.folder / "results.jsonl", options.fresh)
+    results = Results(options.folder / f"{options.header}.jsonl", ROOT / options.header, options.fresh)
     counted = run(source, mutants, options, results)
-    return 0 if report(counted, equivalents) and not missing else 1
+    return 0 if report(options.header, counted, equivalents) and not missing else 1
 
 
 def run(source, mutants, options, results):
     """Judges mutants in their order until enough of them compile. [(mutant, verdict)]"""
-    bench, all_stages = Bench(options.folder, source), stages()[:1 if options.fast else None]
+    bench, count = Bench(options.folder, source), 1 if options.fast else None
     places = [options.folder / f"worker{k}" for k in range(options.jobs)]
     free = list(places)
     for place in places:
@@ -470,12 +519,12 @@ def run(source, mutants, options, results):
             return m, results.verdicts[m.key]
         with bench.lock:
             place = free.pop()
-        verdict = bench.judge(mutate(source, m), m.function, all_stages, place)
+        verdict = bench.judge(mutate(source, m), m.function, count, place)
         with bench.lock:
             free.append(place)
             if not (options.fast and verdict in ("survives", "same")):
                 results.add(m.key, verdict)
-        print(f"{time.monotonic() - started:6.0f} s  rbd.h:{m.line} {m.function}: {verdict}", file=sys.stderr, flush=True)
+        print(f"{time.monotonic() - started:6.0f} s  {options.header}:{m.line} {m.function}: {verdict}", file=sys.stderr, flush=True)
         return m, verdict
 
     counted, at = [], 0

@@ -1,10 +1,10 @@
-"""What coverage.py and mutants.py know of rbd.h's text: where code is, whose it is; and the lists of exceptions."""
+"""What coverage.py and mutants.py know of a header's text: where code is, whose it is; and the lists of exceptions."""
 import difflib
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADER = ROOT / "rbd.h"
+HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h"]
 
 # Comments, strings and characters; what else begins with a quote does not occur in C.
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
@@ -19,15 +19,17 @@ def blank(text):
 
 
 class Source:
-    """rbd.h by lines, counted from 1. function[n]: the function or macro that line n belongs to, or ''.
-    code[n]: line n without comments and literals; '' if it is preprocessor, a signature or outside."""
+    """A header by lines, counted from 1. function[n]: the function or macro that line n belongs to, or ''.
+    code[n]: line n without comments and literals; '' if it is preprocessor, a signature or outside. The
+    implementation begins at line first; rbd_spatial.h is one."""
 
-    def __init__(self, path=HEADER):
+    def __init__(self, path):
+        self.name = path.name
         self.text = path.read_text(encoding="utf-8")
         self.lines = [""] + self.text.split("\n")
         clean = [""] + blank(self.text).split("\n")
-        self.first = next(i for i, line in enumerate(clean)
-                          if line.startswith("#if defined RBD_IMPLEMENTATION"))
+        self.first = next((i for i, line in enumerate(clean)
+                           if line.startswith("#if defined RBD_IMPLEMENTATION")), 1)
         self.function = [""] * len(clean)
         self.code = [""] * len(clean)
         self.clean = clean
