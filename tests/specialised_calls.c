@@ -26,10 +26,12 @@ rbd_status special_aba(const double *q, const double *v, const double *tau, cons
     return rbd_aba(&ROBOT_MODEL, w, q, v, tau, f_ext, a);
 }
 
+#ifdef ROBOT_HYBRID
 rbd_status special_hybrid(const double *q, const double *v, const unsigned char *given, double *a,
                           double *tau) {
     WORK;
     return rbd_hybrid(&ROBOT_MODEL, w, q, v, given, NULL, a, tau);
 }
+#endif
 
 const rbd_model *special_model(void) { return &ROBOT_MODEL; }

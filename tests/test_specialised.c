@@ -63,6 +63,7 @@ START_TEST(straight_line_calls_give_the_results_of_the_generic_ones) {
 }
 END_TEST
 
+#ifdef ROBOT_HYBRID
 /* Of each second dof the acceleration; a row is what is known of both, tau behind a. */
 static void draw_hybrid(int nv, uint64_t *seed, unsigned char *given, double *x) {
     for (int k = 0; k < nv; k++) {
@@ -93,6 +94,7 @@ START_TEST(straight_line_hybrid_dynamics_are_the_generic_ones) {
     free(memory);
 }
 END_TEST
+#endif
 
 int main(void) {
     Suite *suite = suite_create("specialised");
@@ -100,7 +102,9 @@ int main(void) {
     SRunner *runner;
     int failed;
     tcase_add_test(c, straight_line_calls_give_the_results_of_the_generic_ones);
+#ifdef ROBOT_HYBRID
     tcase_add_test(c, straight_line_hybrid_dynamics_are_the_generic_ones);
+#endif
     suite_add_tcase(suite, c);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);
