@@ -1317,7 +1317,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first && l->end <= m->link[mover].end;
+                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = moved == side ? sf : mz, force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, S));

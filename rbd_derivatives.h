@@ -1249,8 +1249,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 /* The dofs of a free base that all others hang on, else 0: its coordinates come first. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
-    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->n == 6 && l->iv == 0 &&
-                   l->end == m->nv
+    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->n == 6 && l->end == m->nv
                ? 6
                : 0;
 }

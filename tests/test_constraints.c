@@ -1004,6 +1004,118 @@ START_TEST(singular_mass_matrix_is_an_error) {
 }
 END_TEST
 
+/* ---- what the constructors say ---- */
+
+START_TEST(constructors_hold_what_they_say) {
+    const double p1[3] = {0.1, 0.2, 0.3}, p2[3] = {-1, 2, 4},
+                 axes[4][3] = {{1, 0, 0}, {0, 3, 0}, {0, 0, -2}, {1, 2, 0.5}};
+    const rbd_constraint flat = rbd_flat_contact(3, p1, p2), nowhere = rbd_point_contact(2, NULL, NULL),
+                         hinge = rbd_hinge_loop(1, p1, NULL, 2, p2, NULL);
+    const int held[6] = {1, 1, 1, 1, 1, 1}, point[6] = {0, 0, 0, 1, 1, 1}, turning[6] = {1, 1, 0, 1, 1, 1};
+    ck_assert(flat.body1 == 3 && flat.body2 == -1 && hinge.body1 == 1 && hinge.body2 == 2);
+    ck_assert(memcmp(flat.axes, held, sizeof held) == 0 && memcmp(nowhere.axes, point, sizeof point) == 0);
+    ck_assert(memcmp(hinge.axes, turning, sizeof turning) == 0);
+    ck_assert(memcmp(flat.position1, p1, sizeof p1) == 0 && memcmp(flat.position2, p2, sizeof p2) == 0);
+    ck_assert(largest(nowhere.position1, 3) == 0 && largest(nowhere.position2, 3) == 0);
+    for (int i = 0; i < 9; i++)
+        ck_assert(hinge.rotation1[i] == (i % 4 == 0) && hinge.rotation2[i] == (i % 4 == 0));
+    for (int i = 0; i < 4; i++) { /* z along the axis, and the others at right angles to it */
+        const rbd_constraint k = rbd_hinge_loop(0, p1, axes[i], 1, p2, axes[(i + 1) % 4]);
+        const double *R[2] = {k.rotation1, k.rotation2}, *axis[2] = {axes[i], axes[(i + 1) % 4]};
+        for (int side = 0; side < 2; side++)
+            for (int a = 0; a < 3; a++) {
+                const double column[3] = {R[side][a], R[side][3 + a], R[side][6 + a]};
+                const double along = dot(column, axis[side], 3) / sqrt(dot(axis[side], axis[side], 3));
+                ck_assert_double_le(fabs(along - (a == 2)), 1e-15);
+                ck_assert_double_le(fabs(dot(column, column, 3) - 1), 1e-15);
+            }
+    }
+}
+END_TEST
+
+/* A box on the floor stays, and the floor carries it: also with rotations of zeros, which are no rotation. */
+START_TEST(flat_contact_carries_a_box) {
+    const rbd_body box[1] = {
+        {.parent = -1, .type = RBD_FLOATING, .mass = 2, .com = {0.1, 0, 0}, .inertia = {1, 0, 0, 1, 0, 1}}};
+    const double sole[3] = {0, 0, -0.1}, q[7] = {0, 0, 0.1, 0, 0, 0, 1}, none[6] = {0};
+    robot r = BUILD(box);
+    rbd_constraint k = rbd_flat_contact(0, sole, NULL);
+    for (int zeros = 0; zeros < 2; zeros++) {
+        double a[6], lambda[6], weight[6];
+        if (zeros) memset(k.rotation1, 0, sizeof k.rotation1), memset(k.rotation2, 0, sizeof k.rotation2);
+        set c = set_of(&r, &k, 1);
+        ck_assert_int_eq(c.rows, 6);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, none, none, NULL, a, lambda), RBD_OK);
+        ck_assert_double_le(largest(a, 6), 1e-14);
+        ck_assert_double_le(fabs(fabs(lambda[5]) - 2 * 9.81), 1e-13);
+        ck_assert_double_le(fabs(fabs(lambda[1]) - 2 * 9.81 * 0.1), 1e-13); /* about y */
+        memcpy(weight, lambda, sizeof weight);
+        weight[5] = weight[1] = 0;
+        ck_assert_double_le(largest(weight, 6), 1e-13);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* By default a floating joint has no motor only where it stands on the world; and lambda may be left out. */
+START_TEST(floating_joint_of_a_link_has_motors) {
+    const rbd_body ship[2] = {{.parent = -1, .type = RBD_FLOATING, .mass = 9, .inertia = {4, 0, 0, 5, 0, 6}},
+                              {.parent = 0, .type = RBD_FLOATING, .mass = 2, .inertia = {1, 0, 0, 2, 0, 3}}};
+    const int motors[12] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+    const double point[3] = {0.1, 0.3, 0.2}, q[14] = {0, 0, 0, 0, 0, 0, 1, 1, 2, 3, 0.5, 0.5, 0.5, 0.5},
+                 x[12] = {1, 2, 3};
+    const rbd_constraint k[2] = {rbd_point_contact(1, point, NULL), rbd_flat_contact(0, point, NULL)};
+    double tau[2][12], lambda[9];
+    robot r = BUILD(ship);
+    set c = set_of(&r, k, 2);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, q, x, x, NULL, NULL, NULL, tau[0], NULL), RBD_OK);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, q, x, x, NULL, motors, NULL, tau[1], lambda), RBD_OK);
+    ck_assert(memcmp(tau[0], tau[1], sizeof tau[0]) == 0);
+    ck_assert_double_gt(largest(tau[0] + 6, 6), 0.1);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(derivatives_by_v_alone_are_those_of_all) {
+    static slopes all;
+    const ref_control *hyq = control_named("control_hyq");
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const ref_control_state *s = &hyq->states[0];
+    static double by_v[MAX_V * MAX_V], lambda_by_v[MAX_ROWS * MAX_V];
+    const double point[3] = {0, 0, 0};
+    const rbd_constraint k = rbd_point_contact(r.nb - 1, point, NULL);
+    void *memory;
+    rbd_derivatives *d = derivatives_of(&r, &memory);
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, NULL, NULL, &all), RBD_OK);
+    ck_assert_int_eq(rbd_constrained_derivatives(r.m, c.c, d, s->q, s->v, s->tau, NULL, NULL, NULL, NULL,
+                                                 by_v, NULL, NULL, lambda_by_v, NULL),
+                     RBD_OK);
+    expect_close("da/dv alone", &r, 0, by_v, all.a[1], r.nv * r.nv, 1e-12);
+    expect_close("dlambda/dv alone", &r, 0, lambda_by_v, all.lambda[1], c.rows * r.nv, 1e-12);
+    free(c.memory);
+    free(memory);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(text_of_a_finding) {
+    rbd_finding f = {.status = RBD_ERR_AXIS, .body = 4, .field = "axes"};
+    char text[80] = "as before", expected[80];
+    ck_assert_ptr_eq(rbd_constraint_finding_text(NULL, text, sizeof text), text);
+    ck_assert_ptr_eq(rbd_constraint_finding_text(&f, text, 0), text);
+    ck_assert_str_eq(text, "as before");
+    ck_assert_ptr_null(rbd_constraint_finding_text(&f, NULL, sizeof text));
+    rbd_constraint_finding_text(&f, text, sizeof text);
+    ck_assert_ptr_eq(strstr(text, "constraint 4, field 'axes'"), text);
+    f.body = -1; /* of none of them */
+    rbd_constraint_finding_text(&f, text, sizeof text);
+    ck_assert_str_eq(text, rbd_finding_text(&f, expected, sizeof expected));
+}
+END_TEST
+
 /* ---- what is refused ---- */
 
 static void refuse(const robot *r, const rbd_constraint *bad, rbd_status status, const char *field) {
@@ -1084,6 +1196,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_uint_eq(rbd_constraints_size(NULL, &k, 1), 0);
     ck_assert_uint_eq(rbd_constraints_size(r.m, NULL, 1), 0);
     ck_assert_uint_eq(rbd_constraints_size(r.m, &k, -1), 0);
+    ck_assert_uint_eq(rbd_constraints_size(r.m, &k, RBD_MAX_CONSTRAINTS + 1), 0);
     ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &k, 1, memory, size, &c, NULL), RBD_OK);
     ck_assert_int_eq(rbd_constraint_rows(c), 3);
     ck_assert_int_eq(rbd_constraint_rows(NULL), 0);
@@ -1208,6 +1321,11 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, contradiction_names_the_row);
     tcase_add_test(c, empty_set_is_forward_dynamics);
     tcase_add_test(c, singular_mass_matrix_is_an_error);
+    tcase_add_test(c, constructors_hold_what_they_say);
+    tcase_add_test(c, flat_contact_carries_a_box);
+    tcase_add_test(c, floating_joint_of_a_link_has_motors);
+    tcase_add_test(c, derivatives_by_v_alone_are_those_of_all);
+    tcase_add_test(c, text_of_a_finding);
     tcase_add_test(c, bad_rows_are_refused_by_name);
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, memory_is_the_sets_alone);

@@ -698,6 +698,24 @@ static void check_size(const robot *r, const state *s, int number) {
                   r->name);
 }
 
+/* The pointer is the same, the model is not. */
+START_TEST(derivatives_of_a_model_built_over_are_refused) {
+    const ref_model *large = reference_model(0);
+    const rbd_body rod[1] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}}};
+    robot r = robot_build(large->name, large->bodies, large->nb);
+    rbd_derivatives *d = derivatives_of(&r);
+    const rbd_model *m;
+    double q[MAX_Q] = {0}, v[MAX_V] = {0}, x[MAX_M];
+    EXPECT(RBD_OK, rbd_coriolis(r.m, d, q, v, x));
+    EXPECT(RBD_OK, rbd_model_build(rod, 1, r.memory[0], rbd_model_size(large->bodies, large->nb), &m, NULL));
+    ck_assert_ptr_eq(m, r.m);
+    EXPECT(RBD_ERR_WORK, rbd_coriolis(m, d, q, v, x));
+    free(d_memory);
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(size_at_compile_time_suffices) { for_random_trees(200, check_size); }
 END_TEST
 
@@ -771,6 +789,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, parameters_without_or_with_negative_mass);
     tcase_add_test(c, no_mass_has_no_centre);
     tcase_add_test(c, bad_arguments_are_refused);
+    tcase_add_test(c, derivatives_of_a_model_built_over_are_refused);
     tcase_add_test(c, size_at_compile_time_suffices);
     tcase_add_test(c, zeros_may_be_kept);
     tcase_add_test(c, each_output_may_be_left_out);

@@ -147,6 +147,7 @@ START_TEST(rotations_turn_as_rodrigues_says) {
     seed = 1;
     SMALL(of_vecs(rbd_rotate(quarter, x), y), DOUBLE_BOUND);
     SMALL(of_vecs(rbd_rotate_back(quarter, y), x), DOUBLE_BOUND);
+    SMALL(of_vecs(rbd_rotate(rbd_rotation_inverse(quarter), y), x), DOUBLE_BOUND);
     for (int i = 0; i < TRIALS; i++) {
         const rbd_vec3 axis = unit(draw_vec(1)), v = draw_vec(1);
         const double angle = uniform(-7, 7);

@@ -140,7 +140,7 @@ def gaps(source, counts):
     """(place, key) of all that never happened. A condition that is known to the compiler has no branch in that
     build: neither count rises. One whose region never ran is told by the region."""
     for place, count in sorted(counts.regions.items()):
-        if not count and place[0] > source.first:
+        if not count and place[0] > source.first and source.function[place[0]]: # no constant
             text = source.span(*place)
             yield place, (source.function[place[0]], text if len(text) <= 90 else text[:90].rstrip(), "run")
     for place, (true, false) in sorted(counts.branches.items()):
