@@ -1,3 +1,3 @@
 /* rbd.c - the one file that holds the library. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_derivatives.h"

@@ -93,7 +93,7 @@ static rbd_status step(void *user, int k, const double *q, const double *v, cons
 
 /* Y += A B, rows x NV times NV x NV; of Y every row is ld long. */
 static void add_product(int rows, const double *A, const double *B, int ld, double *Y) {
-    for (int i = 0; i < rows; i++) ilqr_rows(1, NV, A + i * NV, 1, B, NV, NV, Y + i * ld);
+    for (int i = 0; i < rows; i++) ilqr_product(NV, A + i * NV, 1, 1, B, NV, NV, 0, Y + i * ld, ld);
 }
 
 static double by_q[NV * NV], by_v[NV * NV], by_tau[NV * NV], force_q[ROWS * NV], force_v[ROWS * NV],

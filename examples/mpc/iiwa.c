@@ -116,7 +116,7 @@ static void plan(const double *q, const double *v) {
     check(reach_aim(&r, 0, q));
     for (int k = 0; k < N; k++) memcpy(s.u + k * NV, r.hold, sizeof r.hold); /* first guess: stay */
     check(ilqr_start(&s, q, v));
-    s.tries = 1;
+    s.tries = 1, s.rollouts = 2;
 }
 
 /* One tick of the control loop: returns the torque. */

@@ -40,7 +40,7 @@
 typedef struct ilqr_problem {
     const rbd_model *m;
     int knots;  /* N, steps of the horizon */
-    int nu;     /* controls, 64 at most */
+    int nu;     /* controls, nv at most */
     int curved; /* the first so many v are those of joints whose q does not just add up: 6 with a floating
                    base and one-axis joints behind it, 0 without, nv always suffices */
     const rbd_real *dt;    /* N, s */
@@ -80,12 +80,13 @@ typedef struct ilqr {
     rbd_real *PF;                        /* nv x (2 nv + nu) */
     rbd_real *U, *D;                     /* Q_uu of the free controls = U' D U */
     rbd_real *gradient, *change, *trial; /* nu each, of the box */
-    uint64_t clamped;                    /* bit i: control i stays at its limit */
+    rbd_real *clamped;                   /* nu: 1 for a control that stays at its limit, else 0 */
     rbd_real *T, *S;                     /* derivatives of q+, nv x nv */
     rbd_real *dx;                        /* 2 nv */
     rbd_real cost;                       /* of the trajectory */
     rbd_real mu;                         /* regularisation: Q_uu is taken with (1 + mu) times its diagonal */
-    int tries;          /* backward passes of an iteration at most, with mu rising: 10; 1 in real time */
+    int tries;          /* backward passes of an iteration at most, with mu rising: 10; in real time 1 */
+    int rollouts;       /* of a line search at most, each of half the step before: 7; in real time 1 */
     rbd_real tolerance; /* an iteration that promises less, relative to the cost, is not tried */
     rbd_real slope, curvature; /* of the cost along k: t k changes it by slope t + curvature t^2 / 2 */
 } ilqr;
@@ -97,7 +98,7 @@ typedef struct ilqr {
     (2 * (((knots) + 1) * ((nq) + (nv)) + (knots) * (nu)) +                      /* trajectories */ \
      (knots) * ((nv) * ILQR_NZ(nv, nu) + (nu) * (1 + ILQR_NX(nv))) +             /* f_z, k, K */ \
      ILQR_NX(nv) * (ILQR_NX(nv) + 2) + ILQR_NZ(nv, nu) * (ILQR_NZ(nv, nu) + 1) + /* V, dx, Q */ \
-     (nv) * ILQR_NZ(nv, nu) + (nu) * ((nu) + 4) + 2 * (nv) * (nv))
+     (nv) * ILQR_NZ(nv, nu) + (nu) * ((nu) + 5) + 2 * (nv) * (nv))
 
 /* nv, nu, and the lengths of x = (q, v) as a tangent and of z = (x, u): constants where ILQR_NV says so. */
 #ifdef ILQR_NV
@@ -121,14 +122,14 @@ static inline rbd_real *ilqr_take(rbd_real **memory, int count) {
 static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *memory, size_t reals) {
     if (!s || !p || !p->m || !memory) return RBD_ERR_NULL;
     const int nq = rbd_nq(p->m), n = rbd_nv(p->m), m = p->nu, nx = 2 * n, nz = nx + m, knots = p->knots;
-    if (m > 64 || reals < (size_t)ILQR_REALS(nq, n, m, knots)) return RBD_ERR_MEMORY;
+    if (m > n || reals < (size_t)ILQR_REALS(nq, n, m, knots)) return RBD_ERR_MEMORY;
 #ifdef ILQR_NV
     if (n != ILQR_NV || m != ILQR_NU) return RBD_ERR_MEMORY;
 #endif
     memset(s, 0, sizeof *s);
     memset(memory, 0, sizeof *memory * reals);
     s->p = p, s->nq = nq, s->nv = n, s->nu = m, s->knots = knots;
-    s->tries = 10, s->tolerance = sizeof(rbd_real) > 4 ? (rbd_real)1e-9 : (rbd_real)1e-6;
+    s->tries = 10, s->rollouts = 7, s->tolerance = sizeof(rbd_real) > 4 ? (rbd_real)1e-9 : (rbd_real)1e-6;
     s->q = ilqr_take(&memory, (knots + 1) * nq), s->q_try = ilqr_take(&memory, (knots + 1) * nq);
     s->v = ilqr_take(&memory, (knots + 1) * n), s->v_try = ilqr_take(&memory, (knots + 1) * n);
     s->u = ilqr_take(&memory, knots * m), s->u_try = ilqr_take(&memory, knots * m);
@@ -139,6 +140,7 @@ static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *mem
     s->PF = ilqr_take(&memory, n * nz);
     s->U = ilqr_take(&memory, m * m), s->D = ilqr_take(&memory, m);
     s->gradient = ilqr_take(&memory, m), s->change = ilqr_take(&memory, m), s->trial = ilqr_take(&memory, m);
+    s->clamped = ilqr_take(&memory, m);
     s->T = ilqr_take(&memory, n * n), s->S = ilqr_take(&memory, n * n);
     for (int k = 0; k <= knots; k++) rbd_neutral(p->m, s->q + k * nq);
     return RBD_OK;
@@ -156,25 +158,82 @@ static inline void ilqr_accelerations(const ilqr_problem *p, int first, rbd_real
     }
 }
 
-/* ---- sums of rows: all that the Riccati step computes with ---- */
+/* ---- products of small matrices: all that the Riccati step takes its time for ---- */
 
-/* y += sign * sum over r of a_r X_r: rows X_r of the given length, ld apart; a_r every stride-th of a. */
-static inline void ilqr_rows(rbd_real sign, int rows, const rbd_real *a, int stride, const rbd_real *X,
-                             int ld, int length, rbd_real *y) {
-    int j = 0;
-    for (; j + 4 <= length; j += 4) { /* four sums in registers */
-        rbd_real y0 = 0, y1 = 0, y2 = 0, y3 = 0;
-        for (int r = 0; r < rows; r++) {
-            const rbd_real factor = a[r * stride], *x = X + r * ld + j;
-            y0 += factor * x[0], y1 += factor * x[1], y2 += factor * x[2], y3 += factor * x[3];
+#if defined __GNUC__
+#define ILQR_INLINE static inline __attribute__((always_inline))
+#define ILQR_PART static __attribute__((noinline, unused))
+#define ILQR_UNROLL _Pragma("GCC unroll 8")
+#else
+#define ILQR_INLINE static inline
+#define ILQR_PART static inline
+#define ILQR_UNROLL
+#endif
+
+/* height x width entries of C += A' B, height and width constants up to 4: the sums stay in registers, so
+   that what is read serves up to four products. */
+ILQR_INLINE void ilqr_block(const int height, const int width, int rows, const rbd_real *A, int lda,
+                            const rbd_real *B, int ldb, rbd_real *C, int ldc) {
+    rbd_real sum[4][4];
+    ILQR_UNROLL for (int i = 0; i < height; i++) {
+        ILQR_UNROLL for (int j = 0; j < width; j++) sum[i][j] = C[i * ldc + j];
+    }
+    for (int r = 0; r < rows; r++, A += lda, B += ldb) {
+        ILQR_UNROLL for (int i = 0; i < height; i++) {
+            ILQR_UNROLL for (int j = 0; j < width; j++) sum[i][j] += A[i] * B[j];
         }
-        y[j] += sign * y0, y[j + 1] += sign * y1, y[j + 2] += sign * y2, y[j + 3] += sign * y3;
     }
-    for (; j < length; j++) {
-        rbd_real sum = 0;
-        for (int r = 0; r < rows; r++) sum += a[r * stride] * X[r * ld + j];
-        y[j] += sign * sum;
+    ILQR_UNROLL for (int i = 0; i < height; i++) {
+        ILQR_UNROLL for (int j = 0; j < width; j++) C[i * ldc + j] = sum[i][j];
     }
+}
+
+/* The same with a width of 4: a row is one SIMD register, or two. */
+ILQR_INLINE void ilqr_block_of_four(const int height, int rows, const rbd_real *A, int lda, const rbd_real *B,
+                                    int ldb, rbd_real *C, int ldc) {
+#if defined __SSE2__ || defined __ARM_NEON
+    typedef rbd_real four __attribute__((vector_size(4 * sizeof(rbd_real))));
+    four sum[4], b;
+    ILQR_UNROLL for (int i = 0; i < height; i++) { memcpy(&sum[i], C + i * ldc, sizeof b); }
+    for (int r = 0; r < rows; r++, A += lda, B += ldb) {
+        memcpy(&b, B, sizeof b);
+        ILQR_UNROLL for (int i = 0; i < height; i++) { sum[i] += A[i] * b; }
+    }
+    ILQR_UNROLL for (int i = 0; i < height; i++) { memcpy(C + i * ldc, &sum[i], sizeof b); }
+#else
+    ilqr_block(height, 4, rows, A, lda, B, ldb, C, ldc);
+#endif
+}
+
+/* The same for any width. */
+ILQR_INLINE void ilqr_strip(const int height, int rows, const rbd_real *A, int lda, const rbd_real *B,
+                            int ldb, int width, rbd_real *C, int ldc) {
+    for (; width >= 4; width -= 4, B += 4, C += 4) ilqr_block_of_four(height, rows, A, lda, B, ldb, C, ldc);
+    if (width == 3) ilqr_block(height, 3, rows, A, lda, B, ldb, C, ldc);
+    if (width == 2) ilqr_block(height, 2, rows, A, lda, B, ldb, C, ldc);
+    if (width == 1) ilqr_block(height, 1, rows, A, lda, B, ldb, C, ldc);
+}
+
+/* C += A' B with A rows x height, B rows x width, whose rows are lda, ldb and ldc apart. upper: of C only
+   the upper triangle is wanted; at least that is written. */
+ILQR_PART void ilqr_product(int rows, const rbd_real *A, int lda, int height, const rbd_real *B, int ldb,
+                            int width, int upper, rbd_real *C, int ldc) {
+    for (; height >= 4; height -= 4) {
+        ilqr_strip(4, rows, A, lda, B, ldb, width, C, ldc);
+        A += 4, C += 4 * ldc;
+        if (upper) B += 4, C += 4, width -= 4;
+    }
+    if (height == 3) ilqr_strip(3, rows, A, lda, B, ldb, width, C, ldc);
+    if (height == 2) ilqr_strip(2, rows, A, lda, B, ldb, width, C, ldc);
+    if (height == 1) ilqr_strip(1, rows, A, lda, B, ldb, width, C, ldc);
+}
+
+static inline void ilqr_zero(int count, rbd_real *x) {
+    for (int i = 0; i < count; i++) x[i] = 0;
+}
+
+static inline void ilqr_copy(int count, const rbd_real *x, rbd_real *y) {
+    for (int i = 0; i < count; i++) y[i] = x[i];
 }
 
 static inline rbd_real ilqr_dot(int length, const rbd_real *x, const rbd_real *y) {
@@ -248,34 +307,31 @@ static inline void ilqr_mirror(int size, rbd_real *M) {
         for (int j = 0; j < i; j++) M[i * size + j] = M[j * size + i];
 }
 
-/* row G with G the Jacobian of (q, v+) -> (q+, v+): of a row (a, b) it makes (a T, b + a S), where dq+ =
-   T dq + S dv+. But for the joints that are curved T = 1 and S = dt. */
-static inline void ilqr_row_through_step(ilqr *s, rbd_real dt, rbd_real *row) {
-    const int n = ilqr_nv(s), c = s->p->curved;
-    for (int j = c; j < n; j++) row[n + j] += dt * row[j];
-    if (c <= 0) return;
-    ilqr_rows(1, c, row, 1, s->S, n, c, row + n);
-    for (int j = 0; j < c; j++) s->dx[j] = row[j], row[j] = 0;
-    ilqr_rows(1, c, s->dx, 1, s->T, n, c, row);
-}
-
-/* V of (q+, v+) becomes that of (q, v+): G' V_xx G = ((V_xx G)' G)' and G' V_x. */
+/* V of (q+, v+) becomes that of (q, v+), G' V_xx G and G' V_x: with dq+ = T dq + S dv+, G = [T S; 0 1].
+   But for the joints that are curved T = 1 and S = dt. */
 static inline rbd_status ilqr_value_through_step(ilqr *s, int k) {
-    const int n = ilqr_nv(s), nx = ilqr_nx(s);
+    const int n = ilqr_nv(s), nx = ilqr_nx(s), c = s->p->curved;
     const rbd_real dt = s->p->dt[k];
-    if (s->p->curved) {
-        const rbd_status status = rbd_integrate_derivatives(s->p->m, s->v + (k + 1) * n, dt, s->T, s->S);
-        if (status != RBD_OK) return status;
+    rbd_real *V = s->V_xx, *kept = s->PF; /* the rows of the curved joints */
+    rbd_status status = RBD_OK;
+    if (c > 0) {
+        status = rbd_integrate_derivatives(s->p->m, s->v + (k + 1) * n, dt, s->T, s->S);
+        ilqr_copy(c * nx, V, kept);
+        ilqr_zero(c * nx, V);
+        ilqr_product(c, s->T, n, c, kept, nx, nx, 0, V, nx);
+        ilqr_product(c, s->S, n, c, kept, nx, nx, 0, V + n * nx, nx);
     }
-    ilqr_row_through_step(s, dt, s->V_x);
-    for (int i = 0; i < nx; i++) ilqr_row_through_step(s, dt, s->V_xx + i * nx);
-    for (int i = 1; i < nx; i++)
-        for (int j = 0; j < i; j++) {
-            const rbd_real x = s->V_xx[i * nx + j];
-            s->V_xx[i * nx + j] = s->V_xx[j * nx + i], s->V_xx[j * nx + i] = x;
-        }
-    for (int i = 0; i < nx; i++) ilqr_row_through_step(s, dt, s->V_xx + i * nx);
-    return RBD_OK;
+    for (int i = c * nx; i < n * nx; i++) V[n * nx + i] += dt * V[i]; /* G' V_xx */
+    for (int i = 0; i <= nx; i++) {                                   /* times G; and V_x */
+        rbd_real *row = i < nx ? V + i * nx : s->V_x;
+        for (int j = c; j < n; j++) row[n + j] += dt * row[j];
+        if (c == 0) continue;
+        ilqr_copy(c, row, kept);
+        ilqr_zero(c, row);
+        ilqr_product(c, kept, 1, 1, s->S, n, c, 0, row + n, nx);
+        ilqr_product(c, kept, 1, 1, s->T, n, c, 0, row, nx);
+    }
+    return status;
 }
 
 /* Q(z) = l(z) + V(q, f(z)): with P for V_xx, split at v, and F for f_z (TET's expansion of Q, without f_zz)
@@ -286,43 +342,40 @@ static inline rbd_status ilqr_expand(ilqr *s, int k) {
     const int n = ilqr_nv(s), m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const rbd_real *F = s->f_z + k * n * nz, *P_vq = s->V_xx + n * nx, *P_vv = P_vq + n;
     rbd_real l;
-    memset(s->Q_z, 0, sizeof l * (size_t)nz);
-    memset(s->Q_zz, 0, sizeof l * (size_t)(nz * nz));
-    memset(s->PF, 0, sizeof l * (size_t)(n * nz));
+    ilqr_zero(nz, s->Q_z);
+    ilqr_zero(nz * nz, s->Q_zz);
+    ilqr_zero(n * nz, s->PF);
     const rbd_status status =
         s->p->cost(s->p->user, k, s->q + k * s->nq, s->v + k * n, s->u + k * m, &l, s->Q_z, s->Q_zz);
-    for (int i = 0; i < n; i++) { /* PF = P_vv F + (P_vq, 0, 0) */
-        rbd_real *row = s->PF + i * nz;
-        for (int j = 0; j < n; j++) row[j] = P_vq[i * nx + j];
-        ilqr_rows(1, n, P_vv + i * nx, 1, F, nz, nz, row);
+    for (int i = 0; i < n; i++) ilqr_copy(n, P_vq + i * nx, s->PF + i * nz);
+    ilqr_product(n, P_vv, nx, n, F, nz, nz, 0, s->PF, nz);     /* PF = (P_vq, 0, 0) + P_vv F */
+    ilqr_product(n, s->PF, nz, nz, F, nz, nz, 1, s->Q_zz, nz); /* in q the transpose is missing: */
+    ilqr_product(n, F, nz, n, P_vq, nx, n, 1, s->Q_zz, nz);
+    for (int i = 0; i < n; i++) {
+        s->Q_z[i] += s->V_x[i];
+        for (int j = i; j < n; j++) s->Q_zz[i * nz + j] += s->V_xx[i * nx + j];
     }
-    for (int i = 0; i < nz; i++) ilqr_rows(1, n, s->PF + i, nz, F + i, nz, nz - i, s->Q_zz + i * nz + i);
-    for (int i = 0; i < n; i++) { /* in q both are there: of [P_qv F] the transpose too */
-        rbd_real *row = s->Q_zz + i * nz;
-        for (int j = i; j < n; j++) row[j] += s->V_xx[i * nx + j];
-        ilqr_rows(1, n, F + i, nz, P_vq + i, nx, n - i, row + i);
-    }
-    for (int i = 0; i < n; i++) s->Q_z[i] += s->V_x[i];
-    ilqr_rows(1, n, s->V_x + n, 1, F, nz, nz, s->Q_z);
+    ilqr_product(n, s->V_x + n, 1, 1, F, nz, nz, 0, s->Q_z, nz);
     return status;
 }
 
-/* Q_uu of the free controls = U' D U, with U a unit upper triangle; rows and columns of those that are
-   clamped are the identity's. Returns whether it is positive definite. */
+/* Q_uu of the free controls = U' D U, with U a unit upper triangle, of which -U is stored; rows and
+   columns of those that are clamped are the identity's. Returns whether it is positive definite. */
 static inline int ilqr_factor(ilqr *s) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const rbd_real *Q_uu = s->Q_zz + nx * nz + nx;
     for (int i = 0; i < m; i++) {
         rbd_real *row = s->U + i * m;
         for (int j = i; j < m; j++)
-            row[j] = (s->clamped >> i | s->clamped >> j) & 1 ? (rbd_real)(i == j) : Q_uu[i * nz + j];
+            row[j] = s->clamped[i] + s->clamped[j] > 0 ? (rbd_real)(i == j) : Q_uu[i * nz + j];
         for (int r = 0; r < i; r++) { /* less U_r' D_r U_r */
             const rbd_real factor = s->U[r * m + i] * s->D[r];
             for (int j = i; j < m; j++) row[j] -= factor * s->U[r * m + j];
         }
         s->D[i] = row[i];
         if (!(s->D[i] > 0)) return 0;
-        for (int j = i; j < m; j++) row[j] /= s->D[i];
+        const rbd_real factor = -1 / row[i];
+        for (int j = i; j < m; j++) row[j] *= factor;
     }
     return 1;
 }
@@ -331,14 +384,14 @@ static inline int ilqr_factor(ilqr *s) {
 static inline void ilqr_solve(ilqr *s, int columns, rbd_real *X) {
     const int m = ilqr_nu(s);
     for (int i = 0; i < m; i++) {
-        if (s->clamped >> i & 1) memset(X + i * columns, 0, sizeof *X * (size_t)columns);
-        ilqr_rows(-1, i, s->U + i, m, X, columns, columns, X + i * columns);
+        if (s->clamped[i] > 0) ilqr_zero(columns, X + i * columns);
+        ilqr_strip(1, i, s->U + i, m, X, columns, columns, X + i * columns, columns);
     }
     for (int i = m - 1; i >= 0; i--) {
+        rbd_real *row = X + i * columns;
         const rbd_real factor = -1 / s->D[i];
-        for (int j = 0; j < columns; j++) X[i * columns + j] *= factor;
-        ilqr_rows(-1, m - 1 - i, s->U + i * m + i + 1, 1, X + (i + 1) * columns, columns, columns,
-                  X + i * columns);
+        for (int j = 0; j < columns; j++) row[j] *= factor;
+        ilqr_strip(1, m - 1 - i, s->U + i * m + i + 1, 1, row + columns, columns, columns, row, columns);
     }
 }
 
@@ -374,18 +427,18 @@ static inline int ilqr_box(ilqr *s, const rbd_real *u, rbd_real *k) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const rbd_real *Q_u = s->Q_z + nx, *Q_uu = s->Q_zz + nx * nz + nx;
     int whole = 0;
-    memset(k, 0, sizeof *k * (size_t)m);
+    ilqr_zero(m, k);
     for (int round = 0; round < 20; round++) {
-        uint64_t clamped = 0;
+        int same = whole;
         for (int i = 0; i < m; i++) {
             const rbd_real g = Q_u[i] + ilqr_dot(m, Q_uu + i * nz, k);
-            const int at_limit =
+            const int clamped =
                 (k[i] <= s->p->lower[i] - u[i] && g > 0) || (k[i] >= s->p->upper[i] - u[i] && g < 0);
-            clamped |= (uint64_t)at_limit << i;
+            same = same && clamped == (s->clamped[i] > 0);
+            s->clamped[i] = (rbd_real)clamped;
             s->gradient[i] = s->change[i] = g;
         }
-        if (whole && clamped == s->clamped) break;
-        s->clamped = clamped;
+        if (same) break;
         if (!ilqr_factor(s)) return 0;
         ilqr_solve(s, 1, s->change);
         whole = ilqr_projected_step(s, u, k);
@@ -397,25 +450,23 @@ static inline int ilqr_box(ilqr *s, const rbd_real *u, rbd_real *k) {
    the free controls is zero):  V_x = Q_x + Q_xu k,  V_xx = Q_xx + Q_xu K,  K = -Q_uu^-1 Q_ux. */
 static inline rbd_status ilqr_improve(ilqr *s, int knot) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
-    rbd_real *k = s->k + knot * m, *K = s->K + knot * m * nx;
+    rbd_real *k = s->k + knot * m, *K = s->K + knot * m * nx, *Q_ux = s->PF;
     rbd_real *Q_xu = s->Q_zz + nx, *Q_uu = s->Q_zz + nx * nz + nx, *Q_u = s->Q_z + nx;
     for (int i = 0; i < m; i++) {
         Q_uu[i * nz + i] += s->mu * Q_uu[i * nz + i];
         for (int j = 0; j < i; j++) Q_uu[i * nz + j] = Q_uu[j * nz + i];
-        for (int j = 0; j < nx; j++) K[i * nx + j] = Q_xu[j * nz + i];
+        for (int j = 0; j < nx; j++) Q_ux[i * nx + j] = K[i * nx + j] = Q_xu[j * nz + i];
     }
     if (!ilqr_box(s, s->u + knot * m, k)) return RBD_ERR_SINGULAR;
-    ilqr_solve(s, nx, K);
     for (int i = 0; i < m; i++) {
         s->slope += k[i] * Q_u[i];
         s->curvature += k[i] * ilqr_dot(m, Q_uu + i * nz, k);
     }
-    for (int i = 0; i < nx; i++) {
-        rbd_real *row = s->V_xx + i * nx;
-        s->V_x[i] = s->Q_z[i] + ilqr_dot(m, Q_xu + i * nz, k);
-        memcpy(row + i, s->Q_zz + i * nz + i, sizeof *row * (size_t)(nx - i));
-        ilqr_rows(1, m, Q_xu + i * nz, 1, K + i, nx, nx - i, row + i);
-    }
+    ilqr_solve(s, nx, K);
+    ilqr_copy(nx, s->Q_z, s->V_x);
+    for (int i = 0; i < nx; i++) ilqr_copy(nx, s->Q_zz + i * nz, s->V_xx + i * nx);
+    ilqr_product(m, k, 1, 1, Q_ux, nx, nx, 0, s->V_x, nx);
+    ilqr_product(m, Q_ux, nx, nx, K, nx, nx, 1, s->V_xx, nx);
     ilqr_mirror(nx, s->V_xx);
     return RBD_OK;
 }
@@ -425,12 +476,12 @@ static inline rbd_status ilqr_end_value(ilqr *s) {
     const int n = ilqr_nv(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const int N = s->knots;
     rbd_real l;
-    memset(s->Q_z, 0, sizeof l * (size_t)nz);
-    memset(s->Q_zz, 0, sizeof l * (size_t)(nz * nz));
+    ilqr_zero(nz, s->Q_z);
+    ilqr_zero(nz * nz, s->Q_zz);
     const rbd_status status =
         s->p->cost(s->p->user, N, s->q + N * s->nq, s->v + N * n, NULL, &l, s->Q_z, s->Q_zz);
-    memcpy(s->V_x, s->Q_z, sizeof l * (size_t)nx);
-    for (int i = 0; i < nx; i++) memcpy(s->V_xx + i * nx, s->Q_zz + i * nz, sizeof l * (size_t)nx);
+    ilqr_copy(nx, s->Q_z, s->V_x);
+    for (int i = 0; i < nx; i++) ilqr_copy(nx, s->Q_zz + i * nz, s->V_xx + i * nx);
     ilqr_mirror(nx, s->V_xx);
     return status;
 }
@@ -453,42 +504,47 @@ static inline rbd_status ilqr_backward(ilqr *s) {
     return status;
 }
 
-/* Takes as much of k as makes the cost fall by a part of what the model promises; else the trajectory
-   stays. A rollout that fails, of a state that is out of all bounds, counts as one that costs too much. */
-static inline int ilqr_line_search(ilqr *s) {
-    memcpy(s->q_try, s->q, sizeof *s->q * (size_t)s->nq);
-    memcpy(s->v_try, s->v, sizeof *s->v * (size_t)s->nv);
-    for (rbd_real t = 1; t > (rbd_real)1e-2; t /= 2) {
-        const rbd_real promised = s->slope * t + s->curvature * t * t / 2;
-        rbd_real cost;
-        const rbd_status status = ilqr_rollout(s, t, &cost);
-        if (status == RBD_OK && cost - s->cost <= promised / 10) {
-            ilqr_accept(s, cost);
-            return 1;
-        }
-    }
-    return 0;
+/* Less regularisation after a step that was good, more after one that was not. */
+static inline void ilqr_regularise(ilqr *s, int good) {
+    if (good)
+        s->mu = s->mu > (rbd_real)1e-4 ? s->mu / 5 : 0;
+    else
+        s->mu = 5 * s->mu + (rbd_real)1e-3;
 }
 
-/* One iteration: derivatives, backward pass and line search, again with more regularisation if that
-   fails. *better: 1 if the trajectory is another one that costs less, 0 if none was found: there is
-   hardly any, or mu is at its end. Errors: those of the problem's functions. */
+/* Takes as much of k as makes the cost fall by a part of what the model promises, and returns 1; else the
+   trajectory stays, 0. A rollout that fails, of a state that is out of all bounds, counts as one that
+   costs too much. */
+static inline int ilqr_line_search(ilqr *s) {
+    rbd_real t = 1, cost;
+    int good = 0;
+    memcpy(s->q_try, s->q, sizeof t * (size_t)s->nq);
+    memcpy(s->v_try, s->v, sizeof t * (size_t)s->nv);
+    for (int i = 0; i < s->rollouts && !good; i++, t /= 2) {
+        const rbd_real promised = s->slope * t + s->curvature * t * t / 2;
+        const rbd_status status = ilqr_rollout(s, t, &cost);
+        good = status == RBD_OK && cost - s->cost <= promised / 10;
+    }
+    if (good) ilqr_accept(s, cost);
+    ilqr_regularise(s, good);
+    return good;
+}
+
+/* One iteration: derivatives, backward pass and line search, the latter two again with more
+   regularisation if there is nothing to find along k. *better: 1 if the trajectory is another one that
+   costs less, else 0: there is hardly one, or none was found. Errors: those of the problem's functions. */
 static inline rbd_status ilqr_iterate(ilqr *s, int *better) {
     rbd_status status = ilqr_linearise(s);
     *better = 0;
-    for (int round = 0; round < s->tries && status == RBD_OK; round++) {
+    for (int round = 0; round < s->tries && status == RBD_OK && !*better; round++) {
         status = ilqr_backward(s);
-        if (status == RBD_OK) {
+        if (status == RBD_ERR_SINGULAR) {
+            ilqr_regularise(s, 0);
+            status = RBD_OK;
+        } else if (status == RBD_OK) {
             if (-s->slope - s->curvature / 2 <= s->tolerance * s->cost) return RBD_OK;
             *better = ilqr_line_search(s);
-        } else if (status == RBD_ERR_SINGULAR) {
-            status = RBD_OK;
         }
-        if (*better) {
-            s->mu = s->mu > (rbd_real)1e-4 ? s->mu / 5 : 0;
-            return RBD_OK;
-        }
-        s->mu = 5 * s->mu + (rbd_real)1e-3;
     }
     return status;
 }

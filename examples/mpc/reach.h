@@ -23,23 +23,23 @@ typedef struct reach {
     rbd_real hold[REACH_NV]; /* torque that holds the arm where it is now: what effort is measured from */
 } reach;
 
-static const rbd_real reach_hand[3] = {0, 0, 0.1f};                       /* in the last link, m */
+static const rbd_real reach_hand[3] = {0, 0, RBD_C(0.1)};                 /* in the last link, m */
 static const rbd_real reach_limit[REACH_NV] = {40, 80, 30, 40, 10, 8, 3}; /* N m */
 static const rbd_real reach_least[REACH_NV] = {-40, -80, -30, -40, -10, -8, -3};
-static const rbd_real reach_posture[REACH_NV] = {0, 0.6f, 0, -1.4f, 0, 1.1f, 0}; /* rad */
+static const rbd_real reach_posture[REACH_NV] = {0, RBD_C(0.6), 0, RBD_C(-1.4), 0, RBD_C(1.1), 0}; /* rad */
 
 /* Half the weights of the squares. */
 static const rbd_real reach_near = 4000, reach_near_last = 40000; /* of the hand's distance, 1/m^2 */
-static const rbd_real reach_home = 1;       /* of the distance from the posture, 1/rad^2 */
-static const rbd_real reach_slow = 0.3f;    /* of the velocity, s^2/rad^2 */
-static const rbd_real reach_effort = 2e-4f; /* of the torque beyond hold, 1/(N m)^2 */
+static const rbd_real reach_home = 1;             /* of the distance from the posture, 1/rad^2 */
+static const rbd_real reach_slow = RBD_C(0.3);    /* of the velocity, s^2/rad^2 */
+static const rbd_real reach_effort = RBD_C(2e-4); /* of the torque beyond hold, 1/(N m)^2 */
 
 /* Where the target is at a time, in world axes: a turn in two seconds. */
 static inline void reach_target(rbd_real time, rbd_real target[3]) {
-    const rbd_real angle = (rbd_real)3.14159265358979 * time, radius = (rbd_real)0.15;
-    target[0] = (rbd_real)0.55;
+    const rbd_real angle = RBD_C(3.14159265358979) * time, radius = RBD_C(0.15);
+    target[0] = RBD_C(0.55);
     target[1] = radius * (sizeof time > 4 ? (rbd_real)sin((double)angle) : (rbd_real)sinf((float)angle));
-    target[2] = (rbd_real)0.55 +
+    target[2] = RBD_C(0.55) +
                 radius * (sizeof time > 4 ? (rbd_real)cos((double)angle) : (rbd_real)cosf((float)angle));
 }
 
