@@ -170,7 +170,7 @@
 
 #define RBD_VERSION "0.1.0"
 #define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
-#define RBD_MODEL_VERSION 3    /* layout of the built model; generated tables check it */
+#define RBD_MODEL_VERSION 4    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
 
@@ -942,17 +942,20 @@ enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 /* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
    can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BRANCH_TURN = 1,  /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,    /* so, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,      /* the shift along the link's z is not zero throughout */
-    RBDI_MASS_KEPT = 8,    /* Sigma_zz, h_z or m were not regrouped away */
-    RBDI_ARMATURE = 16,    /* some degree of freedom of the joint has armature */
-    RBDI_ROOT = 32,        /* the parent is the world */
-    RBDI_SLIDES = 64,      /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128,   /* alpha = 90 or -90 degrees */
-    RBDI_TWIST_0 = 256,    /* alpha = 0 */
-    RBDI_TIED = 512,       /* the joint mimics or is mimicked, in a group that aba takes as one joint */
-    RBDI_TIED_FIRST = 1024 /* so, and no link of the group is before it */
+    RBDI_BRANCH_TURN = 1,   /* the frame is turned about the parent's z before the twist */
+    RBDI_SHIFT_XYZ = 2,     /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_Z = 4,       /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,     /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16,     /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,         /* the parent is the world */
+    RBDI_SLIDES = 64,       /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128,    /* alpha = 90 degrees */
+    RBDI_TWIST_0 = 256,     /* alpha = 0 */
+    RBDI_TIED = 512,        /* the joint mimics or is mimicked, in a group that aba takes as one joint */
+    RBDI_TIED_FIRST = 1024, /* so, and no link of the group is before it */
+    RBDI_SHIFT_R = 2048,    /* the parent-side shift is not zero */
+    RBDI_APART = 4096 /* a block, or a link with a slot, or one that begins a branch: whose parent is not
+                               the link before it, or which has no Denavit-Hartenberg form */
 };
 
 typedef struct rbdi_c3 {
@@ -972,15 +975,16 @@ typedef struct rbdi_link {
     int16_t slot;       /* where what a child that is not the next link needs is kept, -1 = no such child */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
-    rbd_const gamma, cg, sg;  /* joint angle at q = 0, its cosine and sine */
-    rbd_const ca, sa, cb, sb; /* cosines and sines of alpha and beta */
-    rbdi_c3 r;                /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
-    rbd_const d;              /* along the link's z */
-    rbd_const rho, kappa;     /* turn and slide per unit of q */
-    rbdi_csym Sigma;          /* regrouped second moment of mass about the origin, link axes */
-    rbdi_c3 h;                /* regrouped first moment */
-    rbd_const mass;           /* regrouped mass */
-    rbd_const subtree_mass;   /* its sum over the subtree */
+    rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
+    rbd_const quarters, gamma; /* that angle: right angles, 0 to 3, and the rest, 45 degrees at most */
+    rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
+    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
+    rbd_const d;               /* along the link's z */
+    rbd_const rho, kappa;      /* turn and slide per unit of q */
+    rbdi_csym Sigma;           /* regrouped second moment of mass about the origin, link axes */
+    rbdi_c3 h;                 /* regrouped first moment */
+    rbd_const mass;            /* regrouped mass */
+    rbd_const subtree_mass;    /* its sum over the subtree */
 } rbdi_link;
 
 /* A joint whose motion axes are unit spatial axes first .. first + n - 1 of the link frame. */
@@ -1125,7 +1129,8 @@ struct rbd_work {
     int singular; /* dof, -1 = none */
     int have_kinematics;
     rbd_real *rotors;            /* 1: kinetic energy of the armatures */
-    rbd_real *angle, *c, *s;     /* nl, padded to RBDI_ALIGN: joint angles, their cosines and sines */
+    rbd_real *angle, *quarters;  /* nl, padded to RBDI_ALIGN: joint angles but for right angles; those */
+    rbd_real *c, *s;             /* so too: cosines and sines of both */
     rbd_real *d;                 /* nl: slides of screw links */
     rbdi_scratch *scratch;       /* nl */
     rbdi_kin *kin;               /* nl */
@@ -1146,7 +1151,7 @@ struct rbd_work {
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
    mimics (0 without mimics), nv dofs without, h packed entries. */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 3 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 4 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
      (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
      (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) + \
      sizeof(rbd_real) * (1 + 8 * (size_t)(n) + 6 * RBDI_CHUNK + (size_t)(nv) + (size_t)(h) + \
@@ -1192,9 +1197,10 @@ RBDI_EXTERN_C_END
    shifted along z without any result knowing; that freedom brings the way from the parent to the form of
    Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
    by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
-   four multiplications, by 90 degrees two (by +-1), by 0 none. Children that cannot have it (all but one of
-   a link with several; those of the world, under a block, or nearly parallel) keep a general shift r and a
-   turn by beta about the parent's z before the twist. A body of the description, the user's frame, is a
+   four multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
+   about its z. Children that cannot have it (all but one of a link with several; those of the world, under a
+   block, or nearly parallel) keep a general shift r and a turn by beta about the parent's z before the twist.
+   A body of the description, the user's frame, is a
    constant pose on its link (rbdi_frame): poses, wrenches and results are converted there and nowhere else.
 
    Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
@@ -1530,13 +1536,29 @@ typedef rbd_real rbdi_batch
     __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
+#if RBDI_REAL_KIND == 1
+typedef uint64_t rbdi_bit;
+#elif RBDI_REAL_KIND == 2
+typedef uint32_t rbdi_bit;
+#endif
+#if RBDI_BATCH > 1
+typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
+
+/* The batch with x as its k-th scalar. */
+RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
+    const rbdi_batch zero = {0}, all = x - zero;
+    rbdi_bits lane;
+    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbdi_bit)i;
+    lane = (rbdi_bits)(lane == (rbdi_bit)k);
+    return (rbdi_batch)(((rbdi_bits)b & ~lane) | ((rbdi_bits)all & lane));
+}
+#endif
+
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
-typedef uint64_t rbdi_bit;
 #define RBDI_SINCOS_LIMIT 1e6
 #else
-typedef uint32_t rbdi_bit;
 #define RBDI_SINCOS_LIMIT 1e4f
 #endif
 #ifdef RBDI_BATCH_SCALAR
@@ -1557,7 +1579,9 @@ RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) {
 }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
+#if RBDI_BATCH == 1 /* lanes */
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
+#endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) { return (rbdi_batch)b; }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
@@ -1565,13 +1589,14 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi
 
 /* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
    subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
-   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. */
-RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c) {
+   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. Right angles to be added to
+   x go there exactly. */
+RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch *s, rbdi_batch *c) {
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
 #endif
 #if RBDI_REAL_KIND == 1
-    const rbd_const magic = 6755399441055744.0;
+    const rbdi_batch magic = quarters + 6755399441055744.0;
     rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
     rbdi_batch r =
         ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
@@ -1592,7 +1617,7 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c) {
         0.041666666666666613249;
     const int top = 62;
 #else
-    const rbd_const magic = 12582912.0f;
+    const rbdi_batch magic = quarters + 12582912.0f;
     rbdi_batch shifted = x * 0.636619772f + magic, n = shifted - magic;
     rbdi_batch r = ((x - n * 1.5703125f) - n * 4.837512969971e-4f) - n * 7.549789954892e-8f;
     rbdi_batch z = r * r;
@@ -1609,29 +1634,38 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch *s, rbdi_batch *c) {
 }
 #endif
 
-/* Sines and cosines of n angles of any size: error below 2.3e-16 (double), 1.0e-7 (float) up to the
-   limit; libm's beyond it. The arrays are padded to whole batches. The angle itself, q + gamma, is rounded
-   before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double. */
-RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
+/* Sines and cosines of n angles up to the limit and as many right angles (NULL: none): error below 2.3e-16
+   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit, or
+   libm is wanted. */
+RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+                                   rbd_real *c) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *bx = (const rbdi_batch *)x;
+    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters, none = {0};
     rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
     rbdi_bits beyond;
     rbdi_bit any = 0;
-    if (n <= 0) return;
+    if (n <= 0) return 1;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
     RBDI_UNROLL for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
-        rbdi_sincos_batch(bx[i], &bs[i], &bc[i]);
+        rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    if (!any) return;
+    return !any;
+#else
+    (void)x, (void)quarters, (void)n, (void)s, (void)c;
+    return 0;
 #endif
+}
+
+/* Sines and cosines of n angles of any size: libm's beyond the limit. */
+RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
+    if (rbdi_sincos_within(x, NULL, n, s, c)) return;
     for (int i = 0; i < n; ++i) rbdi_sincos_libm(x[i], &s[i], &c[i]);
 }
 
@@ -1724,12 +1758,18 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
     return A;
 }
 
-/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: with -s. The form says what
-   is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, +-1), or nothing. */
+/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
+   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1), or
+   nothing. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (form & RBDI_TWIST_0) return v;
-    if (form & RBDI_TWIST_90) return rbdi_vec(s * v.y, -(s * v.x), v.z);
+    if (form & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
+}
+RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (form & RBDI_TWIST_0) return v;
+    if (form & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
+    return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
 /* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
@@ -1741,7 +1781,7 @@ RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A)
     B.zz = A.zz;
     if (form & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
-        B.xz = -(s * A.yz), B.yz = s * A.xz;
+        B.xz = -A.yz, B.yz = A.xz;
         return B;
     }
     t = s * (A.yy - A.xx) - (c + c) * A.xy;
@@ -1766,8 +1806,8 @@ RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A)
     B.zz = A.zz;
     if (form & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
-        B.xz = -(s * A.yz), B.yz = s * A.xz;
-        B.zx = -(s * A.zy), B.zy = s * A.zx;
+        B.xz = -A.yz, B.yz = A.xz;
+        B.zx = -A.zy, B.zy = A.zx;
         return B;
     }
     t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
@@ -1826,7 +1866,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up_z(form, c, s, C.Sigma);
-    C.h = rbdi_turn_z(form, c, -s, C.h);
+    C.h = rbdi_turn_up_z(form, c, s, C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
@@ -2252,6 +2292,10 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
 }
+/* Whether a link is a block, which the common forms are not. */
+RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int form) {
+    return (form & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+}
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
 }
@@ -2289,11 +2333,26 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
     return X;
 }
 
-/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. */
+/* Sine and cosine of a link's joint angle by libm. */
+RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
+    rbd_real s, c;
+    rbdi_sincos_libm(angle, &s, &c);
+    switch ((int)l->quarters) {
+    case 1: *sine = c, *cosine = -s; break;
+    case 2: *sine = -s, *cosine = -c; break;
+    case 3: *sine = -c, *cosine = s; break;
+    default: *sine = s, *cosine = c; break;
+    }
+}
+
+/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q + gamma
+   is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all where the
+   joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
+        w->quarters[i] = rbdi_set(l->quarters);
         if (l->kind == RBDI_REVOLUTE) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (l->kind == RBDI_BLOCK) {
@@ -2306,7 +2365,8 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
-    rbdi_sincos_array(w->angle, m->nl, w->s, w->c);
+    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c)) RBDI_UNROLL
+        for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
     if (plain) return;
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -2329,36 +2389,59 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     return t;
 }
 
-/* Makes the call with form = the link's flags: for the common forms, a revolute link without armature in
-   Denavit-Hartenberg form at a right angle or parallel to its parent, they are known to the compiler but for
-   RBDI_SHIFT_Z. The empty assembly keeps clang from concluding that form is flags_, and forgetting the rest.
-   Not where arithmetic is a call: there it saves two per cent, for a sixth of the code. */
-#if RBDI_FOR_SPEED && RBDI_HARD_FLOAT && !defined RBD_SPECIALISE
-#define RBDI_BY_FORM_BUT(mask, form, link, call) \
+/* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
+   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at a
+   right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an angle
+   (not in aba's passes 2 and 3, which run out of registers then and take a third longer). Each form is a copy
+   of the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are
+   tested (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none
+   where arithmetic is a call, for there it saves two per cent. */
+#define RBDI_CASE(known, form, call) \
+    case known: { \
+        const int form = known; \
+        call; \
+    } break;
+#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0 || defined RBD_SPECIALISE
+#define RBDI_SERIAL_CASES(form, call)
+#define RBDI_BRANCH_CASES(form, call)
+#elif RBDI_SIMD > 0
+#define RBDI_SERIAL_CASES(form, call) \
+    RBDI_CASE(RBDI_TWIST_90, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+#define RBDI_BRANCH_CASES(form, call) \
+    RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
+    RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
+#else
+#define RBDI_SERIAL_CASES(form, call) \
+    case RBDI_TWIST_90: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_R: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
+        int shifts_ = flags_; \
+        __asm__("" : "+r"(shifts_)); \
+        const int form = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        call; \
+    } break; \
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+#define RBDI_BRANCH_CASES(form, call)
+#endif
+#define RBDI_BY_CASES(cases, form, link, call) \
     do { \
         const int flags_ = (link)->flags; \
-        int shift_ = flags_; \
-        __asm__("" : "+r"(shift_)); \
-        if ((flags_ & ~(mask)) == RBDI_TWIST_90) { \
-            const int form = RBDI_TWIST_90 | (shift_ & RBDI_SHIFT_Z); \
-            call; \
-        } else if ((flags_ & ~(mask)) == RBDI_TWIST_0) { \
-            const int form = RBDI_TWIST_0 | (shift_ & RBDI_SHIFT_Z); \
-            call; \
-        } else { \
+        switch (flags_) { \
+        default: { \
             const int form = flags_; \
             call; \
+        } break; \
+            cases \
         } \
     } while (0)
-#else
-#define RBDI_BY_FORM_BUT(mask, form, link, call) \
-    do { \
-        const int form = (link)->flags; \
-        call; \
-    } while (0)
-#endif
-#define RBDI_BY_FORM(form, link, call) \
-    RBDI_BY_FORM_BUT(RBDI_SHIFT_Z | RBDI_TIED | RBDI_TIED_FIRST, form, link, call)
+#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, link, call)
+#define RBDI_BY_BRANCH_FORM(form, link, call) \
+    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, link, call)
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
@@ -2369,7 +2452,9 @@ RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3
 
 /* omega x r, for the parent-side shift r. */
 RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
-    rbdi_v3 y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
+    rbdi_v3 y;
+    if (!(form & RBDI_SHIFT_R)) return rbdi_vec0();
+    y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (form & RBDI_SHIFT_XYZ) {
         y.x = omega.y * l->r.z - omega.z * l->r.y;
         y.y = y.y - omega.x * l->r.z;
@@ -2384,8 +2469,9 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
     RBDI_INLINE void name##_turn(int form, rbd_real c, rbd_real s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
         if (form & RBDI_TWIST_0) return; \
-        *x = form & RBDI_TWIST_90 ? -(y0 * s) : x0 * c - y0 * s; \
-        *y = form & RBDI_TWIST_90 ? x0 * s : x0 * s + y0 * c; \
+        *x = -y0, *y = x0; \
+        if (form & RBDI_TWIST_90) return; \
+        *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
     RBDI_INLINE void name(const rbdi_link *l, int form, rbdi_trig t, T *x) { \
         if (form & RBDI_SHIFT_Z) { \
@@ -2397,6 +2483,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
             name##_turn(form, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
             if (form & RBDI_BRANCH_TURN) name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
         } \
+        if (!(form & RBDI_SHIFT_R)) return; \
         x[1] = x[1] - x[5] * l->r.x; \
         x[2] = x[2] + x[4] * l->r.x; \
         if (form & RBDI_SHIFT_XYZ) { \
@@ -2492,7 +2579,7 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig
         s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
                                s.omega_dot.z + turn_rate);
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
-        p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
+        if (form & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
     }
     s.acc = rbdi_down(l, form, t, p.acc);
     if (form & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
@@ -2570,29 +2657,25 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
     return F;
 }
 
-/* The same with the wrench that moves the link, if wanted. */
-RBDI_INLINE rbdi_state rbdi_forward_axis_link(const rbd_model *m, rbd_work *w, int i, int form, rbdi_state p,
-                                              rbd_real qd, rbd_real qdd, int wrench) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_state s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), p, qd, qdd);
-    if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
-    return s;
-}
-
 /* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
    parent's was kept; with it the wrench that moves the link, if wanted. */
+RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int form,
+                                         const rbdi_state *world, const rbd_real *v, const rbd_real *a,
+                                         rbdi_state s, int wrench) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    if (apart && l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
+    if (rbdi_block_link(l, form))
+        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
+    else
+        s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), s, v[l->iv], a[l->iv]);
+    if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
+    if (apart && l->slot >= 0) w->slot[l->slot].state = s;
+    return s;
+}
 RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
                                          const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
-    const rbdi_link *l = &m->link[i];
-    rbdi_force *F = &w->scratch[i].f;
-    if (l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-    if (l->kind == RBDI_BLOCK) {
-        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
-        if (wrench) *F = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(s.omega, s.omega_dot), &s.acc);
-    } else {
-        RBDI_BY_FORM(form, l, s = rbdi_forward_axis_link(m, w, i, form, s, v[l->iv], a[l->iv], wrench));
-    }
-    if (l->slot >= 0) w->slot[l->slot].state = s;
+    RBDI_BY_BRANCH_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
     return s;
 }
 
@@ -2662,23 +2745,25 @@ RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w,
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
 
+/* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
+RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
+                                      rbdi_force carried, const rbd_real *a, rbd_real *tau) {
+    const rbdi_link *l = &m->link[i];
+    rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
+    if (rbdi_block_link(l, form))
+        F = rbdi_rnea_up_block(m, w, l, F, a, tau);
+    else
+        F = rbdi_rnea_up(m, w, i, form, F, a, tau);
+    if (!(form & RBDI_APART) || l->parent == i - 1) return F;
+    if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
+    return rbdi_force0();
+}
+
 /* Torques from the wrenches that move the links. */
 RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
-        if (l->kind == RBDI_BLOCK)
-            F = rbdi_rnea_up_block(m, w, l, F, a, tau);
-        else
-            RBDI_BY_FORM(form, l, F = rbdi_rnea_up(m, w, i, form, F, a, tau));
-        carried = rbdi_force0();
-        if (l->parent < 0) continue;
-        if (l->parent == i - 1)
-            carried = F;
-        else
-            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
-    }
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+        RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
@@ -2793,9 +2878,11 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi
     if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
     C = rbdi_rbi_up_z(0, t.c, t.s, C);
     C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(form & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
     if (!(form & RBDI_SHIFT_XYZ))
         return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
-    C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_rbi_uncycle(C));
+    C = rbdi_rbi_uncycle(C);
+    if (form & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
@@ -2849,36 +2936,43 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
 #else
 #define RBDI_LOOP_BATCH RBDI_BATCH
 #endif
-/* Moves the wrenches of the dofs of link i's subtree to the parent's frame. They are kept by component, so
-   that a batch of them moves at once; batches count from the last dof down and may reach below the first:
-   what lies there is not set yet. */
-RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form) {
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
+   not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
+   last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
+   batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force own) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     const ptrdiff_t stride = rbdi_stride(m);
-    RBDI_UNROLL for (int k = l->end - RBDI_LOOP_BATCH; k > l->first - RBDI_LOOP_BATCH; k -= RBDI_LOOP_BATCH) {
 #if RBDI_LOOP_BATCH > 1
+    rbd_real F[6];
+    rbdi_store_force(F, 1, own);
+    for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
         rbdi_batch x[6];
         rbd_real *n = &w->F[k], *p = n + 3 * stride;
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             x[j] = *(const rbdi_batch *)&n[j * stride];
             x[j + 3] = *(const rbdi_batch *)&p[j * stride];
         }
+        if (k <= l->first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                x[j] = rbdi_insert(x[j], l->first - k, F[j]);
+        }
         rbdi_batch_up(l, form, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&n[j * stride] = x[j];
             *(rbdi_batch *)&p[j * stride] = x[j + 3];
         }
+    }
 #else
+    rbdi_store_force(&w->F[l->first], stride, own);
+    RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
 #endif
-    }
 }
-RBDI_PART void rbdi_crba_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l) {
-    const rbdi_pose *X = &w->block[l->block].X;
-    const ptrdiff_t stride = rbdi_stride(m);
-    RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
-        rbdi_store_force(&w->F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&w->F[k], stride)));
+RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
+        rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
 }
 
 /* Where the entries of an ancestor dof c go: the column of packed rows at its depth, or row and column c of
@@ -2909,7 +3003,7 @@ RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
 
 /* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
    those of its subtree make: S' F. */
-RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first,
+RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, int first,
                                          int n, rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const ptrdiff_t stride = rbdi_stride(m);
     const int iv = l->iv, depth = m->dof[iv].level;
@@ -2927,61 +3021,77 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, rbd_work *w, const 
         for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
-RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C, rbd_real *H,
-                                   rbd_real *M) {
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force own,
+                                   rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const ptrdiff_t stride = rbdi_stride(m);
-    const int iv = l->iv, depth = m->dof[iv].level;
-    const rbdi_entries e = rbdi_crba_column(m, iv, depth, H, M);
+    const rbdi_dof *dof = &m->dof[l->iv];
+    const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-    const rbdi_force own = rbdi_rbi_axis(l, l->kind == RBDI_SCREW, C);
-    rbdi_store_force(&w->F[l->first], stride, own);
-    rbdi_crba_put(e, l->first, rbdi_along_axis(l, l->flags, own) + m->dof[iv].armature);
+    rbd_real D = rbdi_along_axis(l, form, own);
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
+    rbdi_crba_put(e, l->first, D);
     RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
-        if (l->kind == RBDI_SCREW) x = x * l->rho + F[j] * l->kappa;
+        if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(e, j, x);
     }
 }
 
-/* Composite body and wrenches of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_crba_axis_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi C) {
-    C = rbdi_rbi_up(&m->link[i], form, rbdi_trig_of(m, w, i, form), C);
-    rbdi_crba_up(m, w, i, form);
-    return C;
+/* The rows and columns of one link's dofs; its composite body and all wrenches of its subtree, to the
+   parent's axes and origin. */
+RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi C,
+                                    rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_force own = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
+    rbdi_crba_entries(m, w, i, form, own, H, M);
+    if (form & RBDI_ROOT) return C;
+    rbdi_crba_up(m, w, i, form, own);
+    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
+}
+RBDI_INLINE rbdi_rbi rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, rbdi_rbi C, rbd_real *H,
+                                     rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    if (b->n == 6)
+        rbdi_crba_entries_block(m, w, l, 0, 6, C, H, M);
+    else
+        rbdi_crba_entries_block(m, w, l, b->first, b->n, C, H, M);
+    if (l->parent < 0) return C;
+    rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], rbdi_stride(m), l->end - l->first);
+    return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
+}
+
+/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i does. */
+RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi carried,
+                                    rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    rbdi_rbi C = rbdi_rbi_add_link(l, carried);
+    if (apart && l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
+    if (rbdi_block_link(l, form))
+        C = rbdi_crba_block(m, w, i, C, H, M);
+    else
+        C = rbdi_crba_axis(m, w, i, form, C, H, M);
+    if (!apart || l->parent == i - 1) return C;
+    if (l->parent >= 0) {
+        rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
+        slot->C = rbdi_rbi_add(slot->C, C);
+    }
+    return rbdi_rbi_zero();
 }
 
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
    With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M) {
+    const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
+    const rbd_work work = *w;
     rbdi_rbi carried = rbdi_rbi_zero();
     RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
         w->slot[i].C = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        rbdi_rbi C = rbdi_rbi_add_link(l, carried);
-        if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-        if (l->kind != RBDI_BLOCK)
-            rbdi_crba_entries(m, w, i, C, H, M);
-        else if (rbdi_block_of(m, l)->n == 6)
-            rbdi_crba_entries_block(m, w, l, 0, 6, C, H, M);
-        else
-            rbdi_crba_entries_block(m, w, l, rbdi_block_of(m, l)->first, rbdi_block_of(m, l)->n, C, H, M);
-        if (l->parent < 0) {
-            carried = rbdi_rbi_zero();
-            continue;
-        }
-        if (l->kind == RBDI_BLOCK) {
-            C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
-            rbdi_crba_up_block(m, w, l);
-        } else {
-            RBDI_BY_FORM(form, l, C = rbdi_crba_axis_up(m, w, i, form, C));
-        }
-        carried = C;
-        if (l->parent == i - 1) continue;
-        w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
-        carried = rbdi_rbi_zero();
-    }
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+        RBDI_BY_BRANCH_FORM(form, &model.link[i],
+                            carried = rbdi_crba_step(&model, &work, i, form, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */
@@ -3069,8 +3179,10 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi
     if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
     IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
+    if (!(form & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
     if (!(form & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
-    IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), rbdi_abi_uncycle(IA));
+    IA = rbdi_abi_uncycle(IA);
+    if (form & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
@@ -3105,7 +3217,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_tri
         *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         return c;
     }
-    c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
+    if (form & RBDI_SHIFT_R)
+        c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
     *omega = rbdi_down(l, form, t, *omega);
     c.omega.x = turn * omega->y;
     c.omega.y = -(turn * omega->x);
@@ -3138,31 +3251,29 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
     return c;
 }
 
-/* Pass 1, one-axis link: with the wrench that the velocity takes. */
-RBDI_INLINE void rbdi_aba_pass1_axis(const rbd_model *m, rbd_work *w, int i, int form, rbd_real qd,
-                                     rbdi_v3 *omega) {
+/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
+RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+                                        rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
-    w->scratch[i].c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), qd, omega);
-    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(*omega), NULL);
+    const int apart = form & RBDI_APART;
+    rbdi_motion *c = &w->scratch[i].c;
+    if (apart && l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
+    if (rbdi_block_link(l, form))
+        *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
+    else
+        *c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), v[l->iv], &omega);
+    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(omega), NULL);
+    if (apart && l->slot >= 0) {
+        w->slot[l->slot].state.omega = omega;
+        w->slot[l->slot].I = rbdi_abi_zero();
+    }
+    return omega;
 }
 
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v) {
     rbdi_v3 omega = rbdi_vec0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
-        if (l->kind == RBDI_BLOCK) {
-            w->scratch[i].c =
-                rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
-            w->scratch[i].f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega_steady(omega), NULL);
-        } else {
-            RBDI_BY_FORM(form, l, rbdi_aba_pass1_axis(m, w, i, form, v[l->iv], &omega));
-        }
-        if (l->slot >= 0) {
-            w->slot[l->slot].state.omega = omega;
-            w->slot[l->slot].I = rbdi_abi_zero();
-        }
-    }
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+        RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
 }
 
 RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
@@ -3340,6 +3451,19 @@ RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_rea
     if (form & RBDI_TIED_FIRST) rbdi_tie_release(m, w, g, tau[g], IA, pA, doubt);
 }
 
+/* What link i hands on goes to its parent's slot, unless that is link i - 1. */
+RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+    const int parent = m->link[i].parent;
+    if (parent == i - 1) return;
+    if (parent >= 0) {
+        rbdi_slot *slot = &w->slot[m->link[parent].slot];
+        slot->I = rbdi_abi_add(slot->I, *IA);
+        w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
+    }
+    *IA = rbdi_abi_zero();
+    *pA = rbdi_force0();
+}
+
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
@@ -3385,27 +3509,26 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, c
     *pA = rbdi_force_up(l, form, t, *pA);
 }
 
+/* Pass 2, link i: IA and pA, what link i + 1 hands on, become what link i does. */
+RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
+    *pA = rbdi_force_add(*pA, w->scratch[i].f);
+    if (rbdi_block_link(l, form))
+        rbdi_aba_up_block(m, w, i, tau, IA, pA, doubt);
+    else
+        rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
+    if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
+}
+
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
-        pA = rbdi_force_add(pA, w->scratch[i].f);
-        if (l->kind == RBDI_BLOCK)
-            rbdi_aba_up_block(m, w, i, tau, &IA, &pA, &doubt);
-        else
-            RBDI_BY_FORM_BUT(RBDI_SHIFT_Z, form, l, rbdi_aba_up(m, w, i, form, tau, &IA, &pA, &doubt));
-        if (l->parent == i - 1) continue;
-        if (l->parent >= 0) {
-            rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-            slot->I = rbdi_abi_add(slot->I, IA);
-            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, pA);
-        }
-        IA = rbdi_abi_zero();
-        pA = rbdi_force0();
-    }
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
     return doubt;
 }
 
@@ -3415,7 +3538,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, in
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    if (!(form & RBDI_ROOT)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
+    if (!(form & RBDI_ROOT) && (form & RBDI_SHIFT_R)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
     y.omega = rbdi_down(l, form, t, y.omega);
     y.v = rbdi_down(l, form, t, y.v);
     if (form & RBDI_SHIFT_Z) {
@@ -3496,22 +3619,29 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     return rbdi_motion_from_array(all);
 }
 
+/* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int form,
+                                            const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    if (apart && l->parent < 0)
+        y = *world;
+    else if (apart && l->parent != i - 1)
+        y = w->slot[m->link[l->parent].slot].y;
+    if (rbdi_block_link(l, form))
+        y = rbdi_aba_down_block(m, w, i, y, a);
+    else
+        y = rbdi_aba_down(m, w, i, form, y, a);
+    if (apart && l->slot >= 0) w->slot[l->slot].y = y;
+    return y;
+}
+
 RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
     rbdi_motion world = rbdi_motion0(), y;
     world.v = rbdi_world_state(w->gravity).acc;
     y = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->parent < 0)
-            y = world;
-        else if (l->parent != i - 1)
-            y = w->slot[m->link[l->parent].slot].y;
-        if (l->kind == RBDI_BLOCK)
-            y = rbdi_aba_down_block(m, w, i, y, a);
-        else
-            RBDI_BY_FORM_BUT(RBDI_SHIFT_Z, form, l, y = rbdi_aba_down(m, w, i, form, y, a));
-        if (l->slot >= 0) w->slot[l->slot].y = y;
-    }
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+        RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
 }
 
 /* ---- hybrid dynamics [hybrid] ----
@@ -3609,14 +3739,7 @@ RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbd
             rbdi_hybrid_up_block(m, w, i, given, tau, &IA, &pA, &doubt);
         else
             RBDI_BY_FORM(form, l, rbdi_hybrid_up(m, w, i, form, given, tau, &IA, &pA, &doubt));
-        if (l->parent == i - 1) continue;
-        if (l->parent >= 0) {
-            rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-            slot->I = rbdi_abi_add(slot->I, IA);
-            w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, pA);
-        }
-        IA = rbdi_abi_zero();
-        pA = rbdi_force0();
+        rbdi_aba_hand_on(m, w, i, &IA, &pA);
     }
     return doubt;
 }
@@ -4343,7 +4466,7 @@ RBDI_INLINE rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i,
     const int block = l->kind == RBDI_BLOCK;
     const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
     const rbd_const build = RBDI_BUILD, square = build > 1 ? RBDI_NOISE : RBDI_NOISE * build * build;
-    const rbd_const twist = l->flags & RBDI_TWIST_90 ? RBD_C(0) : l->sa < 0 ? -l->sa : l->sa;
+    const rbd_const twist = l->ca < 0 || l->ca > 0 ? (l->sa < 0 ? -l->sa : l->sa) : RBD_C(0);
     const rbd_const z = block || held || (l->flags & (RBDI_SLIDES | RBDI_ARMATURE)) ? RBD_C(1) : twist;
     const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
     const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
@@ -5454,6 +5577,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     w->singular = -1;
     w->have_kinematics = 0;
     w->angle = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
@@ -5479,7 +5603,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * (n + RBDI_CHUNK) - RBDI_CHUNK; ++k)
         w->F[k] = rbdi_zero();
     RBDI_UNROLL for (int k = m->nl; k < padded; ++k)
-        w->angle[k] = rbdi_zero();
+        w->angle[k] = w->quarters[k] = rbdi_zero();
     *work = w;
     return RBD_OK;
 }
@@ -5912,6 +6036,8 @@ static int rbdi_can_mimic(int type) {
 
 /* -- small dense algebra of the build -- */
 
+static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+
 /* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
@@ -6293,9 +6419,10 @@ static void rbdi_draft_angles(rbdi_draft *l) {
     if (sigma > RBDI_SNAP) {
         l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
         l->ca = E[8], l->sa = sigma;
-        if (l->cb < 0) l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
         rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
         rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
+        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb)))
+            l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
@@ -6357,7 +6484,8 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
     rbdi_draft_angles(l);
     rbdi_draft_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
-        if (l->cg * f->cb - l->sg * f->sb < 0) /* beta or beta + 180 degrees: keep the link's gamma small */
+        /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
+        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
             f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);
         rbdi_w_apply(Z, f->r, r);
@@ -6440,7 +6568,16 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
     return c;
 }
-static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+
+/* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
+static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
+    rbdi_wide c = l->cg, s = l->sg, next;
+    int quarters = 0;
+    out->cg = RBD_C(c), out->sg = RBD_C(s);
+    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) next = 0 - c, c = s, s = next;
+    out->quarters = RBD_C(quarters);
+    out->gamma = l->kind == RBDI_BLOCK ? RBD_C(0) : RBD_C(rbdi_w_angle(c, s));
+}
 
 /* Step 9: the solver's constants of the link at position p. */
 static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p) {
@@ -6450,20 +6587,20 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     rbdi_link out;
     if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
     if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
+    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->r[0])) flags |= RBDI_SHIFT_R;
     if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
     if (block || l->kind == RBDI_SCREW) flags |= RBDI_MASS_KEPT;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
     if (l->parent < 0) flags |= RBDI_ROOT;
     if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
-    if (!block && !rbdi_nonzero(l->ca)) flags |= RBDI_TWIST_90;
+    if (!block && !rbdi_nonzero(l->ca) && l->sa > 0) flags |= RBDI_TWIST_90;
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
     out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
     out.block = out.slot = -1;
     out.first = out.end = 0;
     out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
-    out.gamma = block ? RBD_C(0) : RBD_C(rbdi_w_angle(l->cg, l->sg));
-    out.cg = RBD_C(l->cg), out.sg = RBD_C(l->sg);
+    rbdi_emit_angle(l, &out);
     out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
     out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
     out.r = rbdi_round3(l->r);
@@ -6660,6 +6797,12 @@ static void rbdi_emit_links(const rbdi_build *b) {
         if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
             b->link[l->parent].slot = m->nslot++;
         rbdi_emit_dofs(b->bodies, m, b->draft, p, b->dof);
+    }
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        if (l->kind == RBDI_BLOCK || l->slot >= 0 || l->parent < 0 || l->parent != p - 1 ||
+            (l->flags & RBDI_SHIFT_XYZ))
+            l->flags |= RBDI_APART;
     }
 }
 

@@ -84,7 +84,7 @@
 
 #include "rbd.h"
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 3
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 4
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
@@ -565,7 +565,7 @@ RBDI_INLINE void rbdi_put_pose(rbd_real *out, const rbdi_v3 R[3], rbdi_v3 x, int
 
 /* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
 RBDI_INLINE rbdi_v3 rbdi_pose_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 R[3], rbdi_v3 x) {
-    if (!(form & RBDI_ROOT)) {
+    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
         const rbdi_v3 r = rbdi_vec_c(l->r);
         x = rbdi_add(x, form & RBDI_SHIFT_XYZ
                             ? rbdi_vec(rbdi_dot(R[0], r), rbdi_dot(R[1], r), rbdi_dot(R[2], r))

@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before cart_pole_model.h"
-#elif RBD_MODEL_VERSION != 3
+#elif RBD_MODEL_VERSION != 4
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -31,18 +31,18 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* Bytes for rbd_work_init, exactly. */
 #define CART_POLE_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3)
 
-/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link cart_pole_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, /* 0: cart */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90,
-     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, 1,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     0, -1, 3, 0, 0, 1, 0, 1,
      {0, 0, 0}, 0, 0, 1,
      {0, 0, 0, 0, 0, 0},
      {0, 0, 0}, RBD_C(1.7), RBD_C(1.7)},
     {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, /* 1: pole */
      RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0595), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
      {RBD_C(0.15), 0, 0}, 0, 0},

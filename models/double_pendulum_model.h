@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before double_pendulum_model.h"
-#elif RBD_MODEL_VERSION != 3
+#elif RBD_MODEL_VERSION != 4
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -31,18 +31,18 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* Bytes for rbd_work_init, exactly. */
 #define DOUBLE_PENDULUM_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3)
 
-/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link double_pendulum_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, /* 0: upper_rod */
-     RBDI_ROOT | RBDI_TWIST_90,
-     RBD_C(1.5707963267948966), 0, 1, 0, -1, 1, 0,
+     RBDI_ROOT | RBDI_APART,
+     0, 1, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(1.3995), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
      {RBD_C(1.6), 0, 0}, 0, 0},
     {0, 1, 1, -1, -1, 1, 2, RBDI_REVOLUTE, /* 1: lower_rod */
-     RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_TWIST_0 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 1, 0, 1, 0,
      {1, 0, 0}, 0, 1, 0,
      {RBD_C(0.1195), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
      {RBD_C(0.3), 0, 0}, 0, 0},

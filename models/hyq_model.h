@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before hyq_model.h"
-#elif RBD_MODEL_VERSION != 3
+#elif RBD_MODEL_VERSION != 4
 #error "hyq_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -75,84 +75,84 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* Bytes for rbd_work_init, exactly. */
 #define HYQ_WORK_SIZE RBDI_WORK_BYTES(13, 1, 1, 18, 0, 18, 117)
 
-/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link hyq_links[13] = {
     {-1, 0, 0, 0, 0, 0, 18, RBDI_BLOCK, /* 0: base_link_0 */
-     RBDI_MASS_KEPT | RBDI_ROOT,
-     0, 0, 0, 0, 0, 0, 0,
+     RBDI_MASS_KEPT | RBDI_ROOT | RBDI_APART,
+     0, 0, 0, 0, 0, 0, 0, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(10.906933697209752), RBD_C(0.04502136235994825), RBD_C(0.21587646426523668), RBD_C(2.266757564183247), RBD_C(0.009154269078503287), RBD_C(0.44030476978820265)},
      {RBD_C(3.4189836000011398), RBD_C(1.3106417999983129), RBD_C(0.2200155851996976)}, RBD_C(86.774), RBD_C(86.774)},
     {0, 7, 6, -1, -1, 6, 9, RBDI_REVOLUTE, /* 1: lf_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90,
-     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, -1,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     0, -1, 3, 0, 0, 1, 0, -1,
      {RBD_C(0.3735), RBD_C(0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(4.7048e-05), RBD_C(0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
      {RBD_C(0.4064259), RBD_C(8.81e-05), 0}, 0, 0},
     {1, 11, 10, -1, -1, 7, 9, RBDI_REVOLUTE, /* 2: lf_upperleg */
-     RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     RBDI_TWIST_90 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {RBD_C(0.08), 0, 0}, 0, 1, 0,
      {RBD_C(0.1936745805688), RBD_C(-0.00741836815), RBD_C(-0.000130835), RBD_C(0.004117746875), RBD_C(-2e-05), 0},
      {RBD_C(0.70600212), RBD_C(-0.06924749999999999), 0}, 0, 0},
     {2, 15, 14, -1, -1, 8, 9, RBDI_REVOLUTE, /* 3: lf_lowerleg */
-     RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_TWIST_0 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 1, 0, 1, 0,
      {RBD_C(0.35), 0, 0}, 0, 1, 0,
      {RBD_C(0.02606386596), RBD_C(-5.5580904e-05), RBD_C(-1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(3.524e-05), 0}, 0, 0},
     {0, 8, 7, -1, -1, 9, 12, RBDI_REVOLUTE, /* 4: rf_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90,
-     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, 1,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     0, 1, 1, 0, 0, 1, 0, 1,
      {RBD_C(0.3735), RBD_C(-0.207), 0}, 0, 1, 0,
-     {RBD_C(0.032776338517), RBD_C(-4.7048e-05), RBD_C(-0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
-     {RBD_C(0.4064259), RBD_C(-8.81e-05), 0}, 0, 0},
+     {RBD_C(0.032776338517), RBD_C(-4.7048e-05), RBD_C(0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(-5e-05), 0},
+     {RBD_C(-0.4064259), RBD_C(8.81e-05), 0}, 0, 0},
     {4, 12, 11, -1, -1, 10, 12, RBDI_REVOLUTE, /* 5: rf_upperleg */
-     RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
-     {RBD_C(0.08), 0, 0}, 0, 1, 0,
+     RBDI_TWIST_90 | RBDI_SHIFT_R,
+     -1, 0, 2, 0, 0, 1, 1, 0,
+     {RBD_C(-0.08), 0, 0}, 0, 1, 0,
      {RBD_C(0.1936745805688), RBD_C(-0.00741836815), RBD_C(-0.000130835), RBD_C(0.004117746875), RBD_C(-2e-05), 0},
      {RBD_C(0.70600212), RBD_C(-0.06924749999999999), 0}, 0, 0},
     {5, 16, 15, -1, -1, 11, 12, RBDI_REVOLUTE, /* 6: rf_lowerleg */
-     RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_TWIST_0 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 1, 0, 1, 0,
      {RBD_C(0.35), 0, 0}, 0, 1, 0,
      {RBD_C(0.02606386596), RBD_C(-5.5580904e-05), RBD_C(-1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(3.524e-05), 0}, 0, 0},
     {0, 9, 8, -1, -1, 12, 15, RBDI_REVOLUTE, /* 7: lh_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90,
-     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, -1,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     0, -1, 3, 0, 0, 1, 0, -1,
      {RBD_C(-0.3735), RBD_C(0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(-4.7048e-05), RBD_C(-0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
      {RBD_C(0.4064259), RBD_C(-8.81e-05), 0}, 0, 0},
     {7, 13, 12, -1, -1, 13, 15, RBDI_REVOLUTE, /* 8: lh_upperleg */
-     RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     RBDI_TWIST_90 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {RBD_C(0.08), 0, 0}, 0, 1, 0,
      {RBD_C(0.1936745805688), RBD_C(0.00741836815), RBD_C(0.000130835), RBD_C(0.004117746875), RBD_C(-2e-05), 0},
      {RBD_C(0.70600212), RBD_C(0.06924749999999999), 0}, 0, 0},
     {8, 17, 16, -1, -1, 14, 15, RBDI_REVOLUTE, /* 9: lh_lowerleg */
-     RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_TWIST_0 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 1, 0, 1, 0,
      {RBD_C(0.35), 0, 0}, 0, 1, 0,
      {RBD_C(0.02606386596), RBD_C(5.5580904e-05), RBD_C(1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(-3.524e-05), 0}, 0, 0},
     {0, 10, 9, -1, -1, 15, 18, RBDI_REVOLUTE, /* 10: rh_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90,
-     RBD_C(-1.5707963267948966), 0, -1, 0, 1, 0, 1,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     0, 1, 1, 0, 0, 1, 0, 1,
      {RBD_C(-0.3735), RBD_C(-0.207), 0}, 0, 1, 0,
-     {RBD_C(0.032776338517), RBD_C(4.7048e-05), RBD_C(0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
-     {RBD_C(0.4064259), RBD_C(8.81e-05), 0}, 0, 0},
+     {RBD_C(0.032776338517), RBD_C(4.7048e-05), RBD_C(-0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(-5e-05), 0},
+     {RBD_C(-0.4064259), RBD_C(-8.81e-05), 0}, 0, 0},
     {10, 14, 13, -1, -1, 16, 18, RBDI_REVOLUTE, /* 11: rh_upperleg */
-     RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
-     {RBD_C(0.08), 0, 0}, 0, 1, 0,
+     RBDI_TWIST_90 | RBDI_SHIFT_R,
+     -1, 0, 2, 0, 0, 1, 1, 0,
+     {RBD_C(-0.08), 0, 0}, 0, 1, 0,
      {RBD_C(0.1936745805688), RBD_C(0.00741836815), RBD_C(0.000130835), RBD_C(0.004117746875), RBD_C(-2e-05), 0},
      {RBD_C(0.70600212), RBD_C(0.06924749999999999), 0}, 0, 0},
     {11, 18, 17, -1, -1, 17, 18, RBDI_REVOLUTE, /* 12: rh_lowerleg */
-     RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_TWIST_0 | RBDI_SHIFT_R,
+     1, 0, 0, 0, 1, 0, 1, 0,
      {RBD_C(0.35), 0, 0}, 0, 1, 0,
      {RBD_C(0.02606386596), RBD_C(5.5580904e-05), RBD_C(1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(-3.524e-05), 0}, 0, 0},
@@ -207,7 +207,7 @@ static const rbdi_frame hyq_frames[13] = {
      {RBD_C(0.05071), RBD_C(-4e-05), RBD_C(-0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
     {"rf_hipassembly", "rf_haa_joint", 4, 0, 1, 8, 1, 7, 1, /* 2 */
-     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(-0.16931)},
      {RBD_C(0.05071), RBD_C(4e-05), RBD_C(0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
@@ -217,7 +217,7 @@ static const rbdi_frame hyq_frames[13] = {
      {RBD_C(0.05071), RBD_C(4e-05), RBD_C(0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},
     {"rh_hipassembly", "rh_haa_joint", 10, 0, 1, 10, 1, 9, 1, /* 4 */
-     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.93), {RBD_C(0.04263), 0, RBD_C(0.16931)},
      {RBD_C(0.05071), RBD_C(-4e-05), RBD_C(-0.00159), RBD_C(0.05486), RBD_C(-5e-05), RBD_C(0.00571)},
      RBD_C(-1.2217304764), RBD_C(0.436332312999), 12, 150},

@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before iiwa_model.h"
-#elif RBD_MODEL_VERSION != 3
+#elif RBD_MODEL_VERSION != 4
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -46,48 +46,48 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* Bytes for rbd_work_init, exactly. */
 #define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28)
 
-/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link iiwa_links[7] = {
     {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, /* 0: lbr_iiwa_link_1 */
-     RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0,
-     0, 1, 0, 1, 0, 1, 0,
+     RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_APART,
+     -1, 0, 2, 0, 1, 0, 1, 0,
      {0, 0, RBD_C(0.36)}, 0, 1, 0,
-     {RBD_C(0.0049999999999999906), 0, 0, RBD_C(0.037656), RBD_C(0.009900000000000003), 0},
-     {0, RBD_C(0.048000000000000015), 0}, 0, 0},
+     {RBD_C(0.0049999999999999906), 0, 0, RBD_C(0.037656), RBD_C(-0.009900000000000003), 0},
+     {0, RBD_C(-0.048000000000000015), 0}, 0, 0},
     {0, 1, 1, -1, -1, 1, 7, RBDI_REVOLUTE, /* 1: lbr_iiwa_link_2 */
      RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
+     -1, 0, 2, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.006000359999999998), RBD_C(7.079999999999999e-05), RBD_C(-5.04e-05), RBD_C(1.60669475), RBD_C(-0.009912), 0},
      {RBD_C(-0.0012), RBD_C(-3.9695), 0}, 0, 0},
     {1, 2, 2, -1, -1, 2, 7, RBDI_REVOLUTE, /* 2: lbr_iiwa_link_3 */
      RBDI_SHIFT_Z | RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {0, 0, 0}, RBD_C(0.42), 1, 0,
      {RBD_C(0.0025000000000000022), 0, 0, RBD_C(0.01882120000000001), RBD_C(-0.007694999999999999), 0},
      {0, RBD_C(-0.00180000000000001), 0}, 0, 0},
     {2, 3, 3, -1, -1, 3, 7, RBDI_REVOLUTE, /* 3: lbr_iiwa_link_4 */
      RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     -1, 0, 2, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
-     {RBD_C(0.004500000000000004), 0, 0, RBD_C(0.504482725), RBD_C(0.006150600000000002), 0},
-     {0, RBD_C(1.46375), 0}, 0, 0},
+     {RBD_C(0.004500000000000004), 0, 0, RBD_C(0.504482725), RBD_C(-0.006150600000000002), 0},
+     {0, RBD_C(-1.46375), 0}, 0, 0},
     {3, 4, 4, -1, -1, 4, 7, RBDI_REVOLUTE, /* 4: lbr_iiwa_link_5 */
      RBDI_SHIFT_Z | RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {0, 0, 0}, RBD_C(0.4), 1, 0,
-     {RBD_C(0.0015000169999999978), RBD_C(3.5700000000000005e-06), RBD_C(2.3715000000000006e-05), RBD_C(0.006199987999999999), RBD_C(0.004980150000000001), 0},
-     {RBD_C(-0.00017), RBD_C(-0.034980000000000004), 0}, 0, 0},
+     {RBD_C(0.0015000169999999978), RBD_C(3.5700000000000005e-06), RBD_C(-2.3715000000000006e-05), RBD_C(0.006199987999999999), RBD_C(-0.004980150000000001), 0},
+     {RBD_C(0.00017), RBD_C(0.034980000000000004), 0}, 0, 0},
     {4, 5, 5, -1, -1, 5, 7, RBDI_REVOLUTE, /* 5: lbr_iiwa_link_6 */
      RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
+     -1, 0, 2, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0016499999999999996), 0, 0, RBD_C(0.006610947999999999), RBD_C(-4.32e-07), 0},
      {0, RBD_C(-0.03138), 0}, 0, 0},
     {5, 6, 6, -1, -1, 6, 7, RBDI_REVOLUTE, /* 6: lbr_iiwa_link_7 */
      RBDI_TWIST_90,
-     0, 1, 0, 0, 1, 1, 0,
+     1, 0, 0, 0, 0, 1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0005), 0, 0, RBD_C(0.0005), 0, 0},
      {0, 0, 0}, 0, 0},
@@ -114,7 +114,7 @@ static const rbdi_order iiwa_order[7] = {
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame iiwa_frames[7] = {
     {"lbr_iiwa_link_1", "lbr_iiwa_joint_1", 0, -1, 1, 0, 1, 0, 1, /* 0 */
-     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2025)}, 4, {0, RBD_C(-0.03), RBD_C(0.12)},
      {RBD_C(0.1), 0, 0, RBD_C(0.09), 0, RBD_C(0.02)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
@@ -129,12 +129,12 @@ static const rbdi_frame iiwa_frames[7] = {
      {RBD_C(0.08), 0, 0, RBD_C(0.075), 0, RBD_C(0.01)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},
     {"lbr_iiwa_link_4", "lbr_iiwa_joint_4", 3, 2, 1, 3, 1, 3, 1, /* 3 */
-     {1, 0, 0, 0, 1, 0, 0, 0, 1},
+     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(2.7), {0, RBD_C(0.067), RBD_C(0.034)},
      {RBD_C(0.03), 0, 0, RBD_C(0.01), 0, RBD_C(0.029)},
      RBD_C(-2.09439510239), RBD_C(2.09439510239), 10, 300},
     {"lbr_iiwa_link_5", "lbr_iiwa_joint_5", 4, 3, 1, 4, 1, 4, 1, /* 4 */
-     {-1, 0, 0, 0, -1, 0, 0, 0, 1},
+     {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2155)}, RBD_C(1.7), {RBD_C(0.0001), RBD_C(0.021), RBD_C(0.076)},
      {RBD_C(0.02), 0, 0, RBD_C(0.018), 0, RBD_C(0.005)},
      RBD_C(-2.96705972839), RBD_C(2.96705972839), 10, 300},

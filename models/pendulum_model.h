@@ -6,7 +6,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before pendulum_model.h"
-#elif RBD_MODEL_VERSION != 3
+#elif RBD_MODEL_VERSION != 4
 #error "pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 
@@ -28,12 +28,12 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 /* Bytes for rbd_work_init, exactly. */
 #define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1)
 
-/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |
+/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link pendulum_links[1] = {
     {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, /* 0: rod */
-     RBDI_ROOT | RBDI_TWIST_90,
-     0, 1, 0, 0, -1, 1, 0,
+     RBDI_ROOT | RBDI_APART,
+     1, 0, 0, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0005000000000000004), 0, 0, RBD_C(0.39949999999999997), 0, 0},
      {0, RBD_C(0.6), 0}, 0, 0},

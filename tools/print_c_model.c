@@ -51,12 +51,19 @@ static void write_flags(int flags) {
     static const struct {
         int flag;
         const char *name;
-    } names[] = {{RBDI_BRANCH_TURN, "RBDI_BRANCH_TURN"}, {RBDI_SHIFT_XYZ, "RBDI_SHIFT_XYZ"},
-                 {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},         {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
-                 {RBDI_ARMATURE, "RBDI_ARMATURE"},       {RBDI_ROOT, "RBDI_ROOT"},
-                 {RBDI_SLIDES, "RBDI_SLIDES"},           {RBDI_TWIST_90, "RBDI_TWIST_90"},
-                 {RBDI_TWIST_0, "RBDI_TWIST_0"},         {RBDI_TIED, "RBDI_TIED"},
-                 {RBDI_TIED_FIRST, "RBDI_TIED_FIRST"}};
+    } names[] = {{RBDI_BRANCH_TURN, "RBDI_BRANCH_TURN"},
+                 {RBDI_SHIFT_XYZ, "RBDI_SHIFT_XYZ"},
+                 {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},
+                 {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
+                 {RBDI_ARMATURE, "RBDI_ARMATURE"},
+                 {RBDI_ROOT, "RBDI_ROOT"},
+                 {RBDI_SLIDES, "RBDI_SLIDES"},
+                 {RBDI_TWIST_90, "RBDI_TWIST_90"},
+                 {RBDI_TWIST_0, "RBDI_TWIST_0"},
+                 {RBDI_TIED, "RBDI_TIED"},
+                 {RBDI_TIED_FIRST, "RBDI_TIED_FIRST"},
+                 {RBDI_SHIFT_R, "RBDI_SHIFT_R"},
+                 {RBDI_APART, "RBDI_APART"}};
     const char *between = "";
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
         if (flags & names[i].flag) {
@@ -67,13 +74,13 @@ static void write_flags(int flags) {
 }
 
 static void write_links(const char *name, const rbd_model *m) {
-    printf(
-        "/* parent iq iv block slot first end kind flags | gamma cos sin | cos sin alpha | cos sin beta |\n"
-        "   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */\n");
+    printf("/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin "
+           "alpha | cos sin beta |\n"
+           "   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */\n");
     printf("static const rbdi_link %s_links[%d] = {\n", name, m->nl);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const double angles[] = {l->gamma, l->cg, l->sg, l->ca, l->sa, l->cb, l->sb};
+        const double angles[] = {l->cg, l->sg, l->quarters, l->gamma, l->ca, l->sa, l->cb, l->sb};
         const double slide[] = {l->d, l->rho, l->kappa};
         printf("    {%d, %d, %d, %d, %d, %d, %d, %s, /* %d: ", l->parent, l->iq, l->iv, l->block, l->slot,
                l->first, l->end, kind_name(l->kind), i);
@@ -81,7 +88,7 @@ static void write_links(const char *name, const rbd_model *m) {
         printf(" */\n     ");
         write_flags(l->flags);
         printf(",\n     ");
-        list(angles, 7);
+        list(angles, 8);
         printf("\n     ");
         vector(l->r);
         printf(", ");
