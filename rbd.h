@@ -1635,8 +1635,8 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
 #endif
 
 /* Sines and cosines of n angles up to the limit and as many right angles (NULL: none): error below 2.3e-16
-   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit, or
-   libm is wanted. */
+   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit,
+   or libm is wanted. */
 RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
                                    rbd_real *c) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -1759,8 +1759,8 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
 }
 
 /* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
-   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1), or
-   nothing. */
+   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
+   or nothing. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (form & RBDI_TWIST_0) return v;
     if (form & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
@@ -2345,9 +2345,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q + gamma
-   is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all where the
-   joint angle at q = 0 is a multiple of 90 degrees. */
+/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q +
+   gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
+   where the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
@@ -2390,12 +2390,12 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 }
 
 /* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
-   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at a
-   right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an angle
-   (not in aba's passes 2 and 3, which run out of registers then and take a third longer). Each form is a copy
-   of the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are
-   tested (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none
-   where arithmetic is a call, for there it saves two per cent. */
+   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at
+   a right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an
+   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer). Each form
+   is a copy of the code: on microcontrollers, where there is no SIMD, one for right angles, in which the
+   shifts are tested (the empty assembly keeps clang from concluding that form is flags_, and forgetting the
+   rest); none where arithmetic is a call, for there it saves two per cent. */
 #define RBDI_CASE(known, form, call) \
     case known: { \
         const int form = known; \
@@ -3062,7 +3062,8 @@ RBDI_INLINE rbdi_rbi rbdi_crba_block(const rbd_model *m, const rbd_work *w, int 
     return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
 }
 
-/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i does. */
+/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i
+   does. */
 RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_rbi carried,
                                     rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
