@@ -81,6 +81,7 @@ static rbd_status call_fd_cholesky(const void *model, void *work, int n, const v
     return rbd_fd_cholesky(&ROBOT_MODEL, w, q, v, tau, NULL, a);
 }
 
+#define CAN NULL
 #define CALLS \
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky

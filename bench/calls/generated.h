@@ -59,16 +59,14 @@ static void gather(const void *rows, int n, int s, int states, real *lanes) {
 #endif
 }
 
-static void scatter(const real *lanes, int n, int s, int states, void *rows) {
-    for (int j = 0; j < CODE_LANES && s + j < states; j++) {
-        double *row = (double *)rows + (s + j) * n;
-        for (int k = 0; k < n; k++) row[k] = lanes[k][j];
-    }
+static void scatter(const real *lanes, int n, int s, int states, double *rows) {
+    for (int j = 0; j < CODE_LANES && s + j < states; j++)
+        for (int k = 0; k < n; k++) rows[(s + j) * n + k] = lanes[k][j];
 }
 
-/* results: numbers that it gives for a state. */
-static rbd_status run(group_call *call, enum takes takes, int results, const void *model, void *work,
-                      int states, const void *q, const void *v, const void *x, void *out) {
+/* parts: of the result, with so many numbers each for a state. */
+static rbd_status run(group_call *call, enum takes takes, int parts, int results, const void *model,
+                      void *work, int states, const void *q, const void *v, const void *x, void *out) {
     struct lane_memory *l = work;
     const struct group g = {l->q, l->v, l->x, l->out};
     if (results == PACKED) results = rbd_packed_size(model);
@@ -80,7 +78,8 @@ static rbd_status run(group_call *call, enum takes takes, int results, const voi
         }
         const rbd_status status = call(&g);
         if (status != RBD_OK) return status;
-        scatter(l->out, results, s, states, out);
+        for (int p = 0; p < parts; p++)
+            scatter(l->out + p * results, results, s, states, (double *)out + p * BATCH * results);
     }
     return RBD_OK;
 }
@@ -98,9 +97,9 @@ static size_t work_size(const void *model) {
 
 #else
 
-static rbd_status run(group_call *call, enum takes takes, int results, const void *model, void *work,
-                      int states, const void *q, const void *v, const void *x, void *out) {
-    (void)takes, (void)results, (void)model, (void)work, (void)states;
+static rbd_status run(group_call *call, enum takes takes, int parts, int results, const void *model,
+                      void *work, int states, const void *q, const void *v, const void *x, void *out) {
+    (void)takes, (void)parts, (void)results, (void)model, (void)work, (void)states;
     return call(&(struct group){q, v, x, out});
 }
 
@@ -132,54 +131,55 @@ static rbd_status set_gravity(void *work, const double gravity[3]) {
 static inline rbd_status judged(int singular) { return singular ? RBD_ERR_SINGULAR : RBD_OK; }
 
 /* Defines the call of the table for a group's. */
-#define CALL(name, takes, results) \
+#define CALL(name, takes, parts, results) \
     static rbd_status call_##name(const void *model, void *work, int n, const void *q, const void *v, \
                                   const void *x, void *out) { \
-        return run(group_##name, takes, results, model, work, n, q, v, x, out); \
+        return run(group_##name, takes, parts, results, model, work, n, q, v, x, out); \
     }
 
 static rbd_status group_id(const struct group *g) {
     FUNCTION(id)(g->q, g->v, g->x, gravity_now, g->out);
     return RBD_OK;
 }
-CALL(id, STATE, NV)
+CALL(id, STATE, 1, NV)
 
 static rbd_status group_mm(const struct group *g) {
     FUNCTION(mm)(g->q, g->out);
     return RBD_OK;
 }
-CALL(mm, ONLY_Q, SQUARE)
+CALL(mm, ONLY_Q, 1, SQUARE)
 
 static rbd_status group_mm_packed(const struct group *g) {
     FUNCTION(mm_packed)(g->q, g->out);
     return RBD_OK;
 }
-CALL(mm_packed, ONLY_Q, PACKED)
+CALL(mm_packed, ONLY_Q, 1, PACKED)
 
 static rbd_status group_fd(const struct group *g) {
     return judged(FUNCTION(fd)(g->q, g->v, g->x, gravity_now, g->out));
 }
-CALL(fd, STATE, NV)
+CALL(fd, STATE, 1, NV)
 
 #ifdef WITH_DERIVATIVES
 static rbd_status group_minv(const struct group *g) { return judged(FUNCTION(minv)(g->q, g->out)); }
-CALL(minv, ONLY_Q, SQUARE)
+CALL(minv, ONLY_Q, 1, SQUARE)
 
 static rbd_status group_did(const struct group *g) {
     FUNCTION(id_derivatives)(g->q, g->v, g->x, gravity_now, g->out, g->out + SQUARE);
     return RBD_OK;
 }
-CALL(did, STATE, 2 * SQUARE)
+CALL(did, STATE, 2, SQUARE)
 
 static rbd_status group_dfd(const struct group *g) {
     real a[NV], *by_v = g->out + SQUARE, *Minv = by_v + SQUARE;
     return judged(FUNCTION(fd_derivatives)(g->q, g->v, g->x, gravity_now, a, g->out, by_v, Minv));
 }
-CALL(dfd, STATE, 3 * SQUARE)
+CALL(dfd, STATE, 3, SQUARE)
 
 #define DERIVATIVES , [MINV] = call_minv, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd
 #else
 #define DERIVATIVES
 #endif
 
+#define CAN NULL
 #define CALLS [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd DERIVATIVES

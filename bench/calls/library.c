@@ -81,6 +81,7 @@ const struct library LIBRARY = {
     .work_size = work_size,
     .set_gravity = set_gravity,
     .call = {CALLS},
+    .can = CAN,
     .from_double = from_double,
     .to_double = to_double,
     .relative_error = RELATIVE_ERROR,

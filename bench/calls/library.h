@@ -24,6 +24,8 @@ enum {
     REGRESSOR,
     ID_DERIVATIVES,
     FD_DERIVATIVES,
+    CONSTRAINED, /* and those behind it: robots/contacts.h */
+    CONSTRAINED_HAND,
     ALGORITHMS
 };
 
@@ -32,14 +34,16 @@ enum { RUN_TIME, COMPILE_TIME, GENERATED, LANES, GENERATED_LANES, THREADS, VARIA
 enum { BATCH = 64 };
 
 /* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
-   library's scalar; x: the acceleration or the torque, as the table of algorithms says. */
+   library's scalar; x: the acceleration or the torque, as the table of algorithms says. A result of several
+   parts (see algorithm_parts) stands part after part, each with room for width states. */
 typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
                                 const void *x, void *out);
 
-/* What the run-time variants of rbd have for a work. */
+/* What the run-time variants and the batches of rbd have for a work. */
 struct rbd_memory {
-    void *work;        /* rbd_work */
-    void *derivatives; /* rbd_derivatives */
+    void *work;                                  /* rbd_work, rbd_batch */
+    void *derivatives;                           /* rbd_derivatives, rbd_batch_derivatives */
+    void *constraints[ALGORITHMS - CONSTRAINED]; /* rbd_constraints, rbd_batch_constraints; NULL: none */
 };
 
 /* A state in rbd's conventions, and in double. */

@@ -3,35 +3,61 @@
 #define RBD_IMPLEMENTATION
 #include "../bench.h"
 #include "rbd_derivatives.h"
+#include "constrained.h"
 
 #define VARIANT RUN_TIME
 #define N_LANES 1
 #define ONLY_ROBOT NULL
 #define WIDTH 1
 
-/* A work, and the memory of rbd_derivatives.h behind it. */
+/* A work, and the memory of rbd_derivatives.h and rbd_constraints.h behind it. */
 
 enum { ALIGNMENT = 64 };
 
 static size_t aligned(size_t size) { return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
 
-static rbd_status work_init(const void *model, void *memory, size_t size, void **out) {
-    struct rbd_memory *own = memory;
-    unsigned char *begin = (unsigned char *)memory + aligned(sizeof *own);
-    const size_t work_bytes = aligned(rbd_work_size(model)), used = aligned(sizeof *own) + work_bytes;
-    rbd_work *w = NULL;
-    rbd_derivatives *d = NULL;
-    rbd_status status = rbd_work_init(model, begin, work_bytes, &w);
-    if (status == RBD_OK)
-        status = rbd_derivatives_init(model, w, begin + work_bytes, size > used ? size - used : 0, &d);
-    own->work = w;
-    own->derivatives = d;
-    *out = own;
+static size_t constraints_size(const rbd_model *m, int algorithm) {
+    rbd_constraint list[MAX_CONTACTS];
+    const int n = contacts_of(m, algorithm, list);
+    return n > 0 ? aligned(rbd_constraints_size(m, list, n)) : 0;
+}
+
+static rbd_status init_constraints(const rbd_model *m, struct rbd_memory *own, int algorithm,
+                                   unsigned char *memory) {
+    rbd_constraint list[MAX_CONTACTS];
+    rbd_constraints *c = NULL;
+    const int n = contacts_of(m, algorithm, list);
+    const rbd_status status =
+        n > 0 ? rbd_constraints_init(m, own->work, list, n, memory, constraints_size(m, algorithm), &c, NULL)
+              : RBD_OK;
+    own->constraints[algorithm - CONSTRAINED] = c;
     return status;
 }
 
 static size_t work_size(const void *model) {
-    return aligned(sizeof(struct rbd_memory)) + aligned(rbd_work_size(model)) + rbd_derivatives_size(model);
+    size_t size = aligned(sizeof(struct rbd_memory)) + aligned(rbd_work_size(model)) +
+                  aligned(rbd_derivatives_size(model));
+    for (int k = CONSTRAINED; k < ALGORITHMS; k++) size += constraints_size(model, k);
+    return size;
+}
+
+static rbd_status work_init(const void *model, void *memory, size_t size, void **out) {
+    struct rbd_memory *own = memory;
+    unsigned char *p = (unsigned char *)memory + aligned(sizeof *own);
+    rbd_work *w = NULL;
+    rbd_derivatives *d = NULL;
+    rbd_status status = size < work_size(model) ? RBD_ERR_MEMORY : RBD_OK;
+    if (status == RBD_OK) status = rbd_work_init(model, p, rbd_work_size(model), &w);
+    p += aligned(rbd_work_size(model));
+    if (status == RBD_OK) status = rbd_derivatives_init(model, w, p, rbd_derivatives_size(model), &d);
+    p += aligned(rbd_derivatives_size(model));
+    if (status != RBD_OK) return status;
+    own->work = w;
+    own->derivatives = d;
+    for (int k = CONSTRAINED; k < ALGORITHMS && status == RBD_OK; p += constraints_size(model, k++))
+        status = init_constraints(model, own, k, p);
+    *out = own;
+    return status;
 }
 
 static rbd_work *work_of(void *memory) { return ((struct rbd_memory *)memory)->work; }
@@ -140,8 +166,29 @@ static rbd_status call_dfd(const void *model, void *work, int n, const void *q, 
     return rbd_fd_derivatives(model, derivatives_of(work), q, v, tau, NULL, NULL, dq, dv, Minv);
 }
 
+static rbd_status constrained(const void *model, void *work, int algorithm, const void *q, const void *v,
+                              const void *tau, void *out) {
+    rbd_constraints *c = ((struct rbd_memory *)work)->constraints[algorithm - CONSTRAINED];
+    rbd_real *a = out, *lambda = a + rbd_nv(model);
+    return rbd_constrained_fd(model, c, q, v, tau, NULL, a, lambda);
+}
+
+static rbd_status call_constrained(const void *model, void *work, int n, const void *q, const void *v,
+                                   const void *tau, void *out) {
+    (void)n;
+    return constrained(model, work, CONSTRAINED, q, v, tau, out);
+}
+
+static rbd_status call_constrained_hand(const void *model, void *work, int n, const void *q, const void *v,
+                                        const void *tau, void *out) {
+    (void)n;
+    return constrained(model, work, CONSTRAINED_HAND, q, v, tau, out);
+}
+
+#define CAN can
 #define CALLS \
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [MINV] = call_minv, \
     [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, \
-    [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd
+    [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd, \
+    [CONSTRAINED] = call_constrained, [CONSTRAINED_HAND] = call_constrained_hand

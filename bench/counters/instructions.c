@@ -4,6 +4,7 @@
 #include <valgrind/callgrind.h>
 #include "../bench.h"
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"
 #include "../../models/iiwa.h"
 #include "../../models/hyq.h"
 #include "../../models/atlas.h"
@@ -13,8 +14,9 @@ enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest
 
 /* Static, so that every run has them at the same addresses. */
 static unsigned char model_memory[RBD_MODEL_SIZE(MAX_NB)];
-static unsigned char
-    variant_memory[(MAX_LANES + 1) * RBD_WORK_SIZE(MAX_NB, MAX_NV) + RBD_DERIVATIVES_SIZE(MAX_NB, MAX_NV)];
+static unsigned char variant_memory[2 * (MAX_LANES + 1) *
+                                    (RBD_WORK_SIZE(MAX_NB, MAX_NV) + RBD_DERIVATIVES_SIZE(MAX_NB, MAX_NV) +
+                                     RBD_CONSTRAINTS_SIZE(MAX_NV, 12) + RBD_CONSTRAINTS_SIZE(MAX_NV, 15))];
 static rbd_real q[STATES * MAX_NQ], v[STATES * MAX_NV], a[STATES * MAX_NV], tau[STATES * MAX_NV];
 static rbd_real out[STATES * MAX_NV * 10 * MAX_NB];
 
@@ -69,11 +71,21 @@ extern const struct library PLAIN_LIBRARY, LANES_LIBRARY;
 #ifdef COMPILE_TIME_LIBRARIES
 extern const struct library library_iiwa, library_hyq, library_atlas;
 #endif
+#ifdef GENERATED_LIBRARIES
+extern const struct library library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes,
+    library_hyq_code_lanes, library_atlas_code_lanes;
+#endif
 
 static const struct library *const variants[] = {
-    &PLAIN_LIBRARY, &LANES_LIBRARY,
+    &PLAIN_LIBRARY,          &LANES_LIBRARY,
 #ifdef COMPILE_TIME_LIBRARIES
-    &library_iiwa,  &library_hyq,   &library_atlas,
+    &library_iiwa,           &library_hyq,
+    &library_atlas,
+#endif
+#ifdef GENERATED_LIBRARIES
+    &library_iiwa_code,      &library_hyq_code,
+    &library_atlas_code,     &library_iiwa_code_lanes,
+    &library_hyq_code_lanes, &library_atlas_code_lanes,
 #endif
 };
 
@@ -94,6 +106,8 @@ static const struct {
     [REGRESSOR] = {"regressor", a},
     [ID_DERIVATIVES] = {"did", a},
     [FD_DERIVATIVES] = {"dfd", tau},
+    [CONSTRAINED] = {"constrained", tau},
+    [CONSTRAINED_HAND] = {"constrained_hand", tau},
 };
 
 /* ---- counting ---- */
@@ -122,12 +136,17 @@ static rbd_status run(const struct cell *c) {
 
 /* "ROBOT,ALGORITHM,CALLS,VARIANT", which callgrind writes down with the counts. */
 static void describe(const struct cell *c, char *text, size_t size) {
+    static const char *const names[VARIANTS] = {[RUN_TIME] = "run-time",
+                                                [COMPILE_TIME] = "compile-time",
+                                                [GENERATED] = "generated",
+                                                [LANES] = "lanes",
+                                                [GENERATED_LANES] = "generated-lanes"};
     const struct library *l = c->library;
     char variant[32];
-    if (l->variant == LANES)
-        snprintf(variant, sizeof variant, "lanes %d", l->lanes);
+    if (l->lanes > 1)
+        snprintf(variant, sizeof variant, "%s %d", names[l->variant], l->lanes);
     else
-        snprintf(variant, sizeof variant, "%s", l->variant == RUN_TIME ? "run-time" : "compile-time");
+        snprintf(variant, sizeof variant, "%s", names[l->variant]);
     snprintf(text, size, "%s,%s,%d,%s", c->robot->name, algorithms_counted[c->algorithm].name, STATES,
              variant);
 }
@@ -155,7 +174,7 @@ static rbd_status count_variant(const struct counted_robot *r, const struct libr
     rbd_status status = l->work_init(r->model, variant_memory, sizeof variant_memory, &c.work);
     if (status == RBD_OK) status = l->set_gravity(c.work, gravity);
     for (; c.algorithm < ALGORITHMS && status == RBD_OK; c.algorithm++)
-        if (l->call[c.algorithm]) status = count(&c);
+        if (l->call[c.algorithm] && (!l->can || l->can(r->model, c.algorithm))) status = count(&c);
     return status;
 }
 

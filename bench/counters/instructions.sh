@@ -110,11 +110,34 @@ compile_special() { # COMPILER
     done
 }
 
+# The same for what rbd-codegen writes: without, if it has not been built.
+compile_generated() { # COMPILER
+    [ -x "$codegen" ] || return 0
+    special="$special -DGENERATED_LIBRARIES"
+    for robot in iiwa hyq atlas; do
+        for lanes in 1 4; do
+            progress "$1: compiling the generated code of $robot"
+            name=${robot}_code root= option=
+            [ $lanes = 1 ] || name=${name}_lanes option="--lanes $lanes"
+            [ $robot = iiwa ] || root=--floating
+            upper=$(echo "$name" | tr '[:lower:]' '[:upper:]')
+            # shellcheck disable=SC2086 # words wanted
+            quietly "$codegen" --name "$name" --output "$work" --algorithm id,mm,mm_packed,fd --gravity-argument \
+                $option $root "$bench/../models/$robot.urdf"
+            compile "$1" double -c "$work/${name}_code.c" -o "$work/${name}_code.o"
+            compile "$1" double -DLIBRARY="library_$name" -DCODE="$name" -DCODE_ROBOT="\"$robot\"" \
+                -DCODE_HEADER="\"${name}_code.h\"" -DCODE_LANES=$lanes -DCODE_NQ="${upper}_NQ" \
+                -DCODE_NV="${upper}_NV" -c "$bench/calls/library.c" -o "$work/$name.o"
+            special="$special $work/$name.o $work/${name}_code.o"
+        done
+    done
+}
+
 # count COMPILER SCALAR: one run of callgrind, which leaves its parts, cell after cell, in $work/parts
 count() {
     case $2 in double) lanes=4 ;; float) lanes=8 ;; esac # of AVX2
     special=
-    [ "$2" = float ] || compile_special "$1"
+    [ "$2" = float ] || { compile_special "$1"; compile_generated "$1"; }
     progress "$1, $2: compiling"
     compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/calls/library.c" -o "$work/lanes.o"
     compile "$1" "$2" -DLIBRARY=library_plain -c "$bench/calls/library.c" -o "$work/plain.o"
@@ -139,7 +162,7 @@ rows() {
 
 count_all() {
     # All counts are of one library, even if it is being edited.
-    cp "$bench/../rbd.h" "$bench/../rbd_derivatives.h" "$work" || exit 1
+    cp "$bench/../rbd.h" "$bench/../rbd_derivatives.h" "$bench/../rbd_constraints.h" "$work" || exit 1
     echo "$header" >"$work/counts.csv"
     for compiler in $compilers; do
         for scalar in double float; do
@@ -194,7 +217,7 @@ accept_counts() {
 # ---- the course ----
 
 [ -d "${1-}" ] || usage_error "the first argument is the directory to work in"
-work=$1/instructions.$$
+work=$1/instructions.$$ codegen=$1/tools/rbd-codegen
 shift
 read_options "$@"
 find_compilers

@@ -1,5 +1,6 @@
 /* The libraries and algorithms, and the calls that are timed. SPDX-License-Identifier: MIT */
 #include "../bench.h"
+#include "../robots/contacts.h"
 #include <ctype.h>
 #include <string.h>
 
@@ -65,6 +66,8 @@ const struct algorithm algorithms[ALGORITHMS] = {
     [REGRESSOR] = {"regressor", "torque regressor", ACCELERATION},
     [ID_DERIVATIVES] = {"did", "derivatives of inverse dynamics", ACCELERATION},
     [FD_DERIVATIVES] = {"dfd", "derivatives of forward dynamics", TORQUE},
+    [CONSTRAINED] = {"constrained", "constrained dynamics, on feet", TORQUE},
+    [CONSTRAINED_HAND] = {"constrained_hand", "constrained dynamics, a hand too", TORQUE},
 };
 
 const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};
@@ -112,21 +115,31 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct w
     return RBD_OK;
 }
 
-int algorithm_results(int algorithm, const struct robot *r) {
+int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]) {
     const int nv = r->nv;
+    const struct contact_set *contacts = contact_set_of(r->bodies, r->nb, algorithm);
+    for (int k = 0; k < MAX_PARTS; k++) size[k] = nv;
     switch (algorithm) {
+    case HYBRID: return 2;
+    case CONSTRAINED:
+    case CONSTRAINED_HAND: size[1] = contacts ? contacts->rows : 0; return 2;
+    case ID_DERIVATIVES: size[0] = size[1] = nv * nv; return 2;
+    case FD_DERIVATIVES: size[0] = size[1] = size[2] = nv * nv; return 3;
     case MM:
     case MINV:
-    case CORIOLIS: return nv * nv;
-    case MM_PACKED: return r->packed;
-    case HYBRID: return 2 * nv;
+    case CORIOLIS: size[0] = nv * nv; return 1;
+    case MM_PACKED: size[0] = r->packed; return 1;
     case JACOBIAN:
-    case MOMENTUM_MATRIX: return 6 * nv;
-    case REGRESSOR: return nv * 10 * r->nb;
-    case ID_DERIVATIVES: return 2 * nv * nv;
-    case FD_DERIVATIVES: return 3 * nv * nv;
-    default: return nv;
+    case MOMENTUM_MATRIX: size[0] = 6 * nv; return 1;
+    case REGRESSOR: size[0] = nv * 10 * r->nb; return 1;
+    default: return 1;
     }
+}
+
+int algorithm_results(int algorithm, const struct robot *r) {
+    int size[MAX_PARTS], sum = 0;
+    for (int k = algorithm_parts(algorithm, r, size) - 1; k >= 0; k--) sum += size[k];
+    return sum;
 }
 
 int algorithm_largest(const struct robot *r) {

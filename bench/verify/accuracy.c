@@ -6,21 +6,33 @@
 /* How many of the random states are computed in quad precision, which takes some fifty times as long. */
 enum { QUAD_SAMPLES = 200 };
 
+/* Brings the parts of a result of rbd's together; place: of its state in the call. */
+static void take_parts(const struct row *row, const char *out, int place, double *numbers) {
+    const struct library *l = row->instance->library;
+    int size[MAX_PARTS];
+    const int parts = algorithm_parts(row->algorithm, row->instance->robot, size);
+    for (int k = 0; k < parts; k++) {
+        l->to_double(out + (size_t)(place * size[k]) * l->size, (size_t)size[k], numbers);
+        out += (size_t)(l->width * size[k]) * l->size;
+        numbers += size[k];
+    }
+}
+
 /* The result of the row for random state k, in double and rbd's conventions, in r->numbers. */
-static void take_result(const struct row *row, int k, const void *result) {
+static void take_result(const struct row *row, int k, const void *out, int place) {
     const struct instance *tested = row->instance;
     const struct robot *r = tested->robot;
     const struct conventions *others = tested->library->conventions;
     const struct state state = robot_state(r, k);
     if (others)
-        others->result(tested->model, row->algorithm, &state, result, r->numbers);
+        others->result(tested->model, row->algorithm, &state, out, r->numbers);
     else
-        tested->library->to_double(result, (size_t)algorithm_results(row->algorithm, r), r->numbers);
+        take_parts(row, out, place, r->numbers);
 }
 
 /* The error of one result of the row, that of random state k. */
-static rbd_status result_error(const struct row *row, const struct instance *arbiter, int k,
-                               const void *result, double *error) {
+static rbd_status result_error(const struct row *row, const struct instance *arbiter, int k, const void *out,
+                               int place, double *error) {
     const struct instance *tested = row->instance;
     const struct robot *r = tested->robot;
     const int n = algorithm_results(row->algorithm, r);
@@ -29,7 +41,7 @@ static rbd_status result_error(const struct row *row, const struct instance *arb
     instance_take_sample(arbiter, library_is_ours(tested->library) ? tested : &r->instances[DOUBLE], k);
     rbd_status status = algorithm_run(row->algorithm, arbiter, w, &arbiter->input, 0, 1);
     if (status != RBD_OK) return status;
-    take_result(row, k, result);
+    take_result(row, k, out, place);
     *error = fmax(*error, arbiter->library->relative_error(r->numbers, w->out, n));
     return RBD_OK;
 }
@@ -39,15 +51,13 @@ int block_length(const struct row *row) { return row->threads * row->instance->l
 rbd_status block_error(const struct row *row, const struct instance *arbiter, int first, int count,
                        double *error) {
     const struct instance *tested = row->instance;
-    const size_t size = (size_t)algorithm_results(row->algorithm, tested->robot) * tested->library->size;
     *error = 0;
     rbd_status status = row_run(row, first, count);
     for (int t = 0; t < row->threads; t++) {
         const int begin = thread_share(count, t, row->threads),
                   end = thread_share(count, t + 1, row->threads);
-        const char *out = tested->worker[t].out;
         for (int k = begin; k < end && status == RBD_OK; k++)
-            status = result_error(row, arbiter, first + k, out + (size_t)(k - begin) * size, error);
+            status = result_error(row, arbiter, first + k, tested->worker[t].out, k - begin, error);
     }
     return status;
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 #include "check.h"
+#include "rbd_constraints.h"
 #include "rbd_derivatives.h"
 
 static const double condition_margin = 10;
@@ -235,6 +236,43 @@ static int check_fd_derivatives(struct check *c, struct states s, double bound) 
     return 0;
 }
 
+/* ---- constraints ---- */
+
+/* Sums that should vanish, against the largest sum of their terms' magnitudes. */
+struct vanishing {
+    double sum, largest;
+};
+
+static void take_sum(struct vanishing *x, double first, const double *a, int stride, const double *b, int n) {
+    double sum = first, terms = fabs(first);
+    for (int k = 0; k < n; k++) {
+        sum += a[k * stride] * b[k];
+        terms += fabs(a[k * stride] * b[k]);
+    }
+    x->sum = fmax(x->sum, isfinite(sum) ? fabs(sum) : HUGE_VAL);
+    x->largest = fmax(x->largest, terms);
+}
+
+/* J a + gamma = 0, and tau + J' lambda = M a + c, which inverse dynamics gives. */
+static int check_constrained(struct check *c, struct states s, double bound) {
+    enum { MOST_ROWS = 24 };
+    const struct rbd_memory *memory = c->instance->worker[0].work;
+    rbd_constraints *set = memory->constraints[c->algorithm - CONSTRAINED];
+    const int nv = c->robot->nv, rows = rbd_constraint_rows(set);
+    const double *tau = s.tau;
+    double gamma[MOST_ROWS], *const a = c->result, *const lambda = a + nv, *const J = c->other;
+    struct vanishing motion = {0, 1e-3}, force = {0, 1e-3};
+    if (rows > MOST_ROWS || check_run(c, c->algorithm, s, a) != 0) return -1;
+    const struct states found = {s.q, s.v, a, s.tau};
+    if (check_run(c, ID, found, c->x) != 0) return -1;
+    const rbd_status status = rbd_constraint_jacobian(c->instance->model, set, s.q, s.v, J, gamma, NULL);
+    if (status != RBD_OK) return check_fail(c, rbd_status_string(status));
+    for (int k = 0; k < rows; k++) take_sum(&motion, gamma[k], J + k * nv, 1, a, nv);
+    for (int j = 0; j < nv; j++) take_sum(&force, tau[j] - c->x[j], J + j, nv, lambda, rows);
+    if (check_accept(c, "J a + gamma = 0", motion.sum / motion.largest, bound) != 0) return -1;
+    return check_accept(c, "tau + J' lambda = M a + c", force.sum / force.largest, bound);
+}
+
 /* ---- together ---- */
 
 int check_sample(struct check *c, struct states s, double condition) {
@@ -252,6 +290,8 @@ int check_sample(struct check *c, struct states s, double condition) {
         [REGRESSOR] = check_regressor,
         [ID_DERIVATIVES] = check_id_derivatives,
         [FD_DERIVATIVES] = check_fd_derivatives,
+        [CONSTRAINED] = check_constrained,
+        [CONSTRAINED_HAND] = check_constrained,
     };
     return checks[c->algorithm](c, s, bound_for(c->algorithm, condition));
 }
