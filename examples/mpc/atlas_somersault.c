@@ -1,7 +1,7 @@
 /* atlas_somersault.c - Atlas turns over in the air: it left the ground upright, turning at a rate that
-   would take it three quarters of the way round, and shall come down upright. Nothing touches it:
-   only its limbs can change how it turns. Iterative LQR finds that it has to fold itself up. Then the motion of
-   the joints is replayed with an integrator of order four: momentum is conserved. Prints tables for
+   would take it three quarters of the way round, and shall come down upright. Nothing touches it: only its
+   limbs can change how it turns. Iterative LQR finds that it has to fold itself up. Then the motion of the
+   joints is replayed with an integrator of order four: momentum is conserved. Prints tables for
    atlas_somersault.gp. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
