@@ -407,11 +407,12 @@ struct rbd_constraints {
    HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
-       rbd_aba                4697         56677     9627     19634
-       articulated bodies    @C8@        @C100@    @HYQ@     @ATL@
+       rbd_aba                4678         56842     9551     19579
+       articulated bodies    12627        170959    23257     36252
        factor of M           13623        983754    30183     49482
 
-   By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and z = D^-1 L^-T (tau - c):
+   By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
+   z = D^-1 L^-T (tau - c):
 
        Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be
        L a = z + D^-1 Y lambda
