@@ -2965,8 +2965,14 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         }
     }
 #else
-    rbdi_store_force(&w->F[l->first], stride, own);
-    RBDI_UNROLL for (int k = l->first; k < l->end; ++k)
+#ifdef RBD_SPECIALISE /* the same wait, where the compiler makes batches of the loop */
+    const int first = l->first + 1;
+    rbdi_store_force(&w->F[l->first], stride, rbdi_force_up(l, form, t, own));
+#else
+    const int first = l->first;
+    rbdi_store_force(&w->F[first], stride, own);
+#endif
+    RBDI_UNROLL for (int k = first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
