@@ -36,18 +36,20 @@ static rbd_status swing(const squares *s, int k, const double *q) {
     return status;
 }
 
+static int unbounded; /* what push costs holds everywhere: differences must not meet its kinks */
+
 /* Feet shall push with 30 N at least, and no steeper than the friction allows, with some reserve. */
 static void push(const squares *s, int k) {
     const double *f = s->l_z ? force[k] : tried[k];
     const double weight = 1e-2, least = 30, steepest = 0.9 * friction;
     for (int i = 2; i < ROWS; i += 3) {
         const double *up = force_z[k][i];
-        if (f[i] < least) squares_add(s, weight, f[i] - least, up, 0, NZ);
+        if (unbounded || f[i] < least) squares_add(s, weight, f[i] - least, up, 0, NZ);
         for (int side = 1; side <= 2; side++) {
-            const double along = f[i - side], sign = along < 0 ? -1 : 1;
+            const double along = f[i - side], sign = along < 0 && !unbounded ? -1 : 1;
             const double slip = sign * along - steepest * f[i];
             double by_z[NZ];
-            if (slip <= 0) continue;
+            if (slip <= 0 && !unbounded) continue;
             for (int j = 0; j < NZ; j++) by_z[j] = sign * force_z[k][i - side][j] - steepest * up[j];
             squares_add(s, weight, slip, by_z, 0, NZ);
         }
@@ -204,7 +206,9 @@ int main(int count, char **arguments) {
     prepare_feet();
     stand(goal, hold);
     plan();
-    const double error = ilqr_derivative_error(&s, scratch); /* at the end penalties may just set in */
+    unbounded = 1;
+    const double error = ilqr_derivative_error(&s, scratch);
+    unbounded = 0;
     s.tolerance = 1e-4;
     while (better && iterations < 60) {
         const double before = s.cost;
