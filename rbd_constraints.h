@@ -407,9 +407,9 @@ struct rbd_constraints {
    HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
-       rbd_aba                4678         56842     9551     19579
-       articulated bodies    12627        170959    23257     36252
-       factor of M           13623        983754    30183     49482
+       rbd_aba                4114         48297     9117     17680
+       articulated bodies    12066        163475    22460     33960
+       factor of M           13159        983754    29082     47475
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):

@@ -275,6 +275,25 @@ START_TEST(exact_rotations_stay_as_they_are) {
 }
 END_TEST
 
+/* Nor have the right angles between the joints of HyQ. */
+START_TEST(right_angles_between_joints_are_exact) {
+    const ref_model *hyq = NULL;
+    double q[MAX_Q], R[9];
+    for (int i = 0; i < reference_count; i++)
+        if (!strcmp(reference_model(i)->name, "hyq")) hyq = reference_model(i);
+    ck_assert_ptr_nonnull(hyq);
+    robot r = robot_build(hyq->name, hyq->bodies, hyq->nb);
+    ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    for (int i = 0; i < r.nb; i++) {
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, i, R, NULL), RBD_OK);
+        for (int k = 0; k < 9; k++)
+            ck_assert_msg(R[k] == 0 || R[k] == 1 || R[k] == -1, "body %d, entry %d: %.17g", i, k, R[k]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 static void same(const char *what, const double *found, const double *expected, int n) {
     ck_assert_msg(!(relative_error(found, expected, n) > 0), "%s", what);
 }
@@ -441,6 +460,7 @@ Suite *kinematics_suite(void) {
     tcase_add_test(c, kinetic_energy_is_that_of_the_mass_matrix);
     tcase_add_test(c, rounded_rotations_become_exact);
     tcase_add_test(c, exact_rotations_stay_as_they_are);
+    tcase_add_test(c, right_angles_between_joints_are_exact);
     tcase_add_test(c, missing_rates_are_zero);
     tcase_add_test(c, results_stay_until_the_next_kinematics);
     tcase_add_test(c, reading_before_kinematics_is_refused);
