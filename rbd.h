@@ -3538,7 +3538,7 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried, to link end - 1 and from first. */
+/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {
@@ -4845,7 +4845,7 @@ RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i,
     return rbdi_down(l, form, rbdi_trig_of(m, w, i, form), v);
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity s.omega is known already. */
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity s.omega is known. */
 RBDI_INLINE void rbdi_kin_form(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
                                int moving) {
     const rbdi_link *l = &m->link[i];

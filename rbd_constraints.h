@@ -402,9 +402,9 @@ struct rbd_constraints {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
-   with the squares of the rows that pass a link together. Models with mimic joints, and derivatives, go by the
-   factor of M, which costs the squares of the paths as well. Chains that a ball joint closes every fourth link,
-   HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
+   with the squares of the rows that pass a link together. Models with mimic joints, and derivatives, go by
+   the factor of M, which costs the squares of the paths as well. Chains that a ball joint closes every fourth
+   link, HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                4114         48297     9117     17680
@@ -1374,7 +1374,7 @@ static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c,
     return rbdi_constrained_status(m, c, status, lambda);
 }
 
-/* Velocities, poses and bias wrenches of the links, and what starts from constraints: wrenches, gamma, J v. */
+/* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;

@@ -200,8 +200,8 @@ static void chain_of(int n, uint64_t *seed, rbd_body *bodies) {
     }
 }
 
-/* Loops between links a few apart, next to each other and around each other, over branches too; now and then one
-   again, to the world, or with all axes held. */
+/* Loops between links a few apart, next to each other and around each other, over branches too; now and then
+   one again, to the world, or with all axes held. */
 static int loops_of(int n, uint64_t *seed, rbd_constraint *list, int most) {
     int count = 0;
     for (int i = 3; i < n && count + 2 < most; i += 1 + below(seed, 6)) {
