@@ -2453,7 +2453,6 @@ RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3
 /* omega x r, for the parent-side shift r. */
 RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
     rbdi_v3 y;
-    if (!(form & RBDI_SHIFT_R)) return rbdi_vec0();
     y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (form & RBDI_SHIFT_XYZ) {
         y.x = omega.y * l->r.z - omega.z * l->r.y;
@@ -6053,13 +6052,12 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle in (-pi, pi] of a point on the unit circle; as rbdi_signed_angle, in the build's arithmetic. */
+/* Angle of a point on the unit circle, c >= 0; as rbdi_signed_angle, in the build's arithmetic. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), cosine = rbdi_w_abs(c), t = sine / (1 + cosine);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int k = 0; k < 4; ++k)
         angle += sine * RBDI_WIDE_LIBM(cos)(angle) - cosine * RBDI_WIDE_LIBM(sin)(angle);
-    if (c < 0) angle = RBDI_PI(rbdi_wide) - angle;
     return s < 0 ? -angle : angle;
 }
 
