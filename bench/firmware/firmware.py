@@ -91,7 +91,7 @@ def build(target, folder, scalars, codegen):
         family = "riscv.ini" if is_riscv(target) else "arm.ini"
         output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
                   CROSS / (target + ".ini"), "--cross-file", CROSS / family, "-Dfirmware_scalars=" + ",".join(scalars),
-                  "-Dcodegen=" + str(codegen or ""), folder, ROOT)
+                  "-Dcodegen=" + (str(codegen.absolute()) if codegen else ""), folder, ROOT)
     output_of("ninja", "-C", folder, "--quiet")
 
 
