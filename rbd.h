@@ -342,6 +342,7 @@ extern "C" {
 #define rbd_batch_size RBDI_OF_SCALAR(rbd_batch_size)
 #define rbd_batch_init RBDI_OF_SCALAR(rbd_batch_init)
 #define rbd_batch_set_gravity RBDI_OF_SCALAR(rbd_batch_set_gravity)
+#define rbd_batch_set_layout RBDI_OF_SCALAR(rbd_batch_set_layout)
 #define rbd_batch_rnea RBDI_OF_SCALAR(rbd_batch_rnea)
 #define rbd_batch_bias RBDI_OF_SCALAR(rbd_batch_bias)
 #define rbd_batch_crba RBDI_OF_SCALAR(rbd_batch_crba)
@@ -856,6 +857,20 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 
 typedef struct rbd_batch rbd_batch; /* scratch of one thread */
 
+/* How the states of a batch call's arrays, inputs and results alike, stand in memory. Rows are transposed on
+   the way in and out; who can keep his data in blocks saves that. With L = rbd_batch_lanes(), blocks of L
+   states follow each other, in each the L values of a component: component k of state s, of width many (nq,
+   nv, 6 nb, nv nv, ...), is
+
+       x[(s / L * width + k) * L + s % L]
+
+   An array has room for ceil(n / L) whole blocks; what stands in the last one beyond the n-th state is neither
+   read nor written. Arrays at multiples of L * sizeof(RBD_REAL) bytes are quickest. */
+typedef enum rbd_layout {
+    RBD_ROWS,  /* a state after the other: component k of state s is x[s * width + k] */
+    RBD_BLOCKS /* lane by lane, as above */
+} rbd_layout;
+
 RBDI_EXTERN_C_BEGIN
 RBD_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
 
@@ -863,6 +878,10 @@ RBD_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
 RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m);
 RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
 RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
+
+/* The layout of all arrays of the calls that follow, RBD_ROWS after rbd_batch_init. Results are the same bits
+   in both. Error: RBD_ERR_NULL. */
+RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
 
 /* As the calls without _batch, for n states. */
 RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
@@ -7096,6 +7115,7 @@ struct rbd_batch {
     rbd_work *w;
     rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
     int state, dof;                  /* first singular state of the last call, -1 = none */
+    rbd_layout layout;
 };
 
 /* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
@@ -7104,7 +7124,8 @@ typedef struct rbdi_task {
     const RBD_REAL *in[RBDI_ARGUMENTS];
     RBD_REAL *out[RBDI_ARGUMENTS];
     int width[RBDI_ARGUMENTS];
-    rbd_real *x[RBDI_ARGUMENTS], *y[RBDI_ARGUMENTS];
+    const rbd_real *x[RBDI_ARGUMENTS];
+    rbd_real *y[RBDI_ARGUMENTS];
     rbd_work *w;
     void *more; /* what else the call needs */
 } rbdi_task;
@@ -7201,6 +7222,53 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
     }
 }
 
+/* The same of a block, which is in lanes already. */
+static void rbdi_gather_block(const RBD_REAL *block, int width, int rest, rbd_real *x) {
+    for (int k = 0; k < width; ++k, block += RBD_LANES)
+        if (rest >= RBD_LANES)
+            x[k] = *(const rbdi_lane_row *)block;
+        else
+            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = block[s < rest ? s : rest - 1];
+}
+static void rbdi_scatter_block(const rbd_real *x, int width, int count, RBD_REAL *block) {
+    for (int k = 0; k < width; ++k, block += RBD_LANES)
+        if (count == RBD_LANES)
+            *(rbdi_lane_row *)block = x[k];
+        else
+            for (int s = 0; s < count; ++s) block[s] = x[k][s];
+}
+
+/* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
+static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
+    return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
+}
+
+/* The inputs of the states from s on, in lanes. */
+static void rbdi_task_gather(rbdi_task *t, const rbd_batch *b, const int *width, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width[k] : NULL;
+        const int usable = !x || rbdi_usable(b, x, rest);
+        t->x[k] = usable ? (const rbd_real *)x : b->x[k];
+        if (!usable) (b->layout == RBD_BLOCKS ? rbdi_gather_block : rbdi_gather)(x, width[k], rest, b->x[k]);
+    }
+}
+
+/* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
+   them. */
+static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        t->y[k] = !out || rbdi_usable(b, out, rest) ? (rbd_real *)out : y;
+    }
+}
+static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        if ((RBD_REAL *)t->y[k] == out) continue;
+        (b->layout == RBD_BLOCKS ? rbdi_scatter_block : rbdi_scatter)(t->y[k], t->width[k], count, out);
+    }
+}
+
 /* Notes the first of these states that is singular. */
 static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
@@ -7216,22 +7284,16 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
     if (result) return result;
     t->w = b->w;
     b->state = b->dof = -1;
-    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
-        t->x[k] = t->in[k] ? b->x[k] : NULL;
-        t->y[k] = t->out[k] ? y : NULL;
-    }
-    for (int s = 0, count; s < n; s += count) {
+    for (int s = 0; s < n; s += RBD_LANES) {
+        const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbd_status status;
-        count = n - s < RBD_LANES ? n - s : RBD_LANES;
-        for (int k = 0; k < RBDI_ARGUMENTS; ++k)
-            if (t->x[k]) rbdi_gather(t->in[k] + (size_t)s * (size_t)width[k], width[k], n - s, t->x[k]);
+        rbdi_task_gather(t, b, width, s, n - s);
+        rbdi_task_aim(t, b, y, s, n - s);
         status = call(m, t);
         if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
             return status;
         if (status) rbdi_note_singular(m, b, s, count), result = status;
-        for (int k = 0; k < RBDI_ARGUMENTS; ++k)
-            if (t->y[k])
-                rbdi_scatter(t->y[k], t->width[k], count, t->out[k] + (size_t)s * (size_t)t->width[k]);
+        rbdi_task_scatter(t, b, s, count);
     }
     return result;
 }
@@ -7279,6 +7341,7 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     b->x[3] = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
     b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
     b->state = b->dof = -1;
+    b->layout = RBD_ROWS;
     status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
     if (!status) *batch = b;
     return status;
@@ -7286,6 +7349,12 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
 
 RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
     return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
+}
+
+RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
+    if (!b) return RBD_ERR_NULL;
+    b->layout = layout;
+    return RBD_OK;
 }
 
 static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {

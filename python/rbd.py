@@ -505,7 +505,8 @@ class _Call:
         if self.outputs:
             text += ["gives", *lines(self.outputs)]
         if self.batch:
-            text += ["For n states give each array n times, one after the other along a first axis."]
+            text += ["For n states give each array n times, one after the other along a first axis; or blocks of",
+                     "as many as the library has lanes, along a first and a last axis: these are not transposed."]
         return "\n".join(text)
 
 
@@ -556,7 +557,7 @@ class _Bound:
                 else:
                     if (type(value) is not np.ndarray or value.dtype is not view.dtype
                             or value.shape != view.shape):
-                        if view is self.first and np.ndim(value) == view.ndim + 1:
+                        if view is self.first and 0 < np.ndim(value) - view.ndim < 3:
                             return self._batch(values)
                         value = _numbers(self.call.name, name, value, view.shape, view.dtype)
                     view[...] = value
@@ -603,7 +604,8 @@ class _Bound:
             raise
 
     def _batch(self, values):
-        """The same for n states, whose arrays C reads where they are."""
+        """The same for n states, whose arrays C reads where they are: rows, or blocks of as many as there are
+        lanes, which stand along a last axis."""
         call, owner = self.call, self.owner
         n, dtype = np.shape(values[0])[0], owner.library.dtype
         shapes = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
@@ -611,13 +613,25 @@ class _Bound:
             first = call.inputs[0]
             raise ValueError(f"{call.name}: {first} must have the shape {shapes[first]}, not "
                              f"{np.shape(values[0])}: this call takes one state at a time")
+        blocks = np.ndim(values[0]) == self.first.ndim + 2
+        shapes = {name: (n, *shape, owner.library.lanes) if blocks else (n, *shape)
+                  for name, shape in shapes.items()}
         inputs = [None if value is None and name in call.optional else
-                  _numbers(call.name, name, value, (n, *shapes[name]), dtype)
+                  _numbers(call.name, name, value, shapes[name], dtype)
                   for name, value in zip(call.inputs, values)]
         outputs = {name: None if flag is not None and (values[flag] is None or values[flag] is False) else
-                   np.zeros((n, *shapes[name]), dtype) for name, flag in zip(call.outputs, call.flags)}
+                   np.zeros(shapes[name], dtype) for name, flag in zip(call.outputs, call.flags)}
         memory = ["batch" if kind == "work" else f"batch_{kind}" for kind in call.memory]
-        return owner._run(f"batch_{call.name}", memory, [n, *inputs], outputs, call.results)
+        if not blocks:
+            return owner._run(f"batch_{call.name}", memory, [n, *inputs], outputs, call.results)
+        with owner._lock:
+            layout = functools.partial(owner.library.call, "batch_set_layout", owner._address("batch"))
+            layout(1)
+            try:
+                return owner._run(f"batch_{call.name}", memory, [n * owner.library.lanes, *inputs], outputs,
+                                  call.results)
+            finally:
+                layout(0)
 
 
 class _Owner:

@@ -710,6 +710,128 @@ START_TEST(singular_state_is_of_the_last_call) {
 }
 END_TEST
 
+/* ---- layouts ---- */
+
+/* An array of whole blocks for n states, some numbers beyond a multiple of 64 bytes. */
+typedef struct blocks {
+    int n, width, size; /* size: with what stands beyond the states */
+    RBD_REAL *x;
+    void *memory;
+} blocks;
+
+static RBD_REAL *entry(const blocks *b, int s, int k) {
+    return &b->x[(s / BATCH_LANES * b->width + k) * BATCH_LANES + s % BATCH_LANES];
+}
+
+static blocks blocks_of(const RBD_REAL *rows, int n, int width, int offset, RBD_REAL elsewhere) {
+    blocks b = {.n = n, .width = width, .size = (n / BATCH_LANES + 2) * BATCH_LANES * width};
+    b.memory = allocate((size_t)(b.size + offset) * sizeof(RBD_REAL) + 64);
+    b.x = (RBD_REAL *)(((uintptr_t)b.memory + 63) / 64 * 64) + offset;
+    for (int i = 0; i < b.size; i++) b.x[i] = elsewhere;
+    for (int s = 0; rows && s < n; s++)
+        for (int k = 0; k < width; k++) *entry(&b, s, k) = rows[s * width + k];
+    return b;
+}
+
+/* The rows' bits, and nothing written beyond them. */
+static void expect_blocks(const robot *r, call c, blocks *b, const RBD_REAL *rows) {
+    for (int s = 0; s < b->n; s++)
+        for (int k = 0; k < b->width; k++) {
+            ck_assert_msg(memcmp(entry(b, s, k), &rows[s * b->width + k], sizeof(RBD_REAL)) == 0,
+                          "%s: %s, state %d of %d, component %d differs between rows and blocks",
+                          call_name[c], r->name, s, b->n, k);
+            *entry(b, s, k) = canary;
+        }
+    for (int i = 0; i < b->size; i++)
+        ck_assert_msg(b->x[i] == canary, "%s: %s: writes beyond %d states in blocks", call_name[c], r->name,
+                      b->n);
+}
+
+/* A call on n states in rows and in blocks: the same bits, and errors. Where there is no state stands no
+   number. */
+static void expect_same_in_blocks(const robot *r, call c, int n, const states *x, int offset) {
+    int width[PARTS], state[2], dof[2];
+    RBD_REAL *rows[PARTS] = {NULL, NULL, NULL, NULL}, *out[PARTS] = {NULL, NULL, NULL, NULL};
+    blocks found[PARTS],
+        in[5] = {blocks_of(x->q, n, r->nq, offset, NAN), blocks_of(x->v, n, r->nv, offset, NAN),
+                 blocks_of(x->a, n, r->nv, offset, NAN), blocks_of(x->tau, n, r->nv, offset, NAN),
+                 blocks_of(x->f_ext, n, 6 * r->nb, offset, NAN)};
+    const states y = {in[0].x, in[1].x, in[2].x, in[3].x, x->f_ext ? in[4].x : NULL};
+    parts_of(r, c, width);
+    for (int k = 0; k < PARTS; k++) {
+        found[k] = blocks_of(NULL, n, width[k], offset, canary);
+        if (k == 0 || width[k]) rows[k] = numbers(n, width[k]), out[k] = found[k].x;
+    }
+    const rbd_status status = run_parts(r, c, n, x, rows);
+    state[0] = rbd_batch_singular(r->b, &dof[0]);
+    ck_assert_int_eq(rbd_batch_set_layout(r->b, RBD_BLOCKS), RBD_OK);
+    ck_assert_int_eq(run_parts(r, c, n, &y, out), status);
+    state[1] = rbd_batch_singular(r->b, &dof[1]);
+    ck_assert_int_eq(rbd_batch_set_layout(r->b, RBD_ROWS), RBD_OK);
+    ck_assert_int_eq(state[1], state[0]);
+    ck_assert_int_eq(dof[1], dof[0]);
+    for (int k = 0; k < PARTS; k++) {
+        if (rows[k]) expect_blocks(r, c, &found[k], rows[k]);
+        free(rows[k]);
+        free(found[k].memory);
+    }
+    for (int k = 0; k < LENGTH(in); k++) free(in[k].memory);
+}
+
+/* No state, a block that is not full, one that is, and several; where lanes may stand and where not. */
+static void check_blocks(const robot *r) {
+    const int counts[4] = {0, 1, BATCH_LANES, FEW};
+    states x = states_draw(r, FEW), alone = x;
+    alone.f_ext = NULL;
+    for (call c = RNEA; c < CALLS; c++)
+        for (int i = 0; i < LENGTH(counts); i++)
+            for (int offset = 0; offset < 2; offset++)
+                expect_same_in_blocks(r, c, counts[i], offset ? &alone : &x, offset);
+    states_free(&x);
+}
+
+START_TEST(blocks_give_the_bits_of_rows) { for_robots(check_blocks); }
+END_TEST
+
+/* Each state alone is singular in one of two ways. */
+START_TEST(blocks_name_the_singular_state_of_rows) {
+    trap t = gimbals();
+    for (int i = 0; i < FEW; i++) {
+        states x = states_draw(&t.r, FEW);
+        x.q[i * t.r.nq + t.lock[i & 1]] = (RBD_REAL)t.value;
+        for (call c = ABA; c < CALLS; c++) expect_same_in_blocks(&t.r, c, FEW, &x, 0);
+        states_free(&x);
+    }
+    release(&t.r);
+}
+END_TEST
+
+/* As output_may_be_an_input, where the call works on the caller's memory itself. */
+START_TEST(output_may_be_an_input_in_blocks) {
+    robot r = build_reference(reference_model(2));
+    const call calls[2] = {RNEA, ABA};
+    for (int i = 0; i < LENGTH(calls); i++) {
+        states x = states_draw(&r, FEW);
+        RBD_REAL *apart = numbers(FEW, r.nv), *const in = calls[i] == RNEA ? x.a : x.tau;
+        blocks q = blocks_of(x.q, FEW, r.nq, 0, NAN), v = blocks_of(x.v, FEW, r.nv, 0, NAN),
+               both = blocks_of(in, FEW, r.nv, 0, canary), f = blocks_of(x.f_ext, FEW, 6 * r.nb, 0, NAN);
+        const states y = {q.x, v.x, both.x, both.x, f.x};
+        ck_assert_int_eq(run_batch(&r, calls[i], FEW, &x, apart), RBD_OK);
+        ck_assert_int_eq(rbd_batch_set_layout(r.b, RBD_BLOCKS), RBD_OK);
+        ck_assert_int_eq(run_batch(&r, calls[i], FEW, &y, both.x), RBD_OK);
+        ck_assert_int_eq(rbd_batch_set_layout(r.b, RBD_ROWS), RBD_OK);
+        expect_blocks(&r, calls[i], &both, apart);
+        free(apart);
+        free(q.memory);
+        free(v.memory);
+        free(both.memory);
+        free(f.memory);
+        states_free(&x);
+    }
+    release(&r);
+}
+END_TEST
+
 /* ---- arguments and memory ---- */
 
 START_TEST(null_arguments_are_refused) {
@@ -739,6 +861,7 @@ START_TEST(null_arguments_are_refused) {
     const rbd_const gravity[3] = {0, 0, 0};
     ck_assert_int_eq(rbd_batch_set_gravity(NULL, gravity), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_batch_set_gravity(r.b, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_set_layout(NULL, RBD_BLOCKS), RBD_ERR_NULL);
     const size_t size = rbd_batch_size(r.m);
     ck_assert_uint_eq(rbd_batch_size(NULL), 0);
     ck_assert_int_eq(rbd_batch_init(NULL, r.memory[2], size, &r.b), RBD_ERR_NULL);
@@ -986,6 +1109,9 @@ int main(int argc, char **argv) {
     tcase_add_test(c, first_singular_state_is_named_and_the_others_stand);
     tcase_add_test(c, singular_state_is_of_the_last_call);
     tcase_add_test(c, contradictions_are_told);
+    tcase_add_test(c, blocks_give_the_bits_of_rows);
+    tcase_add_test(c, blocks_name_the_singular_state_of_rows);
+    tcase_add_test(c, output_may_be_an_input_in_blocks);
     tcase_add_test(c, null_arguments_are_refused);
     tcase_add_test(c, outputs_may_be_left_out);
     tcase_add_test(c, model_of_another_version_is_refused);

@@ -51,6 +51,7 @@ ELSEWHERE = {
     "rbd_constraint_rank": "Constraints.rank",
     "rbd_nb": "Model.nb", "rbd_nq": "Model.nq", "rbd_nv": "Model.nv",
     "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
+    "rbd_batch_set_layout": "the arrays' shape",
     "rbd_constraint_finding_text": "Constraints",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
 }
@@ -271,6 +272,25 @@ def test_any_array_of_numbers_will_do(iiwa):
         found = iiwa.rnea(Q, np.ones((5, 7)), np.full((5, 7), 2))
         np.testing.assert_allclose(found, np.repeat(expected[None], 5, 0), rtol=1e-12)
     assert iiwa.rnea(np.zeros((0, 7)), np.zeros((0, 7)), np.zeros((0, 7))).shape == (0, 7)
+
+
+def test_blocks_of_lanes_are_not_transposed(iiwa):
+    lanes = iiwa.library.lanes
+    rows = [iiwa.random(8, n=3 * lanes), *np.random.default_rng(1).uniform(-2, 2, (2, 3 * lanes, 7))]
+    f = np.random.default_rng(2).uniform(-9, 9, (3 * lanes, iiwa.nb, 6))
+
+    def blocks(x):
+        return np.moveaxis(x.reshape(3, lanes, *x.shape[1:]), 1, -1)
+
+    constraints = iiwa.constraints([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
+    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
+                         (iiwa.rnea_derivatives, rows), (constraints.constrained_fd, rows)):
+        expected, found = call(*inputs), call(*map(blocks, inputs))
+        for x, y in zip(*[[r] if isinstance(r, np.ndarray) else r for r in (expected, found)]):
+            np.testing.assert_array_equal(blocks(x), y)
+        np.testing.assert_array_equal(call(*inputs)[0], expected[0])  # and the rows after them are rows
+    with pytest.raises(ValueError, match="rnea: q must have the shape"):
+        iiwa.rnea(*np.zeros((3, 2, 7, lanes + 1)))
 
 
 def test_results_are_arrays_of_their_own(iiwa):
