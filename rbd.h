@@ -850,21 +850,21 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
        #include "rbd.h"
 
    All other files include rbd.h as ever. In every call n states stand one after the other (unless
-   rbd_batch_set_layout says otherwise): q is n x nq, v, a, tau n x nv, f_ext n x nb x 6 or NULL, M n x nv x nv,
-   H n x rbd_packed_size(m); n may be any number, and with n <= 0 nothing is done.
+   rbd_batch_set_layout says otherwise): q is n x nq, v, a, tau n x nv, f_ext n x nb x 6 or NULL,
+   M n x nv x nv, H n x rbd_packed_size(m); n may be any number, and with n <= 0 nothing is done.
    Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
    states' results stand, and rbd_batch_singular names the first that is singular. */
 
 typedef struct rbd_batch rbd_batch; /* scratch of one thread */
 
-/* How the states stand in the arrays of a batch call, inputs and results alike. Rows are transposed on the way
-   in and out; blocks are not. A block holds L = rbd_batch_lanes() states lane by lane: component k of state s
-   of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
+/* How the states stand in the arrays of a batch call, inputs and results alike. Rows are transposed on the
+   way in and out; blocks are not. A block holds L = rbd_batch_lanes() states lane by lane: component k of
+   state s of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
 
        x[(s / L * width + k) * L + s % L]
 
-   An array is of whole blocks, n / L rounded up; beyond the n-th state nothing is read or written. Quickest at
-   an address that L * sizeof(RBD_REAL) divides. */
+   An array is of whole blocks, n / L rounded up; beyond the n-th state nothing is read or written. Quickest
+   at an address that L * sizeof(RBD_REAL) divides. */
 typedef enum rbd_layout {
     RBD_ROWS,  /* x[s * width + k] */
     RBD_BLOCKS /* as above */
