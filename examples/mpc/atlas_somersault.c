@@ -2,7 +2,8 @@
    would take it three quarters of the way round, and shall come down upright. Nothing touches it: only its
    limbs can change how it turns. Iterative LQR finds that it has to fold itself up. Then the motion of the
    joints is replayed with an integrator of order four: momentum is conserved. Prints tables for
-   atlas_somersault.gp. SPDX-License-Identifier: MIT */
+   atlas_somersault.gp; with --times what an iteration takes, in parts. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 
@@ -12,6 +13,7 @@
 #include "atlas_flight.h"
 #include "check.h"
 #include "squares.h"
+#include "times.h"
 
 enum { N = 40, SUBSTEPS = 20 };
 
@@ -178,7 +180,7 @@ static outcome replay(void) {
     return o;
 }
 
-int main(void) {
+int main(int count, char **arguments) {
     static double scratch[2 * (NQ + 2 * NV + NU)];
     double v[NV], beyond = 0, torque = 0;
     int iterations = 0, better = 1, falling = 1;
@@ -199,6 +201,10 @@ int main(void) {
             beyond = fmax(beyond, fmax(limits[i].lower - x, x - limits[i].upper));
             torque = fmax(torque, fabs(s.u[k * NU + i]) / limits[i].effort);
         }
+    if (count > 1 && strcmp(arguments[1], "--times") == 0) {
+        ilqr_print_times(&s, "the somersault");
+        return EXIT_SUCCESS;
+    }
     const outcome o = replay();
     fprintf(stderr, "the cost fell in each iteration, fewer than 120: %s\n",
             falling && !better ? "yes" : "no");

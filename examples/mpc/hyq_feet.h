@@ -18,7 +18,8 @@ enum {
     NZ = ILQR_NZ(NV, NU),
     FEET = 4,
     ROWS = 3 * FEET,
-    MOST_KNOTS = 120
+    MOST_KNOTS = 120, /* of the horizon */
+    SCHEDULE = 400    /* knots of which it is known who stands */
 };
 
 typedef enum phase { STAND, FLY, IMPACT } phase; /* an impact takes no time */
@@ -31,7 +32,8 @@ static const double toe[3] = {0.33, 0, 0};
 static rbd_work *w;
 static rbd_derivatives *d;
 static rbd_constraints *feet;
-static phase phases[MOST_KNOTS];
+static phase schedule[SCHEDULE];
+static const phase *phases = schedule; /* from the horizon's beginning on */
 static double tried[MOST_KNOTS][ROWS]; /* forces under the feet by the last steps; */
 static double force[MOST_KNOTS][ROWS], force_z[MOST_KNOTS][ROWS][NZ]; /* those of the trajectory that was
                                         linearised last; of an impact its impulse over one tick, N */

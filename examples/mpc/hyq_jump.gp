@@ -18,7 +18,7 @@ set xrange [-0.65:9.55]
 set yrange [-0.2:0.9]
 set size ratio -1
 set arrow 1 from -0.65, 0 to 9.55, 0 nohead lc "gray50"
-times = "0 0.24 0.30 0.48 0.66 0.75 1.00"
+times = "0 0.24 0.30 0.48 0.66 0.75 1.49"
 do for [i = 1:7] { set label i word(times, i) . " s" at 1.42 * (i - 1) + 0.08 * (i - 1), -0.13 center }
 plot csv index 1 using 1:($3 == 2 ? $2 : NaN) with lines lw 3 lc "gray60" notitle, \
      "" index 1 using 1:($3 == 0 ? $2 : NaN) with filledcurves closed fc "0x4682b4" notitle, \
@@ -31,8 +31,8 @@ set tics
 set grid
 set lmargin at screen 0.08
 set rmargin at screen 0.98
-set xrange [0:1]
-set yrange [*:*]
+set xrange [0:1.5]
+set yrange [-0.1:1]
 
 # What happens by time.
 first = 0.56; height = 0.205
@@ -40,15 +40,22 @@ set format x ""
 set ylabel "m" offset 1
 set bmargin at screen first
 set tmargin at screen first + height
-set key top left
-plot csv index 0 every ::1 using 1:2 with lines lw 2 lc "black" title "trunk's height"
+set key top right
+set arrow 2 from 0.4, graph 0.72 to 0.5, graph 0.72 heads size 0.01, 90 lw 2 lc 2
+set label 2 "pushed" at 0.41, graph 0.8 tc lt 2
+plot csv index 0 every ::1 using 1:3 with lines dt 2 lc "black" title "trunk's height, as planned at first", \
+     csv index 0 every ::1 using 1:2 with lines lw 2 lc "black" title "trunk's height", \
+     csv index 0 every ::1 using 1:4 with lines lw 2 lc 2 title "trunk to the left"
+unset arrow 2
+unset label 2
 
 set bmargin at screen first - 0.23
 set tmargin at screen first - 0.23 + height
 set ylabel "N"
-set key top center
+set yrange [*:*]
+set key at graph 0.445, 0.95
 names = "'left fore foot' 'right fore foot' 'left hind foot' 'right hind foot'"
-plot for [c = 3:6] csv index 0 every ::1 using 1:c with lines lw 2 title word(names, c - 2) . ", force up"
+plot for [c = 5:8] csv index 0 every ::1 using 1:c with lines lw 2 title word(names, c - 4) . ", force up"
 
 set bmargin at screen first - 0.46
 set tmargin at screen first - 0.46 + height
@@ -56,6 +63,7 @@ set format x "%g"
 set xlabel "time, s"
 set ylabel "torque over 150 N m"
 set yrange [-1.1:1.1]
+set key at graph 0.445, 0.95
 kinds = "'hips, sideways' 'hips, fore and aft' knees"
-plot for [c = 7:18] csv index 0 every ::1 using 1:c with lines lw 1.5 lc (c - 3) / 4 \
-     title c % 4 == 3 ? word(kinds, (c - 3) / 4) : ""
+plot for [c = 9:20] csv index 0 every ::1 using 1:c with lines lw 1.5 lc (c - 5) / 4 \
+     title c % 4 == 1 ? word(kinds, (c - 5) / 4) : ""
