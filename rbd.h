@@ -3294,14 +3294,17 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
     return omega;
 }
 
-RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v) {
+/* keep: each link's omega, in its kin. */
+RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
         RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        if (keep) w->kin[i].state.omega = omega;
+    }
 }
 
 RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
-    rbdi_aba_velocities(m, w, v);
+    rbdi_aba_velocities(m, w, v, 0);
 }
 
 /* U = IA S. */
@@ -3540,19 +3543,35 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     const int apart = form & RBDI_APART;
     if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
-    if (rbdi_block_link(l, form))
-        rbdi_aba_up_block(m, w, i, tau, IA, pA, doubt);
-    else
+    if (rbdi_block_link(l, form)) { /* copies, so that the other forms keep theirs in registers */
+        rbdi_abi copy_IA = *IA;
+        rbdi_force copy_pA = *pA;
+        rbdi_mask copy_doubt = *doubt;
+        rbdi_aba_up_block(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
+        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
+    } else {
         rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
+    }
     if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
+}
+
+/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
+RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
+                                      int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
+                                      rbdi_mask *any_doubt) {
+    rbdi_abi IA = *carried_IA;
+    rbdi_force pA = *carried_pA;
+    rbdi_mask doubt = *any_doubt;
+    RBDI_UNROLL for (int i = end - 1; i >= first; --i)
+        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+    *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }
 
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+    rbdi_aba_pass2_links(m, w, tau, 0, m->nl, &IA, &pA, &doubt);
     return doubt;
 }
 
@@ -3660,12 +3679,18 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
     return y;
 }
 
-RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
-    rbdi_motion world = rbdi_motion0(), y;
-    world.v = rbdi_world_state(w->gravity).acc;
-    y = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+/* Pass 3 of the links first .. end - 1; y: of the link before them, comes back as that of the last. */
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
+                                             rbdi_motion world, rbdi_motion y, rbd_real *a) {
+    RBDI_UNROLL for (int i = first; i < end; ++i)
         RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
+    return y;
+}
+
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
+    rbdi_motion world = rbdi_motion0();
+    world.v = rbdi_world_state(w->gravity).acc;
+    (void)rbdi_aba_pass3_links(m, w, 0, m->nl, world, world, a);
 }
 
 /* ---- hybrid dynamics [hybrid] ----
@@ -4740,7 +4765,7 @@ RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q
         doubt = rbdi_rigid_up_all(m, w, &held, w->bias, a, tau);
         rbdi_rigid_down_all(m, w, w->bias, tau);
     } else {
-        rbdi_aba_velocities(m, w, v);
+        rbdi_aba_velocities(m, w, v, 0);
         rbdi_external(m, w, f_ext);
         doubt = rbdi_hybrid_pass2(m, w, &held, tau);
         rbdi_hybrid_pass3(m, w, &held, a, tau);
@@ -4830,45 +4855,56 @@ RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
-RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 v) {
+/* A vector of the parent's in the axes of link i; form: -1 = a block. */
+RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_v3 v) {
     const rbdi_link *l = &m->link[i];
-    if (l->kind == RBDI_BLOCK) return rbdi_mul(w->block[l->block].X.E, v);
-    return rbdi_down(l, l->flags, rbdi_trig_of(m, w, i, l->flags), v);
+    if (form < 0) return rbdi_mul(w->block[l->block].X.E, v);
+    return rbdi_down(l, form, rbdi_trig_of(m, w, i, form), v);
 }
 
-/* World pose of link i and velocity of its origin; its angular velocity s.omega is known. */
-static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v) {
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity s.omega is known. */
+RBDI_INLINE void rbdi_kin_form(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+                               int moving) {
     const rbdi_link *l = &m->link[i];
     rbdi_kin *k = &w->kin[i];
-    const rbdi_v3 wi = k->state.omega;
-    rbdi_v3 r = l->kind == RBDI_BLOCK ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z;
+    rbdi_v3 r = form < 0 ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z, u = rbdi_vec0();
     x = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
     y = rbdi_cycle(rbdi_cycle(x)), z = rbdi_cycle(x);
-    k->v = rbdi_vec0();
     if (l->parent >= 0) {
         const rbdi_kin *up = &w->kin[l->parent];
         x = rbdi_vec(up->R.xx, up->R.xy, up->R.xz);
         y = rbdi_vec(up->R.yx, up->R.yy, up->R.yz);
         z = rbdi_vec(up->R.zx, up->R.zy, up->R.zz);
-        p = rbdi_add(up->p, rbdi_mul(up->R, r));
-        k->v = rbdi_down_link(m, w, i, rbdi_add(up->v, rbdi_cross(up->state.omega, r)));
+        p = rbdi_scale(r.x, rbdi_vec(x.x, y.x, z.x));
+        if (form < 0 || (form & RBDI_SHIFT_XYZ)) p = rbdi_mul(up->R, r);
+        p = rbdi_add(up->p, p);
+        if (moving) u = rbdi_down_link(m, w, i, form, rbdi_add(up->v, rbdi_cross(up->state.omega, r)));
     }
-    x = rbdi_down_link(m, w, i, x); /* rows of R_parent E' */
-    y = rbdi_down_link(m, w, i, y);
-    z = rbdi_down_link(m, w, i, z);
+    x = rbdi_down_link(m, w, i, form, x); /* rows of R_parent E' */
+    y = rbdi_down_link(m, w, i, form, y);
+    z = rbdi_down_link(m, w, i, form, z);
     k->R.xx = x.x, k->R.xy = x.y, k->R.xz = x.z;
     k->R.yx = y.x, k->R.yy = y.y, k->R.yz = y.z;
     k->R.zx = z.x, k->R.zy = z.y, k->R.zz = z.z;
-    if (l->kind == RBDI_BLOCK) {
-        k->v = rbdi_add(k->v, rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-    } else {
-        rbd_real d = rbdi_trig_of(m, w, i, l->flags).d;
+    if (form < 0) {
+        u = rbdi_add(u, rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
+    } else if (form & (RBDI_SHIFT_Z | RBDI_SLIDES)) {
+        const rbd_real d = rbdi_trig_of(m, w, i, form).d;
         p = rbdi_add(p, rbdi_scale(d, rbdi_vec(x.z, y.z, z.z)));
-        k->v.x = k->v.x + d * wi.y;
-        k->v.y = k->v.y - d * wi.x;
-        if (l->kind == RBDI_SCREW) k->v.z = k->v.z + v[l->iv] * l->kappa;
+        u.x = u.x + d * k->state.omega.y;
+        u.y = u.y - d * k->state.omega.x;
+        if (form & RBDI_SLIDES) u.z = u.z + v[l->iv] * l->kappa;
     }
     k->p = p;
+    if (moving) k->v = u;
+}
+
+static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving) {
+    const rbdi_link *l = &m->link[i];
+    if (l->kind == RBDI_BLOCK)
+        rbdi_kin_form(m, w, i, -1, v, moving);
+    else
+        RBDI_BY_FORM(form, l, rbdi_kin_form(m, w, i, form, v, moving));
 }
 
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -4884,7 +4920,7 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
         w->kin[i].state = s;
-        rbdi_kin_link(m, w, i, v);
+        rbdi_kin_link(m, w, i, v, 1);
     }
     *w->rotors = rbdi_zero();
     for (int k = 0; k < m->nv + m->nmimic; ++k)

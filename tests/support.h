@@ -30,6 +30,7 @@ typedef struct robot {
 
 /* Builds and fails the test if the library refuses. The bodies must stay. */
 robot robot_build(const char *name, const rbd_body *bodies, int nb);
+robot robot_build_any(const char *name, const rbd_body *bodies, int nb); /* nq > MAX_Q or nv > MAX_V too */
 void robot_free(robot *r);
 #define BUILD(bodies) robot_build(#bodies, bodies, LENGTH(bodies))
 

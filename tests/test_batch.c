@@ -58,10 +58,11 @@ typedef struct robot {
     void *memory[7];
 } robot;
 
+/* Full of NaN, so that what was never written shows. */
 static void *allocate(size_t size) {
     void *memory = malloc(size ? size : 1);
     ck_assert_ptr_nonnull(memory);
-    return memory;
+    return memset(memory, 0xff, size);
 }
 
 static RBD_REAL *numbers(int rows, int width) {
