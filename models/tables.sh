@@ -24,14 +24,13 @@ table() {
 }
 
 write=${2-}
-for robot in iiwa hyq atlas pendulum double_pendulum cart_pole; do
+for robot in iiwa hyq atlas pendulum double_pendulum cart_pole five_bar; do
     case $robot in
-    hyq | atlas) root=--floating ;;
-    *) root= ;;
+    hyq | atlas) set -- --floating ;;
+    five_bar) set -- --constraints "$here/five_bar_loop.csv" ;;
+    *) set -- ;;
     esac
-    # shellcheck disable=SC2086 # no root option is none
-    table $robot.h $root --c $robot "$here/$robot.urdf"
-    # shellcheck disable=SC2086
-    table ${robot}_model.h $root --c-model $robot "$here/$robot.urdf"
+    table $robot.h "$@" --c $robot "$here/$robot.urdf"
+    table ${robot}_model.h "$@" --c-model $robot "$here/$robot.urdf"
 done
 exit $status

@@ -18,8 +18,8 @@
 
 /* The robot, in place of encoders and motors: holds tau, and f_ext or NULL, for one period, moving q and v.
    next: nv scalars of scratch. */
-static rbd_status simulate(const rbd_model *m, rbd_work *w, rbd_real *q, rbd_real *v, const rbd_real *tau,
-                           const rbd_real *f_ext, rbd_real *next) {
+static inline rbd_status simulate(const rbd_model *m, rbd_work *w, rbd_real *q, rbd_real *v,
+                                  const rbd_real *tau, const rbd_real *f_ext, rbd_real *next) {
     rbd_status status = rbd_aba(m, w, q, v, tau, f_ext, next);
     for (int i = 0; i < rbd_nv(m); i++) { /* next: the acceleration, then the mean velocity of the period */
         const rbd_real change = PERIOD * next[i];

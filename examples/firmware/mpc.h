@@ -5,12 +5,10 @@
 
 #include <stdio.h>
 
-#include "board.h"
+#include "cost.h"
 #include "examples/mpc/ilqr.h"
 
-/* Under QEMU as run here an instruction takes 16 ns. A Cortex-M7 at 480 MHz with 1.5 cycles per
-   instruction, an estimate, executes 320 million a second. */
-#define MPC_INSTRUCTIONS(ticks) ((uint32_t)((uint64_t)(ticks) * BOARD_TICK_PS / 16000))
+/* A Cortex-M7 at 480 MHz with 1.5 cycles per instruction, an estimate. */
 #define MPC_INSTRUCTIONS_PER_SECOND 320000000u
 
 enum { MPC_DYNAMICS, MPC_DERIVATIVES, MPC_RICCATI, MPC_PARTS };
@@ -21,29 +19,6 @@ typedef struct mpc_cost {    /* worst: in ticks of the board's timer; stack: byt
     int steps;
 } mpc_cost;
 
-#ifdef __riscv
-#define MPC_STACK_POINTER(sp) __asm__ volatile("mv %0, sp" : "=r"(sp))
-#else
-#define MPC_STACK_POINTER(sp) __asm__ volatile("mov %0, sp" : "=r"(sp))
-#endif
-
-/* Paints what lies below the stack pointer, or with look tells how much of that paint is gone. */
-static __attribute__((noinline)) uint32_t mpc_stack(int look) {
-    enum { PAINT = 0xa5, PAINTED = 6000 };
-    volatile unsigned char *sp;
-    uint32_t depth = PAINTED;
-    MPC_STACK_POINTER(sp);
-    for (int i = 256; i <= PAINTED && !look; i++) sp[-i] = PAINT;
-    while (depth > 256 && look && sp[-(int)depth] == PAINT) depth--;
-    return depth;
-}
-
-static inline uint32_t mpc_since(uint32_t *start) {
-    const uint32_t now = board_now(), ticks = (now - *start) & BOARD_TICK_MASK;
-    *start = now;
-    return ticks;
-}
-
 /* The plan moves on by a fraction of a knot, starts from the measured state, and gets one iteration, that of
    ilqr_iterate with one try. */
 static inline rbd_status mpc_tick(ilqr *s, rbd_real fraction, const rbd_real *q, const rbd_real *v,
@@ -51,15 +26,15 @@ static inline rbd_status mpc_tick(ilqr *s, rbd_real fraction, const rbd_real *q,
     uint32_t part[MPC_PARTS], start = board_now(), all = start;
     rbd_status status = ilqr_shift(s, fraction);
     if (status == RBD_OK) status = ilqr_start(s, q, v);
-    part[MPC_DYNAMICS] = mpc_since(&start);
+    part[MPC_DYNAMICS] = cost_since(&start);
     if (status == RBD_OK) status = ilqr_linearise(s);
-    part[MPC_DERIVATIVES] = mpc_since(&start);
+    part[MPC_DERIVATIVES] = cost_since(&start);
     if (status == RBD_OK) status = ilqr_backward(s);
-    part[MPC_RICCATI] = mpc_since(&start);
+    part[MPC_RICCATI] = cost_since(&start);
     if (status == RBD_OK) ilqr_line_search(s);
-    part[MPC_DYNAMICS] += mpc_since(&start);
-    for (int i = 0; i < MPC_PARTS; i++) cost->sum[i] += MPC_INSTRUCTIONS(part[i]);
-    all = mpc_since(&all);
+    part[MPC_DYNAMICS] += cost_since(&start);
+    for (int i = 0; i < MPC_PARTS; i++) cost->sum[i] += COST_INSTRUCTIONS(part[i]);
+    all = cost_since(&all);
     cost->worst = all > cost->worst ? all : cost->worst;
     cost->steps++;
     return status;
@@ -68,7 +43,7 @@ static inline rbd_status mpc_tick(ilqr *s, rbd_real fraction, const rbd_real *q,
 /* Prints what a tick took. Returns whether the worst one leaves time for this rate. */
 static inline int mpc_report(const char *name, const mpc_cost *cost, uint32_t rate, int knots) {
     static const char *const part[MPC_PARTS] = {"dynamics and cost", "derivatives", "Riccati step"};
-    const uint32_t worst = MPC_INSTRUCTIONS(cost->worst);
+    const uint32_t worst = COST_INSTRUCTIONS(cost->worst);
     uint32_t all = 0;
     printf("predictive control, %s: %d ticks of one iteration, %d knots:", name, cost->steps, knots);
     for (int i = 0; i < MPC_PARTS; i++) {

@@ -46,9 +46,9 @@ int main(void) {
     rbd_status status = prepare(q, v);
     board_start();
     for (int i = 0; i < STEPS && status == RBD_OK; i++) {
-        mpc_stack(0);
+        cost_stack(0);
         status = mpc_tick(&s, 1 / (RATE * dt[0]), q, v, &cost);
-        const uint32_t stack = mpc_stack(1);
+        const uint32_t stack = cost_stack(1);
         cost.stack = stack > cost.stack ? stack : cost.stack;
         tau[0] = s.u[0];
         most = fmaxf(most, fabsf(tau[0]));

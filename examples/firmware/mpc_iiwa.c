@@ -59,10 +59,10 @@ int main(void) {
     board_start();
     for (int i = 0; i < STEPS && status == RBD_OK; i++) {
         const rbd_real time = (rbd_real)i / RATE;
-        mpc_stack(0);
+        cost_stack(0);
         status = reach_aim(&problem, time, q);
         if (status == RBD_OK) status = mpc_tick(&s, 1 / (RATE * problem.dt), q, v, &cost);
-        const uint32_t stack = mpc_stack(1);
+        const uint32_t stack = cost_stack(1);
         cost.stack = stack > cost.stack ? stack : cost.stack;
         for (int j = 0; j < NV; j++) beyond = fmaxf(beyond, fabsf(s.u[j]) - reach_limit[j]);
         if (i >= RATE) away = fmaxf(away, distance(time, q));

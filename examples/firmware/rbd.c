@@ -1,3 +1,5 @@
 /* rbd.c - the one file that holds the library. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
+
+#include "rbd_constraints.h"
