@@ -1,5 +1,6 @@
-/* five_bar.c - a five-bar mechanism on a microcontroller: two motors lead the tip of a closed loop along a circle by
-   computed torque and rbd_constrained_id. Model and loop are tables in flash. SPDX-License-Identifier: MIT */
+/* five_bar.c - a five-bar mechanism on a microcontroller: two motors lead the tip of a closed loop along a
+   circle by computed torque and rbd_constrained_id. Model and loop are tables in flash.
+   SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
 
