@@ -1402,7 +1402,7 @@ RBDI_CODE_BEGIN
 
 /* ---- tolerances [tolerances] ----
    RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite. For the pivots'
-   see [pivots]. */
+   see [pivots]; RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -1417,6 +1417,7 @@ RBDI_CODE_BEGIN
 #define RBDI_DOUBT RBD_C(1.4e-17)
 #define RBDI_TINY RBD_C(2.2250738585072014e-308)
 #endif
+#define RBDI_LEAST_SCALE (RBDI_TINY / RBDI_DOUBT)
 #ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
 #define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
 #endif
@@ -4387,8 +4388,9 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 
    for P = 1 - S V', V = U/D and the joint's armature r (P' IA P + V r V' = IA - U U'/D). own is the diagonal
    of the link's inertia at its origin, way what the change of frame rounds (rbdi_bound_up). A pivot counts as
-   zero unless D > RBDI_NOISE (e + armature); with RBD_SPECIALISE e = dof.scale. For M = L'DL likewise
-   e = sum w_j^2 K_jj with w the dof's column of L^-1, and K_jj = M_jj + own + scale / 4, for the turns in M.
+   zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY; with RBD_SPECIALISE e = dof.scale. For M = L'DL
+   likewise e = sum w_j^2 K_jj with w the dof's column of L^-1, and K_jj = M_jj + own + scale / 4, for the
+   turns in M.
 
    Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
    regular ones aba refuses none in double and 15 in float: docs/accuracy.md. */
@@ -4396,7 +4398,7 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 /* Replaces a pivot by 1 if it is sound, by 0 if it is below its noise, by -1 if it is not a number. */
 RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e) {
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
-    const rbdi_mask clear = rbdi_less((e + m->dof[k].armature) * RBDI_NOISE, D);
+    const rbdi_mask clear = rbdi_less((e + m->dof[k].armature) * RBDI_NOISE + RBDI_TINY, D);
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
     const rbd_real bad = rbdi_select(number, rbdi_zero(), -one);
     w->pivot[k] = rbdi_select(clear, one, bad);
@@ -6717,7 +6719,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
         d->armature = RBD_C(b->armature[in_joint + k]);
         d->damping = RBD_C(b->damping[in_joint + k]);
         d->friction = RBD_C(b->friction[in_joint + k]);
-        d->scale = RBD_C(scale) + d->armature;
+        d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
     }
 }
 
@@ -7056,7 +7058,7 @@ static void rbdi_draft_climb(const rbd_model *m, int i, rbdi_draft pair[2]) {
 
 static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
     d->scale = RBD_C((rbdi_wide)d->scale + x);
-    if (d->scale < d->armature) d->scale = d->armature;
+    if (d->scale < d->armature + RBDI_LEAST_SCALE) d->scale = d->armature + RBDI_LEAST_SCALE;
 }
 
 /* Step 7, the bounds of pivots, for what is added (sign = 1) or taken off (-1). */

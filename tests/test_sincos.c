@@ -272,6 +272,22 @@ START_TEST(a_single_angle_gives_the_bits_of_an_array) {
 }
 END_TEST
 
+/* Where there is a polynomial it computes, below the limit; libm would be as right, and slow. */
+START_TEST(the_polynomial_is_used_below_the_limit) {
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    const number below = STEP((number)LIMIT, 0), beyond = (number)(2 * LIMIT);
+    for (int i = 0; i < ROOM; i++)
+        for (int lane = 0; lane < LANES; lane++) put(&angle[i], lane, i % 2 ? below : -below);
+    for (int n = 1; n <= LONGEST; n++) {
+        ck_assert_int_eq(rbdi_sincos_within(angle, NULL, n, sine, cosine), 1);
+        put(&angle[n - 1], LANES - 1, beyond);
+        ck_assert_int_eq(rbdi_sincos_within(angle, NULL, n, sine, cosine), 0);
+        put(&angle[n - 1], LANES - 1, below);
+    }
+#endif
+}
+END_TEST
+
 int main(void) {
     Suite *suite = suite_create("sincos");
     TCase *c = tcase_create("sincos");
@@ -282,6 +298,7 @@ int main(void) {
     tcase_add_test(c, a_tiny_angle_is_its_own_sine);
     tcase_add_test(c, what_is_no_number_gives_none_and_spoils_no_other_angle);
     tcase_add_test(c, arrays_of_every_length_are_within_the_bound);
+    tcase_add_test(c, the_polynomial_is_used_below_the_limit);
     tcase_add_test(c, a_single_angle_gives_the_bits_of_an_array);
     suite_add_tcase(suite, c);
     SRunner *runner = srunner_create(suite);
