@@ -8,7 +8,7 @@
 #include "cost.h"
 #include "models/five_bar_model.h"
 
-enum { NV = FIVE_BAR_NV, STEPS = 2000000 / PERIOD_US }; /* two seconds: two rounds */
+enum { NV = FIVE_BAR_NV, STEPS = 2000000 / PERIOD_US }; /* two seconds: one round */
 
 static const rbd_real ground = 0.2f, crank = 0.25f, rod = 0.35f, radius = 0.05f, pi = 3.14159265f; /* m */
 
