@@ -13,6 +13,7 @@ shift
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
+quick="-O0 -Dalways_inline=unused"
 failures=0
 combinations=0
 
@@ -39,20 +40,20 @@ compile() {
         failures=$((failures + 1))
     fi
     combinations=$((combinations + 1))
-    printf '%-12s %-6s %-15s %-7s %-14s  %s\n' "$1" "$2" "$4" "$5" "$6" "$result"
+    printf '%-12s %-6s %-15s %-7s %-30s  %s\n' "$1" "$2" "$4" "$5" "$6" "$result"
     [ "$result" = ok ] || sed -n '1,20p' "$scratch/messages"
 }
 
 # all COMPILER SUFFIX STANDARD...
 all() {
-    compiler=$1 suffix=$2 level=-O0
+    compiler=$1 suffix=$2 level=$quick
     shift 2
+    [ "$suffix" != c ] || compile "$compiler" "$1" "$suffix" implementation double -O2
     for standard; do
         for scalar in double float; do
             for included in declarations urdf static implementation; do
                 compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level"
             done
-            [ "$level" != -O0 ] || compile "$compiler" "$standard" "$suffix" implementation "$scalar" -O2
         done
         level=-fsyntax-only
     done
@@ -73,7 +74,7 @@ batch() {
 
 # batches COMPILER SUFFIX STANDARD...
 batches() {
-    compiler=$1 suffix=$2 level=-O0
+    compiler=$1 suffix=$2 level=$quick
     shift 2
     for standard; do
         batch "$compiler" "$standard" "$suffix" 2 double "$level"
