@@ -67,18 +67,45 @@ std::string children(const tree &t, int parent) {
 
 std::string mjcf(const tree &t) {
     return "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\" balanceinertia=\"false\"/>"
-           "<option><flag constraint=\"disable\" passive=\"disable\"/></option><worldbody>" +
+           "<option><flag constraint=\"disable\"/></option><worldbody>" +
            children(t, -1) + "</worldbody></mujoco>";
 }
+
+// What differs between versions, whose number is 222 for 2.2.2 and 3010000 for 3.10.0:
+// how a file is made in memory,
+#if mjVERSION_HEADER < 313
+bool add_file(mjVFS *files, const char *name, const std::string &text) {
+    if (mj_makeEmptyFileVFS(files, name, (int)text.size()) != 0) return false;
+    std::memcpy(files->filedata[0], text.data(), text.size());
+    return true;
+}
+#else
+bool add_file(mjVFS *files, const char *name, const std::string &text) {
+    return mj_addBufferVFS(files, name, text.data(), (int)text.size()) == 0;
+}
+#endif
+
+// what computes the mass matrix that mj_factorM reads,
+#if mjVERSION_HEADER < 333
+#define MASS_MATRIX "mj_crb"
+void mass_matrix(const mjModel *m, mjData *d) { mj_crb(m, d); }
+#else
+#define MASS_MATRIX "mj_makeM"
+void mass_matrix(const mjModel *m, mjData *d) { mj_makeM(m, d); }
+#endif
+
+// how it is unpacked.
+#if mjVERSION_HEADER < 3010000
+void unpack(const mjModel *m, const mjData *d, double *M) { mj_fullM(m, M, d->qM); }
+#else
+void unpack(const mjModel *m, const mjData *d, double *M) { mj_fullM(m, d, M); }
+#endif
 
 mjModel *compile(const std::string &xml, char *text) {
     mjVFS *files = new mjVFS;
     mj_defaultVFS(files);
     mjModel *m = nullptr;
-    if (mj_makeEmptyFileVFS(files, "robot.xml", (int)xml.size()) == 0) {
-        std::memcpy(files->filedata[0], xml.data(), xml.size());
-        m = mj_loadXML("robot.xml", files, text, 160);
-    }
+    if (add_file(files, "robot.xml", xml)) m = mj_loadXML("robot.xml", files, text, 160);
     mj_deleteVFS(files);
     delete files;
     return m;
@@ -167,8 +194,8 @@ rbd_status call_mm(const void *model_, void *work_, int, const void *q, const vo
     std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
     mj_kinematics(p->m, w->d);
     mj_comPos(p->m, w->d);
-    mj_crb(p->m, w->d);
-    mj_fullM(p->m, static_cast<double *>(M), w->d->qM);
+    mass_matrix(p->m, w->d);
+    unpack(p->m, w->d, static_cast<double *>(M));
     return RBD_OK;
 }
 
@@ -181,7 +208,7 @@ rbd_status call_fd(const void *model_, void *work_, int, const void *q, const vo
     take(p, w, q, v);
     mj_kinematics(p->m, w->d);
     mj_comPos(p->m, w->d);
-    mj_crb(p->m, w->d);
+    mass_matrix(p->m, w->d);
     mj_factorM(p->m, w->d);
     mj_comVel(p->m, w->d);
     mj_rne(p->m, w->d, 0, w->d->qfrc_bias);
@@ -241,17 +268,17 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     if (algorithm == FD && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
 }
 
-const conventions others = {
-    size,
-    convert_state,
-    convert_result,
-    1e-10,
-    {"mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added",
-     "mj_kinematics, mj_comPos, mj_crb, mj_fullM", nullptr,
-     "mj_kinematics, mj_comPos, mj_crb, mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
-     nullptr, nullptr, nullptr, "mj_kinematics, mj_comPos, mj_jacBody", nullptr, nullptr, nullptr, nullptr,
-     nullptr},
-    PEER_BUILD};
+const conventions others = {size,
+                            convert_state,
+                            convert_result,
+                            1e-10,
+                            {"mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added",
+                             "mj_kinematics, mj_comPos, " MASS_MATRIX ", mj_fullM", nullptr,
+                             "mj_kinematics, mj_comPos, " MASS_MATRIX
+                             ", mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
+                             nullptr, nullptr, nullptr, "mj_kinematics, mj_comPos, mj_jacBody", nullptr,
+                             nullptr, nullptr, nullptr, nullptr},
+                            PEER_BUILD};
 
 } // namespace
 

@@ -11,11 +11,13 @@
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/centroidal.hpp>
+#include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/regressor.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
+#include "../robots/contacts.h"
 #include "tree.hpp"
 
 namespace {
@@ -36,12 +38,27 @@ struct model {
     bool every_body_moves = true;
 };
 
+enum { SETS = ALGORITHMS - CONSTRAINED };
+
+// A set of contacts, none if the robot lacks it, and the data of its own that they take.
+struct contacts {
+    template <typename T> using list = std::vector<T, Eigen::aligned_allocator<T>>;
+    list<pinocchio::RigidConstraintModel> models;
+    list<pinocchio::RigidConstraintData> data;
+    pinocchio::ProximalSettings settings; // as they are: no regularisation, one iteration
+    pinocchio::Data d;
+    contacts(const model &p, int algorithm);
+};
+
 struct work {
     pinocchio::Model m; // for its gravity
     pinocchio::Data d;
     MatrixXd J;
     std::size_t last;
-    work(const model &p) : m(p.m), d(p.m), J(MatrixXd::Zero(6, p.m.nv)), last(p.last) {}
+    std::vector<contacts> sets;
+    work(const model &p) : m(p.m), d(p.m), J(MatrixXd::Zero(6, p.m.nv)), last(p.last) {
+        for (int i = 0; i < SETS; i++) sets.emplace_back(p, CONSTRAINED + i);
+    }
 };
 
 // ---- model ----
@@ -115,6 +132,21 @@ void find_places(model *p) {
     }
 }
 
+contacts::contacts(const model &p, int algorithm) : d(p.m) {
+    const int nb = (int)p.t.bodies.size();
+    const contact_set *set = contact_set_of(p.t.bodies.data(), nb, algorithm);
+    for (int i = 0; set && i < set->count; i++) {
+        const contact &c = set->contacts[i];
+        const int body = contact_body(p.t.bodies.data(), nb, c.body);
+        const pinocchio::Frame &f = p.m.frames[p.m.getFrameId("b" + std::to_string(body))];
+        models.emplace_back(c.flat ? pinocchio::CONTACT_6D : pinocchio::CONTACT_3D, p.m, f.parentJoint,
+                            f.placement * pinocchio::SE3(Matrix3d::Identity(), vector_of(c.point)),
+                            pinocchio::LOCAL);
+        data.emplace_back(models.back());
+    }
+    pinocchio::initConstraintDynamics(p.m, d, models);
+}
+
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
     model *p = new (memory) model;
     *out = p;
@@ -148,6 +180,10 @@ rbd_status set_gravity(void *w, const double gravity[3]) {
 
 // ---- the calls that are timed ----
 
+void run(const pinocchio::Model &m, contacts *c, const input &q, const input &v, const input &tau) {
+    pinocchio::constraintDynamics(m, c->d, q, v, tau, c->models, c->data, c->settings);
+}
+
 // A call of Pinocchio's with m, d and the state's parts as maps on the caller's arrays.
 #define CALL(name, ...) \
     rbd_status call_##name(const void *, void *work_, int, const void *q_, const void *v_, const void *x_, \
@@ -157,7 +193,7 @@ rbd_status set_gravity(void *w, const double gravity[3]) {
         pinocchio::Data &d = w->d; \
         const input q(static_cast<const double *>(q_), m.nq), v(static_cast<const double *>(v_), m.nv), \
             x(static_cast<const double *>(x_), m.nv); \
-        (void)v, (void)x; \
+        (void)d, (void)v, (void)x; \
         __VA_ARGS__; \
         std::memcpy(out, &w, sizeof w); /* where the results are */ \
         return RBD_OK; \
@@ -174,9 +210,15 @@ CALL(regressor, pinocchio::computeJointTorqueRegressor(m, d, q, v, x))
 CALL(did, pinocchio::computeRNEADerivatives(m, d, q, v, x))
 CALL(dfd, pinocchio::computeABADerivatives(m, d, q, v, x))
 
+CALL(constrained, run(w->m, &w->sets[0], q, v, x))
+CALL(constrained_hand, run(w->m, &w->sets[1], q, v, x))
+
 // Its regressor has a block for each joint, in which fixed bodies are merged.
-int can(const void *p, int algorithm) {
-    return algorithm != REGRESSOR || static_cast<const model *>(p)->every_body_moves;
+int can(const void *model_, int algorithm) {
+    const model *p = static_cast<const model *>(model_);
+    if (algorithm >= CONSTRAINED)
+        return contact_set_of(p->t.bodies.data(), (int)p->t.bodies.size(), algorithm) != nullptr;
+    return algorithm != REGRESSOR || p->every_body_moves;
 }
 
 // ---- conventions: README.md of rbd, "From and to other libraries" ----
@@ -227,9 +269,40 @@ void reorder_regressor(const model *p, const MatrixXd &its, double *x) {
                     its(p->place[(size_t)i], 10 * (p->joint[(size_t)b] - 1) + column[k]);
 }
 
-void convert_result(const void *model_, int algorithm, const struct state *, const double *out, double *x) {
+// A flat contact holds a surface's spatial acceleration at 0, where rbd holds that of a point, which is
+// omega x u more. With that as the wanted acceleration, 0 in the timed call, both solve the same.
+void run_as_rbd(const model *p, const pinocchio::Model &m, contacts *c, const struct state *rbd) {
+    bool flat = false;
+    for (const auto &contact : c->models) flat = flat || contact.type == pinocchio::CONTACT_6D;
+    if (!flat) return;
+    VectorXd q(m.nq), v(m.nv), a(m.nv), tau(m.nv);
+    const struct state its = {q.data(), v.data(), a.data(), tau.data()};
+    convert_state(p, rbd, &its);
+    for (size_t i = 0; i < c->data.size(); i++) {
+        const pinocchio::Motion &u = c->data[i].contact1_velocity;
+        pinocchio::Motion &wanted = c->data[i].contact_acceleration_desired;
+        wanted.setZero();
+        if (c->models[i].type == pinocchio::CONTACT_6D) wanted.linear() = -u.angular().cross(u.linear());
+    }
+    run(m, c, input(q.data(), m.nq), input(v.data(), m.nv), input(tau.data(), m.nv));
+    for (auto &data : c->data) data.contact_acceleration_desired.setZero();
+}
+
+// The acceleration, then of each contact the moment, if it is flat, and the force, in world axes.
+void reorder_constrained(const model *p, const contacts &c, double *x) {
+    for (int i = 0; i < p->m.nv; i++) *x++ = c.d.ddq[p->place[(size_t)i]];
+    for (size_t i = 0; i < c.data.size(); i++) {
+        const Matrix3d R = c.data[i].oMc1.rotation();
+        const Vector3d n = R * c.data[i].contact_force.angular(), f = R * c.data[i].contact_force.linear();
+        for (int k = 0; k < 3 && c.models[i].type == pinocchio::CONTACT_6D; k++) *x++ = n[k];
+        for (int k = 0; k < 3; k++) *x++ = f[k];
+    }
+}
+
+void convert_result(const void *model_, int algorithm, const struct state *rbd, const double *out,
+                    double *x) {
     const model *p = static_cast<const model *>(model_);
-    const work *w;
+    work *w;
     std::memcpy(&w, out, sizeof w);
     const pinocchio::Data &d = w->d;
     const int nv = p->m.nv;
@@ -253,6 +326,11 @@ void convert_result(const void *model_, int algorithm, const struct state *, con
         reorder(p, d.ddq_dv, x + nv * nv);
         reorder_upper(p, d.Minv, x + 2 * nv * nv);
         break;
+    case CONSTRAINED:
+    case CONSTRAINED_HAND:
+        run_as_rbd(p, w->m, &w->sets[(size_t)(algorithm - CONSTRAINED)], rbd);
+        reorder_constrained(p, w->sets[(size_t)(algorithm - CONSTRAINED)], x);
+        break;
     }
 }
 
@@ -273,6 +351,8 @@ conventions make_conventions() {
     c.calls[REGRESSOR] = "computeJointTorqueRegressor";
     c.calls[ID_DERIVATIVES] = "computeRNEADerivatives: structural zeros not written; M as well";
     c.calls[FD_DERIVATIVES] = "computeABADerivatives: one triangle of M^-1";
+    c.calls[CONSTRAINED] = c.calls[CONSTRAINED_HAND] =
+        "constraintDynamics, LOCAL contacts, mu 0: of flat ones the spatial acceleration is held";
     return c;
 }
 
@@ -305,6 +385,8 @@ library make_library() {
     l.call[REGRESSOR] = call_regressor;
     l.call[ID_DERIVATIVES] = call_did;
     l.call[FD_DERIVATIVES] = call_dfd;
+    l.call[CONSTRAINED] = call_constrained;
+    l.call[CONSTRAINED_HAND] = call_constrained_hand;
     l.can = can;
     l.conventions = &others;
     return l;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 #include <rbdl/rbdl.h>
+#include "../robots/contacts.h"
 #include "world_base.hpp"
 
 namespace {
@@ -17,9 +18,10 @@ using dynamics::Math::VectorNd;
 struct model {
     tree t;
     dynamics::Model m;
-    std::vector<int> v;     // RBDL's place of each body's joint, in q too, -1 = fixed
-    std::vector<int> place; // RBDL's place of each degree of freedom of rbd
-    unsigned last = 0;      // its number of the last body
+    std::vector<int> v;           // RBDL's place of each body's joint, in q too, -1 = fixed
+    std::vector<int> place;       // RBDL's place of each degree of freedom of rbd
+    unsigned last = 0;            // its number of the last body
+    dynamics::ConstraintSet feet; // empty if they are not points
 };
 
 struct work {
@@ -27,9 +29,13 @@ struct work {
     VectorNd q, v, x, out;
     MatrixNd matrix, J;
     unsigned last;
+    dynamics::ConstraintSet feet;
     work(const model &p)
         : m(p.m), q(VectorNd::Zero(m.q_size)), v(VectorNd::Zero(m.qdot_size)), x(v), out(v),
-          matrix(MatrixNd::Zero(m.qdot_size, m.qdot_size)), J(MatrixNd::Zero(6, m.qdot_size)), last(p.last) {}
+          matrix(MatrixNd::Zero(m.qdot_size, m.qdot_size)), J(MatrixNd::Zero(6, m.qdot_size)), last(p.last),
+          feet(p.feet) {
+        feet.Bind(m);
+    }
 };
 
 // ---- model ----
@@ -58,6 +64,17 @@ dynamics::Joint joint_of(const rbd_body &b) {
                            vector_of(b.axis));
 }
 
+// Points held along the world's axes. A flat contact would be a loop, whose spatial acceleration vanishes.
+void add_feet(model *p, const std::vector<unsigned> &number) {
+    const int nb = (int)p->t.bodies.size();
+    const contact_set *set = contact_set_of(p->t.bodies.data(), nb, CONSTRAINED);
+    for (int i = 0; set && i < set->count && !set->contacts[i].flat; i++) {
+        const contact &c = set->contacts[i];
+        const unsigned body = number[(size_t)contact_body(p->t.bodies.data(), nb, c.body)];
+        for (int k = 0; k < 3; k++) p->feet.AddContactConstraint(body, vector_of(c.point), Vector3d::Unit(k));
+    }
+}
+
 void add_bodies(model *p) {
     std::vector<unsigned> number;
     for (const rbd_body &b : p->t.bodies) {
@@ -68,6 +85,7 @@ void add_bodies(model *p) {
         for (unsigned k = v; k < p->m.qdot_size; k++) p->place.push_back((int)k);
     }
     p->last = number.back();
+    add_feet(p, number);
 }
 
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
@@ -146,6 +164,21 @@ rbd_status call_jacobian(const void *, void *work_, int, const void *q, const vo
     return RBD_OK;
 }
 
+rbd_status call_constrained(const void *, void *work_, int, const void *q, const void *v, const void *tau,
+                            void *out) {
+    work *w = static_cast<work *>(work_);
+    double *a = static_cast<double *>(out);
+    take(&w->q, q), take(&w->v, v), take(&w->x, tau);
+    dynamics::ForwardDynamicsConstraintsRangeSpaceSparse(w->m, w->q, w->v, w->x, w->feet, w->out);
+    give(w->out, a);
+    give(w->feet.force, a + w->out.size());
+    return RBD_OK;
+}
+
+int can(const void *p, int algorithm) {
+    return algorithm != CONSTRAINED || static_cast<const model *>(p)->feet.size() > 0;
+}
+
 // ---- conventions: README.md of rbd, "From and to other libraries" ----
 
 void size(const void *p, int *nq, int *nv) {
@@ -174,9 +207,10 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     const model *p = static_cast<const model *>(model_);
     const world_order order(p->place, p->t.floating, rbd->q);
     const int nv = (int)p->place.size();
-    if (algorithm == ID || algorithm == FD) {
+    if (algorithm == ID || algorithm == FD || algorithm == CONSTRAINED) {
         order.vector(out, x);
-        if (algorithm == FD && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
+        if (algorithm != ID && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
+        if (algorithm == CONSTRAINED) std::memcpy(x + nv, out + nv, p->feet.size() * sizeof *x);
         return;
     }
     const double *its;
@@ -187,14 +221,15 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     order.columns(rows.data(), 6, x);
 }
 
-const conventions others = {
-    size,
-    convert_state,
-    convert_result,
-    1e-10,
-    {"InverseDynamics", "CompositeRigidBodyAlgorithm", nullptr, "ForwardDynamics (ABA)", nullptr, nullptr,
-     nullptr, "CalcPointJacobian6D with the kinematics", nullptr, nullptr, nullptr, nullptr, nullptr},
-    PEER_BUILD};
+const conventions others = {size,
+                            convert_state,
+                            convert_result,
+                            1e-10,
+                            {"InverseDynamics", "CompositeRigidBodyAlgorithm", nullptr,
+                             "ForwardDynamics (ABA)", nullptr, nullptr, nullptr,
+                             "CalcPointJacobian6D with the kinematics", nullptr, nullptr, nullptr, nullptr,
+                             nullptr, "ForwardDynamicsConstraintsRangeSpaceSparse, point contacts", nullptr},
+                            PEER_BUILD};
 
 } // namespace
 
@@ -217,8 +252,9 @@ const struct library library_rbdl = {"RBDL",
                                      work_free,
                                      set_gravity,
                                      {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
-                                      call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr},
-                                     nullptr,
+                                      call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr,
+                                      call_constrained, nullptr},
+                                     can,
                                      &others,
                                      nullptr,
                                      nullptr,
