@@ -59,9 +59,14 @@ enum {
     ATLAS_CODE,
     LANES_DOUBLE,
     LANES_FLOAT,
+    BLOCKS_DOUBLE,
+    BLOCKS_FLOAT,
     IIWA_CODE_LANES,
     HYQ_CODE_LANES,
     ATLAS_CODE_LANES,
+    IIWA_CODE_BLOCKS,
+    HYQ_CODE_BLOCKS,
+    ATLAS_CODE_BLOCKS,
     MUJOCO, /* those of others: peers/ */
     KDL,
     RBDL,
@@ -77,7 +82,13 @@ extern const struct library *const libraries[LIBRARIES];
 
 /* ---- robots/robots.c ---- */
 
-/* States one after another: sample k begins at element k * nq of q, k * nv of v and so on. */
+/* Where number i of state k stands, in an array of so many numbers a state. */
+size_t number_place(const struct library *l, int numbers, int k, int i);
+
+/* All numbers of a state, from an array of the library's. */
+void take_numbers(const struct library *l, const void *array, int numbers, int k, double *x);
+
+/* States one after another: sample k begins at element k * nq of q, k * nv of v and so on; or in blocks. */
 struct states {
     const void *q, *v, *a, *tau;
 };

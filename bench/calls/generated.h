@@ -1,7 +1,8 @@
 /* generated.h - what rbd-codegen wrote for one robot, CODE_ROBOT: CODE_HEADER declares it, its names begin
    with CODE; WITH_DERIVATIVES: and its derivatives. Code for CODE_LANES states at once is given the same
-   batches as lanes.h, which are brought lane by lane and back. SPDX-License-Identifier: MIT */
+   batches as lanes.h, which are brought lane by lane and back, or in blocks. SPDX-License-Identifier: MIT */
 #include "../bench.h"
+#include <string.h>
 #include CODE_HEADER
 
 #define FUNCTION(name) PASTE(CODE, _##name)
@@ -15,6 +16,7 @@ enum { NQ = CODE_NQ, NV = CODE_NV, SQUARE = NV * NV };
 
 #if CODE_LANES > 1
 #define VARIANT GENERATED_LANES
+#define BLOCKS_VARIANT GENERATED_BLOCKS
 #define WIDTH BATCH
 typedef FUNCTION(real) real;
 #else
@@ -41,6 +43,7 @@ enum { LARGEST = 3 * SQUARE, ALIGNMENT = 64 };
 
 struct lane_memory {
     real q[NQ], v[NV], x[NV], out[LARGEST];
+    bool blocks;
 };
 
 /* The states from s on; those beyond the last are the last once more. */
@@ -64,13 +67,28 @@ static void scatter(const real *lanes, int n, int s, int states, double *rows) {
         for (int k = 0; k < n; k++) rows[(s + j) * n + k] = lanes[k][j];
 }
 
+/* The states from s on stand in lanes already, the last block filled; a result of several parts is copied. */
+static rbd_status run_block(group_call *call, int parts, int results, struct lane_memory *l, int s,
+                            const double *q, const double *v, const double *x, double *out) {
+    const struct group g = {(const real *)(q + s * NQ), (const real *)(v + s * NV),
+                            (const real *)(x + s * NV), parts > 1 ? l->out : (real *)(out + s * results)};
+    const rbd_status status = call(&g);
+    for (int p = 0; p < parts && parts > 1; p++)
+        memcpy(out + (p * BATCH + s) * results, l->out + p * results, (size_t)results * sizeof *l->out);
+    return status;
+}
+
 /* parts: of the result, with so many numbers each for a state. */
 static rbd_status run(group_call *call, enum takes takes, int parts, int results, const void *model,
                       void *work, int states, const void *q, const void *v, const void *x, void *out) {
     struct lane_memory *l = work;
     const struct group g = {l->q, l->v, l->x, l->out};
     if (results == PACKED) results = rbd_packed_size(model);
-    for (int s = 0; s < states; s += CODE_LANES) {
+    for (int s = 0; s < states && l->blocks; s += CODE_LANES) {
+        const rbd_status status = run_block(call, parts, results, l, s, q, v, x, out);
+        if (status != RBD_OK) return status;
+    }
+    for (int s = 0; s < states && !l->blocks; s += CODE_LANES) {
         gather(q, NQ, s, states, l->q);
         if (takes == STATE) {
             gather(v, NV, s, states, l->v);
@@ -86,9 +104,20 @@ static rbd_status run(group_call *call, enum takes takes, int parts, int results
 
 static rbd_status work_init(const void *model, void *memory, size_t size, void **work) {
     (void)model, (void)size;
-    *work = (unsigned char *)memory + (ALIGNMENT - (uintptr_t)memory % ALIGNMENT) % ALIGNMENT;
+    struct lane_memory *l =
+        (void *)((unsigned char *)memory + (ALIGNMENT - (uintptr_t)memory % ALIGNMENT) % ALIGNMENT);
+    l->blocks = false;
+    *work = l;
     return RBD_OK;
 }
+
+#ifdef BLOCKS_LIBRARY
+static rbd_status work_init_blocks(const void *model, void *memory, size_t size, void **work) {
+    const rbd_status status = work_init(model, memory, size, work);
+    ((struct lane_memory *)*work)->blocks = true;
+    return status;
+}
+#endif
 
 static size_t work_size(const void *model) {
     (void)model;

@@ -6,6 +6,7 @@
 #include "constrained.h"
 
 #define VARIANT LANES
+#define BLOCKS_VARIANT BLOCKS
 #define N_LANES RBD_LANES
 #define ONLY_ROBOT NULL
 #define WIDTH BATCH
@@ -58,6 +59,13 @@ static rbd_status work_init(const void *model, void *memory, size_t size, void *
     *out = own;
     return status;
 }
+
+#ifdef BLOCKS_LIBRARY
+static rbd_status work_init_blocks(const void *model, void *memory, size_t size, void **out) {
+    const rbd_status status = work_init(model, memory, size, out);
+    return status ? status : rbd_batch_set_layout(((struct rbd_memory *)*out)->work, RBD_BLOCKS);
+}
+#endif
 
 static rbd_batch *batch_of(void *memory) { return ((struct rbd_memory *)memory)->work; }
 

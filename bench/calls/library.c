@@ -18,6 +18,9 @@
 typedef RBD_REAL number; /* of the arrays: rbd_real may be a vector of them */
 
 extern const struct library LIBRARY;
+#ifdef BLOCKS_LIBRARY /* the same calls on states that stand lane by lane */
+extern const struct library BLOCKS_LIBRARY;
+#endif
 
 #ifndef ROBOT
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
@@ -65,24 +68,30 @@ static double relative_error(const double *x, const void *expected, int n) {
 }
 #endif
 
-const struct library LIBRARY = {
-    .name = "rbd",
-    .version = RBD_VERSION,
-    .scalar = TEXT(RBD_REAL),
-    .variant = VARIANT,
-    .lanes = N_LANES,
-    .robot = ONLY_ROBOT,
-    .width = WIDTH,
-    .size = sizeof(number),
-    .epsilon = sizeof(number) == sizeof(float) ? (double)FLT_EPSILON : DBL_EPSILON,
-    .model_build = model_build,
-    .model_size = model_size,
-    .work_init = work_init,
-    .work_size = work_size,
-    .set_gravity = set_gravity,
-    .call = {CALLS},
-    .can = CAN,
-    .from_double = from_double,
-    .to_double = to_double,
-    .relative_error = RELATIVE_ERROR,
-};
+#define TABLE(variant_, blocks_, work_init_) \
+    { \
+        .name = "rbd", \
+        .version = RBD_VERSION, \
+        .scalar = TEXT(RBD_REAL), \
+        .variant = variant_, \
+        .lanes = N_LANES, \
+        .blocks = blocks_, \
+        .robot = ONLY_ROBOT, \
+        .width = WIDTH, \
+        .size = sizeof(number), \
+        .epsilon = sizeof(number) == sizeof(float) ? (double)FLT_EPSILON : DBL_EPSILON, \
+        .model_build = model_build, \
+        .model_size = model_size, \
+        .work_init = work_init_, \
+        .work_size = work_size, \
+        .set_gravity = set_gravity, \
+        .call = {CALLS}, \
+        .can = CAN, \
+        .from_double = from_double, \
+        .to_double = to_double, \
+        .relative_error = RELATIVE_ERROR, \
+    }
+const struct library LIBRARY = TABLE(VARIANT, false, work_init);
+#ifdef BLOCKS_LIBRARY
+const struct library BLOCKS_LIBRARY = TABLE(BLOCKS_VARIANT, true, work_init_blocks);
+#endif

@@ -3,6 +3,7 @@
 #ifndef BENCH_LIBRARY_H
 #define BENCH_LIBRARY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "rbd.h"
 
@@ -30,12 +31,23 @@ enum {
 };
 
 /* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
-enum { RUN_TIME, COMPILE_TIME, GENERATED, LANES, GENERATED_LANES, THREADS, VARIANTS };
+enum {
+    RUN_TIME,
+    COMPILE_TIME,
+    GENERATED,
+    LANES,
+    BLOCKS, /* this and GENERATED_BLOCKS: the lanes, on states that stand lane by lane */
+    GENERATED_LANES,
+    GENERATED_BLOCKS,
+    THREADS,
+    VARIANTS
+};
 enum { BATCH = 64 };
 
-/* One call of an algorithm, for n states (1 to width) that stand one after the other. All arrays are of the
-   library's scalar; x: the acceleration or the torque, as the table of algorithms says. A result of several
-   parts (see algorithm_parts) stands part after part, each with room for width states. */
+/* One call of an algorithm, for n states (1 to width) that stand one after the other, or lane by lane if the
+   library has blocks. All arrays are of its scalar; x: the acceleration or the torque, as the table of
+   algorithms says. A result of several parts (see algorithm_parts) stands part after part, each with room for
+   width states. */
 typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
                                 const void *x, void *out);
 
@@ -70,6 +82,7 @@ struct library {
     const char *version;
     const char *scalar;
     int variant, lanes; /* lanes: states in a SIMD instruction */
+    bool blocks;        /* states and results stand lane by lane: number_place */
     const char *robot;  /* the name of the only one it knows; NULL: any */
     int width;          /* states a call takes at most */
     size_t size;        /* bytes of a number in its arrays */

@@ -140,7 +140,9 @@ static void describe(const struct cell *c, char *text, size_t size) {
                                                 [COMPILE_TIME] = "compile-time",
                                                 [GENERATED] = "generated",
                                                 [LANES] = "lanes",
-                                                [GENERATED_LANES] = "generated-lanes"};
+                                                [BLOCKS] = "blocks",
+                                                [GENERATED_LANES] = "generated-lanes",
+                                                [GENERATED_BLOCKS] = "generated-blocks"};
     const struct library *l = c->library;
     char variant[32];
     if (l->lanes > 1)

@@ -1,4 +1,5 @@
 /* The robots and their random states. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "../bench.h"
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,13 @@ static const struct description descriptions[] = {
     {"HyQ", hyq_bodies, HYQ_NB, &ref_hyq},
     {"Atlas", atlas_bodies, ATLAS_NB, &ref_atlas},
 };
+
+/* Memory of zeros where blocks of lanes may stand; NULL if there is none. */
+static void *zeros(size_t size) {
+    void *memory = NULL;
+    if (posix_memalign(&memory, 64, size) != 0) return NULL;
+    return memset(memory, 0, size);
+}
 
 /* ---- model and work, in the scalar of a library ---- */
 
@@ -57,7 +65,7 @@ static size_t out_size(const struct instance *r) {
 static int open_worker(struct instance *r, struct worker *w) {
     const size_t size = r->library->work_size(r->model);
     w->memory = malloc(size + 128);
-    w->out = calloc(1, out_size(r));
+    w->out = zeros(out_size(r));
     if (!w->memory || !w->out) return status_error(r->robot, RBD_ERR_MEMORY);
     return status_error(r->robot, r->library->work_init(r->model, w->memory, size, &w->work));
 }
@@ -98,11 +106,17 @@ static void fill_uniform(double *x, size_t n, double bound, uint64_t *state) {
 /* Numbers in a state. */
 static size_t state_length(const struct instance *r) { return (size_t)r->nq + 3 * (size_t)r->nv; }
 
+/* So many states, and those that fill their last block. */
+static size_t with_last_block(const struct library *l, size_t n) {
+    const size_t block = l->blocks ? (size_t)l->lanes : 1;
+    return (n + block - 1) / block * block;
+}
+
 /* Room for n states; all q come first, then all v, a and tau. */
 static void *make_states(const struct instance *r, size_t n, struct states *states) {
-    const size_t size = r->library->size;
-    const size_t q_size = n * (size_t)r->nq * size, v_size = n * (size_t)r->nv * size;
-    char *q = calloc(n, state_length(r) * size);
+    const size_t size = r->library->size, room = with_last_block(r->library, n);
+    const size_t q_size = room * (size_t)r->nq * size, v_size = room * (size_t)r->nv * size;
+    char *q = zeros(room * state_length(r) * size);
     if (q) *states = (struct states){q, q + q_size, q + q_size + v_size, q + q_size + 2 * v_size};
     return q;
 }
@@ -129,6 +143,36 @@ struct state robot_state(const struct robot *r, int k) {
     return state_at(d->state_memory, (size_t)r->samples, (size_t)k, (size_t)d->nq, (size_t)d->nv);
 }
 
+size_t number_place(const struct library *l, int numbers, int k, int i) {
+    const int block = l->blocks ? l->lanes : 1;
+    return ((size_t)(k / block) * (size_t)numbers + (size_t)i) * (size_t)block + (size_t)(k % block);
+}
+
+void take_numbers(const struct library *l, const void *array, int numbers, int k, double *x) {
+    for (int i = 0; i < numbers; i++)
+        l->to_double((const char *)array + number_place(l, numbers, k, i) * l->size, 1, &x[i]);
+}
+
+/* One array of all random states, rounded, in the library's places; the last state fills the last block. */
+static void place_numbers(const struct instance *other, const double *x, int numbers, const void *array) {
+    const struct library *l = other->library;
+    const int n = other->robot->samples;
+    char *y = (char *)other->state_memory + ((const char *)array - (const char *)other->states.q);
+    for (int k = 0; k < (int)with_last_block(l, (size_t)n); k++)
+        for (int i = 0; i < numbers; i++)
+            l->from_double(&x[(size_t)(k < n ? k : n - 1) * (size_t)numbers + (size_t)i], 1,
+                           y + number_place(l, numbers, k, i) * l->size);
+}
+
+static void place_states(const struct instance *other) {
+    const struct robot *r = other->robot;
+    const struct states *from = &r->instances[DOUBLE].states, *to = &other->states;
+    place_numbers(other, from->q, r->nq, to->q);
+    place_numbers(other, from->v, r->nv, to->v);
+    place_numbers(other, from->a, r->nv, to->a);
+    place_numbers(other, from->tau, r->nv, to->tau);
+}
+
 /* All random states, in the conventions of another library. */
 static void convert_states(const struct instance *other) {
     const struct robot *r = other->robot;
@@ -146,11 +190,10 @@ void instance_take_sample(const struct instance *to, const struct instance *from
     const void *const source[4] = {s->q, s->v, s->a, s->tau};
     char *target = to->input_memory;
     for (int i = 0; i < 4; i++) {
-        const size_t n = (size_t)(i == 0 ? robot->nq : robot->nv);
-        const char *x = (const char *)source[i] + (size_t)k * n * from->library->size;
-        from->library->to_double(x, n, robot->numbers);
-        to->library->from_double(robot->numbers, n, target);
-        target += n * to->library->size;
+        const int n = i == 0 ? robot->nq : robot->nv;
+        take_numbers(from->library, source[i], n, k, robot->numbers);
+        to->library->from_double(robot->numbers, (size_t)n, target);
+        target += (size_t)n * to->library->size;
     }
 }
 
@@ -207,6 +250,7 @@ static const struct instance *like_states(const struct robot *r, const struct in
     for (int i = 0; i < TIMED && library_is_ours(other->library); i++) {
         const struct instance *s = &r->instances[i];
         if (s != other && s->states.q && library_is_ours(s->library) &&
+            s->library->blocks == other->library->blocks &&
             strcmp(s->library->scalar, other->library->scalar) == 0)
             return s;
     }
@@ -224,8 +268,7 @@ static int give_states(struct robot *r, struct instance *other) {
     other->state_memory = make_states(other, n, &other->states);
     if (!other->state_memory) return out_of_memory(r, r->samples);
     if (library_is_ours(other->library))
-        other->library->from_double(r->instances[DOUBLE].state_memory, n * state_length(other),
-                                    other->state_memory);
+        place_states(other);
     else
         convert_states(other);
     return 0;

@@ -5,10 +5,11 @@
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_float, library_iiwa, library_hyq, library_atlas, library_iiwa_code, library_hyq_code,
-    library_atlas_code, library_iiwa_code_lanes, library_hyq_code_lanes, library_atlas_code_lanes,
-    library_mujoco, library_kdl, library_pinocchio, library_rbdl, library_robcogen_iiwa, library_robcogen_hyq,
-    library_robcogen_atlas;
+    library_lanes_float, library_blocks_double, library_blocks_float, library_iiwa, library_hyq,
+    library_atlas, library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes,
+    library_hyq_code_lanes, library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks,
+    library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio, library_rbdl,
+    library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -18,6 +19,8 @@ const struct library *const libraries[LIBRARIES] = {
     [ATLAS] = &library_atlas,
     [LANES_DOUBLE] = &library_lanes_double,
     [LANES_FLOAT] = &library_lanes_float,
+    [BLOCKS_DOUBLE] = &library_blocks_double,
+    [BLOCKS_FLOAT] = &library_blocks_float,
 #ifdef BENCH_GENERATED
     [IIWA_CODE] = &library_iiwa_code,
     [HYQ_CODE] = &library_hyq_code,
@@ -25,6 +28,9 @@ const struct library *const libraries[LIBRARIES] = {
     [IIWA_CODE_LANES] = &library_iiwa_code_lanes,
     [HYQ_CODE_LANES] = &library_hyq_code_lanes,
     [ATLAS_CODE_LANES] = &library_atlas_code_lanes,
+    [IIWA_CODE_BLOCKS] = &library_iiwa_code_blocks,
+    [HYQ_CODE_BLOCKS] = &library_hyq_code_blocks,
+    [ATLAS_CODE_BLOCKS] = &library_atlas_code_blocks,
 #endif
 #ifdef BENCH_MUJOCO
     [MUJOCO] = &library_mujoco,
@@ -76,7 +82,9 @@ const char *const variant_names[] = {[RUN_TIME] = "run-time",
                                      [COMPILE_TIME] = "compile-time",
                                      [GENERATED] = "generated",
                                      [LANES] = "lanes",
+                                     [BLOCKS] = "blocks",
                                      [GENERATED_LANES] = "generated-lanes",
+                                     [GENERATED_BLOCKS] = "generated-blocks",
                                      [THREADS] = "threads",
                                      NULL};
 

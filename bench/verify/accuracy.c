@@ -12,7 +12,7 @@ static void take_parts(const struct row *row, const char *out, int place, double
     int size[MAX_PARTS];
     const int parts = algorithm_parts(row->algorithm, row->instance->robot, size);
     for (int k = 0; k < parts; k++) {
-        l->to_double(out + (size_t)(place * size[k]) * l->size, (size_t)size[k], numbers);
+        take_numbers(l, out, size[k], place, numbers);
         out += (size_t)(l->width * size[k]) * l->size;
         numbers += size[k];
     }
