@@ -1,5 +1,6 @@
 /* test_crba.c - [crba]: the mass matrix, full and packed. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "suites.h"
 #include "support.h"
@@ -115,6 +116,45 @@ START_TEST(packed_matrix_is_the_full_one) {
 }
 END_TEST
 
+/* More degrees of freedom than rbdi_crba has a fixed stride for, on branches: columns and packed entries. */
+START_TEST(large_trees_have_the_columns_of_inverse_dynamics) {
+    enum { N = 80 };
+    static double M[N * N], H[N * N], q[N], tau[N], rest[N], unit[N];
+    const double none[3] = {0, 0, 0};
+    rbd_body bodies[N];
+    uint64_t seed = 7;
+    for (int i = 0; i < N; i++) {
+        random_joint(&seed, bodies, i, i % 5 == 3 ? RBD_PRISMATIC : RBD_REVOLUTE);
+        bodies[i].parent = i % 20 == 13 ? i - 9 : i - 1;
+        random_mass(&seed, &bodies[i]);
+        q[i] = uniform(&seed, -2, 2);
+    }
+    const size_t size = rbd_model_size(bodies, N);
+    robot r = {.name = "large tree"};
+    r.memory[0] = malloc(size);
+    ck_assert_int_eq(rbd_model_build(bodies, N, r.memory[0], size, &r.m, NULL), RBD_OK);
+    r.memory[1] = malloc(rbd_work_size(r.m));
+    ck_assert_int_eq(rbd_work_init(r.m, r.memory[1], rbd_work_size(r.m), &r.w), RBD_OK);
+    ck_assert_int_eq(rbd_nv(r.m), N);
+    ck_assert_int_eq(rbd_set_gravity(r.w, none), RBD_OK);
+    ck_assert_int_eq(rbd_crba(r.m, r.w, q, M), RBD_OK);
+    ck_assert_int_eq(rbd_crba_packed(r.m, r.w, q, H), RBD_OK);
+    for (int k = 0; k < N; k++) {
+        double column[N];
+        unit[k] = 1;
+        ck_assert_int_eq(rbd_rnea(r.m, r.w, q, rest, unit, NULL, tau), RBD_OK);
+        unit[k] = 0;
+        for (int i = 0; i < N; i++) {
+            const int packed = rbd_packed_index(r.m, i, k);
+            column[i] = M[i * N + k];
+            ck_assert(M[i * N + k] == (packed < 0 ? 0 : H[packed]));
+        }
+        expect_close("crba, large tree", &r, k, column, tau, N, 1e-12);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(null_arguments_are_refused) {
     robot r = robot_build("atlas", reference_model(0)->bodies, reference_model(0)->nb);
     const double q[MAX_Q] = {0};
@@ -142,6 +182,7 @@ Suite *crba_suite(void) {
     tcase_add_test(c, columns_are_torques_of_unit_accelerations);
     tcase_add_test(c, mass_matrix_is_symmetric_and_positive_definite);
     tcase_add_test(c, packed_matrix_is_the_full_one);
+    tcase_add_test(c, large_trees_have_the_columns_of_inverse_dynamics);
     tcase_add_test(c, null_arguments_are_refused);
     suite_add_tcase(suite, c);
     return suite;
