@@ -35,9 +35,11 @@ static void parameters(const robot *r, double *pi) {
 
 static void check_regressors(const robot *r, rbd_derivatives *d, const ref_control_state *s, int number) {
     const int nv = r->nv, n = 10 * r->nb;
-    static double Y[MAX_V * 10 * MAX_BODIES];
+    static double Y[MAX_V * 10 * MAX_BODIES + 1];
     double kinetic[10 * MAX_BODIES], potential[10 * MAX_BODIES];
+    Y[nv * n] = 7; /* behind it */
     RUN(rbd_regressor(r->m, d, s->q, s->v, s->vdot, Y));
+    ck_assert_double_eq(Y[nv * n], 7);
     if (s->Y) expect_close("regressor", r, number, Y, s->Y, nv * n, REFERENCE);
     RUN(rbd_energy_regressors(r->m, d, s->q, s->v, kinetic, potential));
     expect_close("kinetic regressor", r, number, kinetic, s->Y_kinetic, n, REFERENCE);
@@ -582,13 +584,13 @@ START_TEST(closed_forms_of_a_free_base) {
 END_TEST
 
 /* Nor do a far place and a great velocity of the root cost digits. */
-static void travel(rbd_joint_type type, int position, int velocity) {
+static void travel(rbd_joint_type type, int position, int velocity, int star) {
     rbd_body bodies[4];
     uint64_t seed = 77;
     for (int i = 0; i < 4; i++) {
         random_joint(&seed, bodies, i, i == 0 ? type : RBD_REVOLUTE);
         random_mass(&seed, &bodies[i]);
-        bodies[i].parent = i - 1;
+        bodies[i].parent = star && i > 0 ? 0 : i - 1;
     }
     struct robot one = BUILD(bodies), *r = &one;
     const int number = (int)type, nv = r->nv;
@@ -610,10 +612,12 @@ static void travel(rbd_joint_type type, int position, int velocity) {
 }
 
 START_TEST(distance_and_speed_of_the_root_cost_no_digits) {
-    travel(RBD_FLOATING, 0, -1);
-    travel(RBD_PLANAR, 0, -1);
-    travel(RBD_TRANSLATION, 0, 0);
-    travel(RBD_PRISMATIC, 0, 0);
+    for (int star = 0; star < 2; star++) {
+        travel(RBD_FLOATING, 0, -1, star);
+        travel(RBD_PLANAR, 0, -1, star);
+        travel(RBD_TRANSLATION, 0, 0, star);
+        travel(RBD_PRISMATIC, 0, 0, star);
+    }
 }
 END_TEST
 
