@@ -202,6 +202,7 @@ typedef enum call {
     MOMENTUM_MATRIX,
     CORIOLIS,
     RNEA_DERIVATIVES,
+    REGRESSOR,
     ABA, /* from here on with the inverse of M */
     FD_CHOLESKY,
     MINVERSE,
@@ -219,6 +220,7 @@ static const char *const call_name[CALLS] = {"rnea",
                                              "momentum_matrix",
                                              "coriolis",
                                              "rnea_derivatives",
+                                             "regressor",
                                              "aba",
                                              "fd_cholesky",
                                              "minverse",
@@ -239,6 +241,7 @@ static int parts_of(const robot *r, call c, int width[PARTS]) {
                                       {6 * nv, 6, 0, 0},
                                       {square, 0, 0, 0},
                                       {square, square, square, 0},
+                                      {10 * r->nb * nv, 0, 0, 0},
                                       {nv, 0, 0, 0},
                                       {nv, 0, 0, 0},
                                       {square, 0, 0, 0},
@@ -285,6 +288,7 @@ static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *
     case RNEA_DERIVATIVES:
         return rbd_rnea_derivatives(m, r->single, x->q, x->v, x->a, x->f_ext, out, out + square,
                                     out + 2 * square);
+    case REGRESSOR: return rbd_regressor(m, r->single, x->q, x->v, x->a, out);
     case ABA: return rbd_aba(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case FD_CHOLESKY: return rbd_fd_cholesky(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case MINVERSE: return rbd_minverse(m, r->w, x->q, out);
@@ -310,6 +314,7 @@ static rbd_status run_parts(const robot *r, call c, int n, const states *x, RBD_
     case CORIOLIS: return rbd_batch_coriolis(m, r->d, n, x->q, x->v, y[0]);
     case RNEA_DERIVATIVES:
         return rbd_batch_rnea_derivatives(m, r->d, n, x->q, x->v, x->a, x->f_ext, y[0], y[1], y[2]);
+    case REGRESSOR: return rbd_batch_regressor(m, r->d, n, x->q, x->v, x->a, y[0]);
     case ABA: return rbd_batch_aba(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case FD_CHOLESKY: return rbd_batch_fd_cholesky(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case MINVERSE: return rbd_batch_minverse(m, r->b, n, x->q, y[0]);
