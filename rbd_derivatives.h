@@ -194,8 +194,8 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
                                            rbd_real *dg_dq);
 
 /* Matrices of these calls and of rbd_coriolis are written whole. With keep other than 0 what is zero in all
-   states, dofs on different branches, is not written any more, for a caller who cleared the matrix once: a
-   twentieth fewer instructions on a humanoid, and less memory passes. Not with mimic joints. Errors:
+   states, dofs on different branches, need not be written any more, for a caller who cleared the matrix once
+   (as 0 or not at all: less memory passes). Not with mimic joints. Errors:
    RBD_ERR_NULL. */
 RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 #endif
@@ -1051,7 +1051,7 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k < n; ++k) y[k] = x[k];
 }
 
-/* With mimic joints: adds entries y of dofs i and k, G' (.) G; stride: from result to result. */
+/* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
@@ -1116,8 +1116,8 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with, whose
-   turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
+/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
+   Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_kin_length(&d);
@@ -1176,14 +1176,14 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
-            rbdi_entries_before(&d->columns[k], want, F, T, y);
+            rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
             if (d->model->nmimic)
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
                 rbdi_put_entry(e + i, e + k, want, y, out);
         }
         for (int k = i; k < e[i].end; ++k) {
-            rbdi_entries_behind(&d->columns[k], want, S, y);
+            rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
             if (d->model->nmimic)
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
@@ -1223,7 +1223,8 @@ RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, int j, const rbd_r
             out[k * nv + j] = in[k * RBDI_BATCH];
     }
 }
-/* Its columns: of n batches, as the first n entries of as many rows as they have lanes, then zeros up to six. */
+/* Its columns: of n batches, as the first n entries of as many rows as they have lanes, then zeros up to
+   six. */
 RBDI_INLINE void rbdi_put_base_columns(const rbd_real *in, int n, int lanes, ptrdiff_t nv, rbd_real *out) {
     for (int k = 0; k < lanes; ++k, ++in, out += nv) RBDI_UNROLL_SIX
         for (int j = 0; j < 6; ++j) out[j] = j < n ? in[j * RBDI_BATCH] : rbdi_zero();

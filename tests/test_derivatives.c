@@ -554,8 +554,8 @@ static void cut(double *x, int n, int nv) {
     for (int i = 0; i < n; i++) memmove(x + i * n, x + i * nv, (size_t)n * sizeof *x);
 }
 
-/* A free base's dofs have closed forms in its own axes. With a second root beside it they go the general way, which
-   gives the same. */
+/* A free base's dofs have closed forms in its own axes. With a second root beside it they go the general way,
+   which gives the same. */
 static void check_ways(const robot *r, const state *s, int number) {
     const int nv = r->nv, n = nv * nv;
     const rbd_body root = {.parent = -1,
