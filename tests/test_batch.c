@@ -697,7 +697,7 @@ START_TEST(singular_state_is_of_the_last_call) {
     trap t = beads();
     const double locked[4] = {0.1, 0, 0.2, 0.3};
     states x = states_draw(&t.r, 1);
-    RBD_REAL out[64];
+    RBD_REAL out[1024];
     for (call c = RNEA; c < CALLS; c++) {
         int dof = -2;
         RBD_REAL *q = copy_of(x.q, 1, t.r.nq);
@@ -843,7 +843,7 @@ END_TEST
 START_TEST(null_arguments_are_refused) {
     robot r = build_reference(reference_model(2));
     states x = states_draw(&r, 1);
-    RBD_REAL out[512];
+    RBD_REAL out[4096];
     for (call c = RNEA; c < CALLS; c++) {
         robot no_model = r, no_batch = r;
         states no_q = x, no_v = x, no_third = x;
