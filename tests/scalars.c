@@ -31,7 +31,7 @@
 
 #include "reference.h"
 
-#include <check.h>
+#include "quiet_check.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

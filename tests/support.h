@@ -2,7 +2,7 @@
 #ifndef SUPPORT_H
 #define SUPPORT_H
 
-#include <check.h>
+#include "quiet_check.h"
 #include <stdlib.h>
 
 #include "rbd.h"

@@ -20,7 +20,7 @@
 #include "models/pendulum.h"
 #include "models/pendulum_model.h"
 
-#include <check.h>
+#include "quiet_check.h"
 #include <stdlib.h>
 #include <string.h>
 

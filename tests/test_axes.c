@@ -5,7 +5,7 @@
 
 #include "textbook.h"
 
-#include <check.h>
+#include "quiet_check.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

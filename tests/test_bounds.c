@@ -2,7 +2,7 @@
    verdict on a pivot D changes where D = noise (e + armature). e is computed once more from its definition in
    [pivots] of rbd.h, with 6x6 matrices and without its recursion: the motions y of the links when one joint
    moves and those behind it give way are followed outwards, and y' K y is added up. */
-#include <check.h>
+#include "quiet_check.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

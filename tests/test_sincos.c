@@ -4,7 +4,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 
-#include <check.h>
+#include "quiet_check.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

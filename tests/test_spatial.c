@@ -7,7 +7,7 @@
 
 #include "reference.h"
 
-#include <check.h>
+#include "quiet_check.h"
 #include <math.h>
 
 /* A file may include it as often as it likes. */
