@@ -370,6 +370,11 @@ static void check_derivatives(void) {
     COMPARE("dtau/dq", found, dtau_dq, nv * nv, DIRECT);
     COMPARE("dtau/dv", by_v, dtau_dv, nv * nv, CANCELLED);
     COMPARE("M of the derivatives", M, M, nv * nv, DIRECT);
+    RUN(rbd_keep_zeros(d, 1)); /* those that stand there */
+    RUN(rbd_rnea_derivatives(model, d, q, v, a, NULL, found, by_v, NULL));
+    COMPARE("dtau/dq, zeros kept", found, dtau_dq, nv * nv, DIRECT);
+    COMPARE("dtau/dv, zeros kept", by_v, dtau_dv, nv * nv, CANCELLED);
+    RUN(rbd_keep_zeros(d, 0));
     RUN(rbd_fd_derivatives(model, d, q, v, tau, NULL, NULL, found, by_v, M));
     COMPARE("da/dq", found, dqdd_dq, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
     COMPARE("da/dv", by_v, dqdd_dv, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
