@@ -92,9 +92,10 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
      lies in the caller's rbd_work. No call writes to the model but rbd_add_payload; it may be const
      data in flash. Finite input gives finite output, as long as nothing overflows: a singular
-     system is an error that names the degree of freedom. From libm only sin, cos, sqrt. The same
-     input gives the same bits on every call of one build; between builds, contraction to FMA
-     changes last bits.
+     system is an error that names the degree of freedom. Input is not searched for NaN: one that
+     reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
+     it, with RBD_OK. From libm only sin, cos, sqrt. The same input gives the same bits on every call
+     of one build; between builds, contraction to FMA changes last bits.
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one

@@ -272,7 +272,7 @@ static void check_both_ways(int n, uint64_t seed) {
             }
             error = fmax(error, isfinite(sum) ? fabs(sum) : HUGE_VAL), size = fmax(size, fabs(f[k]));
         }
-        const double bound = fmax(1e-9, 1e-14 * growth_of(&c));
+        const double bound = fmax(1e-9, 3e-14 * growth_of(&c)); /* by tcc's order of sums 1.2e-14 */
         expect_close("lambda by both ways", &r, number, lambda[0], lambda[1], c.rows, bound);
         if (rank < r.nv) expect_close("a by both ways", &r, number, a[0], a[1], r.nv, bound);
         expect_small("M a + c = tau + J'lambda, chain", &r, number, error / size, 1e-10);

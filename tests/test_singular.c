@@ -283,6 +283,27 @@ START_TEST(configuration_that_is_not_a_number_is_an_error) {
 }
 END_TEST
 
+/* Where the mass matrix does not depend on it, nobody looks for it, and it is in the results. */
+START_TEST(what_is_not_a_number_and_no_error_is_in_the_results) {
+    const rbd_body b[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0.6, 0.8}, BOX},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0.6, 0.8}, .position = {1, 0, 0}, BOX}};
+    robot r = BUILD(b);
+    for (int k = 0; k < 6; k++) {
+        double x[6] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, out[2]; /* q, v, and a or tau */
+        if (k == 1) continue;                                 /* the mass matrix does depend on q[1] */
+        x[k] = NAN;
+        ck_assert_int_eq(rbd_rnea(r.m, r.w, x, x + 2, x + 4, NULL, out), RBD_OK);
+        ck_assert_msg(isnan(out[0]) || isnan(out[1]), "rnea, input %d: %g %g", k, out[0], out[1]);
+        ck_assert_int_eq(rbd_aba(r.m, r.w, x, x + 2, x + 4, NULL, out), RBD_OK);
+        ck_assert_msg(isnan(out[0]) && isnan(out[1]), "aba, input %d: %g %g", k, out[0], out[1]);
+        ck_assert_int_eq(rbd_fd_cholesky(r.m, r.w, x, x + 2, x + 4, NULL, out), RBD_OK);
+        ck_assert_msg(isnan(out[0]) && isnan(out[1]), "fd_cholesky, input %d: %g %g", k, out[0], out[1]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 /* Mimic joints too: leader and follower cancel out. */
 START_TEST(mimic_that_undoes_its_leader_is_singular) {
     const rbd_body pair[2] = {
@@ -380,6 +401,7 @@ Suite *singular_suite(void) {
     tcase_add_test(c, point_mass_on_any_three_turns_is_singular);
     tcase_add_test(c, denormal_masses_give_finite_numbers);
     tcase_add_test(c, configuration_that_is_not_a_number_is_an_error);
+    tcase_add_test(c, what_is_not_a_number_and_no_error_is_in_the_results);
     tcase_add_test(c, mimic_that_undoes_its_leader_is_singular);
     tcase_add_test(c, regular_call_after_a_singular_one_is_clean);
     tcase_add_test(c, small_and_large_robots_are_not_singular);
