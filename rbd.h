@@ -7240,14 +7240,8 @@ typedef RBD_REAL rbdi_lane_row
 /* x[k] lane s = column k of row s, for rows of the given width; lanes beyond the rest of the rows repeat
    the last one. Blocks of RBD_LANES columns; the last may overlap the one before. The rows of the next
    states are fetched meanwhile: the processor does not foresee so many streams. */
-static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) {
-    const int count = rest < RBD_LANES ? rest : RBD_LANES;
+RBDI_INLINE void rbdi_gather_states(const RBD_REAL *rows, int width, int rest, int count, rbd_real *x) {
     const RBD_REAL *next = rest < 2 * RBD_LANES ? rows : rows + RBD_LANES * width;
-    if (width < RBD_LANES) {
-        for (int k = 0; k < width; ++k)
-            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
-        return;
-    }
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
@@ -7258,14 +7252,19 @@ static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) 
         for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
     }
 }
-
-/* The reverse, into the first count rows. */
-static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows) {
+static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) {
+    const int count = rest < RBD_LANES ? rest : RBD_LANES;
     if (width < RBD_LANES) {
         for (int k = 0; k < width; ++k)
-            for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
-        return;
-    }
+            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
+    } else if (count == RBD_LANES) /* the usual number, known to the compiler */
+        rbdi_gather_states(rows, width, rest, RBD_LANES, x);
+    else
+        rbdi_gather_states(rows, width, rest, count, x);
+}
+
+/* The reverse, into the first count rows. */
+RBDI_INLINE void rbdi_scatter_states(const rbd_real *x, int width, int count, RBD_REAL *rows) {
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
@@ -7273,6 +7272,15 @@ static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows
         rbdi_transpose_lanes(block);
         for (int s = 0; s < count; ++s) *(rbdi_lane_row *)&rows[s * width + at] = block[s];
     }
+}
+static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows) {
+    if (width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
+    } else if (count == RBD_LANES)
+        rbdi_scatter_states(x, width, RBD_LANES, rows);
+    else
+        rbdi_scatter_states(x, width, count, rows);
 }
 
 /* The same of a block, which is in lanes already. */
