@@ -1,6 +1,6 @@
 /* check.h - are the derivatives of a problem right? By central differences along the manifold, at the
-   trajectory of a solver: do this once before you wonder why it does not converge. SPDX-License-
-   Identifier: MIT */
+   trajectory of a solver: do this once before you wonder why it does not converge. And do controls at
+   their limits reach them? SPDX-License-Identifier: MIT */
 #ifndef ILQR_CHECK_H
 #define ILQR_CHECK_H
 
@@ -54,6 +54,49 @@ static inline rbd_real ilqr_derivative_error(ilqr *s, rbd_real *memory) {
         if (!(error <= worst)) worst = error;
     }
     return worst;
+}
+
+/* Of -1 to 1. */
+static inline rbd_real ilqr_random(unsigned long *seed) {
+    *seed = (*seed * 1103515245ul + 12345ul) & 0x7ffffffful;
+    return (rbd_real)*seed / (rbd_real)0x40000000ul - 1;
+}
+
+/* A knot's quadratic cost of the controls, and controls u within their limits. */
+static inline void ilqr_draw_box(ilqr *s, unsigned long *seed, rbd_real *u) {
+    const int m = s->nu, nx = 2 * s->nv, nz = nx + m;
+    rbd_real *Q_uu = s->Q_zz + nx * nz + nx;
+    memset(s->Q_zz, 0, sizeof *u * (size_t)(nz * nz));
+    for (int r = 0; r < m; r++) {
+        for (int i = 0; i < m; i++) s->trial[i] = ilqr_random(seed);
+        for (int i = 0; i < m; i++)
+            for (int j = 0; j < m; j++) Q_uu[i * nz + j] += s->trial[i] * s->trial[j];
+    }
+    for (int i = 0; i < m; i++) {
+        const rbd_real lower = s->p->lower[i], upper = s->p->upper[i];
+        Q_uu[i * nz + i] += (rbd_real)1e-4;
+        s->Q_z[nx + i] = (upper - lower) * ilqr_random(seed);
+        u[i] = ilqr_clamp((upper + lower) / 2 + ilqr_random(seed) * (upper - lower), lower, upper);
+    }
+}
+
+/* Whether in so many random boxes no control comes to stand beside its limit, as near as a rounding: it would
+   count as free, and what is found would be another thing. u, k: nu scalars each. */
+static inline int ilqr_meets_limits(ilqr *s, int boxes, rbd_real *u, rbd_real *k) {
+    unsigned long seed = 1;
+    int meets = 1;
+    for (int box = 0; box < boxes; box++) {
+        ilqr_draw_box(s, &seed, u);
+        meets = meets && ilqr_box(s, u, k);
+        for (int i = 0; i < s->nu; i++) {
+            const rbd_real lower = s->p->lower[i] - u[i], upper = s->p->upper[i] - u[i],
+                           near = (upper - lower) * (sizeof near > 4 ? (rbd_real)1e-13 : (rbd_real)1e-5);
+            const int at_lower = k[i] <= lower + near, at_upper = k[i] >= upper - near;
+            meets = meets && k[i] >= lower && k[i] <= upper;
+            meets = meets && !(at_lower && k[i] > lower) && !(at_upper && k[i] < upper);
+        }
+    }
+    return meets;
 }
 
 #endif

@@ -284,6 +284,7 @@ int main(int count, char **arguments) {
     plan();
     unbounded = 1;
     const double error = ilqr_derivative_error(&s, scratch);
+    const int meets_limits = ilqr_meets_limits(&s, 1000, scratch, scratch + NU);
     unbounded = 0;
     int good = converge();
     fprintf(stderr, "the cost fell in each iteration, fewer than 60, to %.0f: %s\n", s.cost,
@@ -298,6 +299,7 @@ int main(int count, char **arguments) {
         ilqr_print_times(&s, "after it, standing in all knots");
     else
         print_tables();
-    fprintf(stderr, "derivatives agree with differences to 1e-6: %s\n", error < 1e-6 ? "yes" : "no");
-    return good && error < 1e-6 ? EXIT_SUCCESS : EXIT_FAILURE;
+    fprintf(stderr, "derivatives agree with differences to 1e-6: %s; ", error < 1e-6 ? "yes" : "no");
+    fprintf(stderr, "limits are met to the bit: %s\n", meets_limits ? "yes" : "no");
+    return good && error < 1e-6 && meets_limits ? EXIT_SUCCESS : EXIT_FAILURE;
 }

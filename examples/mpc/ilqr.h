@@ -414,7 +414,8 @@ static inline int ilqr_projected_step(ilqr *s, const rbd_real *u, rbd_real *k) {
             quadratic += s->trial[i] * ilqr_dot(m, Q_uu + i * nz, s->trial);
         }
         if (!whole && linear + quadratic / 2 > linear / 10) continue;
-        for (int i = 0; i < m; i++) k[i] += s->trial[i];
+        for (int i = 0; i < m; i++) /* to the limit itself: k + (limit - k) may miss it by a rounding */
+            k[i] = ilqr_clamp(k[i] + t * s->change[i], lower[i] - u[i], upper[i] - u[i]);
         return whole;
     }
     return 0;
