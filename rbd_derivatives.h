@@ -118,6 +118,7 @@
 #define rbd_batch_coriolis RBDI_OF_SCALAR(rbd_batch_coriolis)
 #define rbd_batch_rnea_derivatives RBDI_OF_SCALAR(rbd_batch_rnea_derivatives)
 #define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
+#define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
@@ -193,8 +194,8 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
                                            rbd_real *dg_dq);
 
 /* Matrices of these calls and of rbd_coriolis are written whole. With keep other than 0 what is zero in all
-   states, dofs on different branches, is not written any more, for a caller who cleared the matrix once: a
-   twentieth fewer instructions on a humanoid, and less memory passes. Not with mimic joints. Errors:
+   states, dofs on different branches, need not be written any more, for a caller who cleared the matrix once
+   (as 0 or not at all: less memory passes). Not with mimic joints. Errors:
    RBD_ERR_NULL. */
 RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 #endif
@@ -291,6 +292,11 @@ RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_
                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
                                                   RBD_REAL *da_dv, RBD_REAL *Minv);
 #endif
+#ifndef RBD_NO_REGRESSOR
+RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                             const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                             RBD_REAL *Y);
+#endif
 RBDI_EXTERN_C_CLOSE
 
 /* ====================================================================================================
@@ -319,11 +325,22 @@ typedef struct rbdi_entry {
     int16_t joint;  /* end of the dofs of its link */
     int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
     int16_t parent; /* the dof before it towards the root, -1 = none */
-    int16_t form;   /* what is known of its motion: RBDI_FORM_... */
     int16_t batch, lane;
-    int32_t at;  /* where its lane of the first component is, in scalars */
-    int32_t row; /* where the caller's row starts in a square matrix */
+    int16_t laid; /* the dof whose source is the index of this one: dofs in the order of the lanes */
+    int32_t at;   /* where its lane of the first component is, in scalars */
+    int32_t row;  /* where the caller's row starts in a square matrix */
 } rbdi_entry;
+
+/* Of a batch the lanes that have relatives of a dof. */
+typedef struct rbdi_relatives {
+    int32_t at;     /* where the batch is, in scalars */
+    int16_t row;    /* and in a row of entries */
+    uint16_t lanes; /* bits, and as below; 0 ends a list */
+} rbdi_relatives;
+enum {
+    RBDI_ALSO_BEFORE = 256, /* the list of those on the path has this batch too */
+    RBDI_ALL_BATCHES = 512  /* the two lists have all there are, behind a free base */
+};
 
 struct rbd_derivatives {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
@@ -336,19 +353,23 @@ struct rbd_derivatives {
     rbdi_v3 up;            /* - gravity there */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
-    rbd_real *a;       /* n: acceleration of forward dynamics */
-    rbdi_entry *entry; /* n */
-    rbdi_run *run;     /* runs */
-    int16_t *origin;   /* nl: the root link whose tree has its origin in this link, else -1 */
-    rbd_const mass;    /* of all bodies that a joint moves */
+    rbd_real *a;         /* n: acceleration of forward dynamics */
+    rbdi_entry *entry;   /* n */
+    rbdi_run *run;       /* runs */
+    int16_t *origin;     /* nl: the root link whose tree has its origin in this link, else -1 */
+    rbdi_relatives *kin; /* n x 2 lists: batches that have dofs on a dof's path, and of its subtree */
+    rbd_const mass;      /* of all bodies that a joint moves */
 };
 
 #define RBDI_COLUMN 110  /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17 /* in rbdi_constants */
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
+#define RBDI_KIN(n, padded) 0
 #else
 #define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
+#define RBDI_KIN(n, padded) \
+    ((size_t)(n) * ((size_t)(padded) + 2) * sizeof(rbdi_relatives)) /* from 2 lanes on */
 #endif
 
 /* Bytes for nl links and n dofs, padded. */
@@ -356,7 +377,7 @@ struct rbd_derivatives {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
      (size_t)(padded) * (RBDI_COLUMN * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
      (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
-     (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)))
+     (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)) + RBDI_KIN(n, padded))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
    (compile-time bounds; rbd_derivatives_size is exact, and less). */
@@ -434,13 +455,6 @@ typedef struct rbdi_bmotion {
 typedef struct rbdi_bforce {
     rbdi_b3 n, f;
 } rbdi_bforce;
-
-/* What is known of a dof's motion. */
-enum {
-    RBDI_FORM_ANY,
-    RBDI_FORM_SLIDES, /* along an axis: no angular halves of S, Psi, U, Phi */
-    RBDI_FORM_ROOT    /* turns a root about the origin: no linear half of S, no angular ones of Psi and Phi */
-};
 
 /* What is summed over subtrees, in nines. */
 typedef struct rbdi_sums {
@@ -732,20 +746,15 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
         c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, A, 0);
-    for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
-    }
 }
 
 /* What the layer is asked for beyond F, which needs q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a */
-    RBDI_NEED_Q = 4 | 2,    /* E and T */
-    RBDI_NEED_CORIOLIS = 8, /* D and T halved, and U = V x S: B instead of 2 B */
-    RBDI_NEED_OWN = 16,     /* in a free base's own axes, at v = 0 and without gravity */
-    RBDI_NEED_WHOLE = 32    /* the same with both */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
+    RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
+    RBDI_NEED_OWN = 8,      /* in a free base's own axes, at v = 0 and without gravity */
+    RBDI_NEED_WHOLE = 16    /* the same with both */
 };
 
 /* Sigma and h of the links. */
@@ -892,30 +901,33 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* E of a batch of dofs. */
-RBDI_INLINE rbdi_bforce rbdi_E_column(const rbdi_columns *c, const rbdi_constants *k) {
-    const rbdi_sums *s = &c->sum;
-    const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
-    rbdi_bforce E = rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->Phi), B), B);
-    E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, c->S.omega, f.n), c->S.v, f.f);
-    E.f = rbdi_b_cross_add(E.f, c->S.omega, f.f);
-    return E;
+/* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
+RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
+    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_sums *s = &c->sum;
+        const rbdi_bmotion S = c->S,
+                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
+        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
+        rbdi_bforce E =
+            rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, &d->constants[b], Phi), B), B);
+        E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
+        E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
+        c->Phi = Phi, c->E = E;
+    }
 }
 /* Columns of forces of a batch of dofs. */
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
     const rbdi_sums *s = &c->sum;
     const rbdi_bmotion S = c->S;
     const int halved = need & RBDI_NEED_CORIOLIS;
-    if (need & (RBDI_NEED_V | 4)) {
-        const rbdi_b3 T = rbdi_subtree_B_t(s, S);
-        c->T = halved ? T : rbdi_b_add(T, T);
-    }
     if (need & RBDI_NEED_V) {
+        const rbdi_b3 T = rbdi_subtree_B_t(s, S);
         const rbdi_bforce B = rbdi_subtree_B(s, S.omega),
                           D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
+        c->T = halved ? T : rbdi_b_add(T, T);
         c->D = halved ? D : rbdi_b_force_add(D, B);
     }
-    if (need & 4) c->E = rbdi_E_column(c, k);
     c->F = rbdi_subtree_inertia(s, k, S);
 }
 
@@ -964,7 +976,7 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
    free base, if own. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
-    const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_Q;
+    const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
     const int base = need & RBDI_NEED_OWN ? d->base : 0, whole = need & RBDI_NEED_WHOLE;
     need &= ~(RBDI_NEED_OWN | RBDI_NEED_WHOLE);
     if (!need)
@@ -986,118 +998,200 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
 
    and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
    with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
-   from halved columns. One dof i at a time, its subtree as lanes. */
+   from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
+   those of its subtree, by the left one. */
 
-enum { RBDI_ANGULAR = 1, RBDI_LINEAR = 2, RBDI_BOTH = 3 }; /* halves of a motion that need not be zero */
-
-/* T' s, and with a added. */
-RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 T, rbdi_v3 s) { return T.x * s.x + T.y * s.y + T.z * s.z; }
-RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch a, rbdi_b3 T, rbdi_v3 s) {
-    return a + T.x * s.x + T.y * s.y + T.z * s.z;
-}
-/* S' F of forces with one dof's motion, of which some halves are zero. */
-RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bforce F, rbdi_motion S, int halves) {
-    if (halves == RBDI_ANGULAR) return rbdi_b_dot(F.n, S.omega);
-    if (halves == RBDI_LINEAR) return rbdi_b_dot(F.f, S.v);
-    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
-}
-
-/* Entries of a dof's row and of its column, with a chunk of the dofs of its subtree. */
-#define RBDI_PAIRS (8 * RBDI_BATCH)
-typedef struct rbdi_pairs {
-    rbd_real M[RBDI_PAIRS], v_row[RBDI_PAIRS], v_column[RBDI_PAIRS], q_row[RBDI_PAIRS], q_column[RBDI_PAIRS];
-} rbdi_pairs;
-
-/* The caller's matrices, and which of them are wanted: derivatives by q and v, or C, and M. */
+/* The caller's matrices: derivatives by q and v, or C, and M; and which of them are wanted. */
+enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
+enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
 typedef struct rbdi_wanted {
-    rbd_real *by_q, *by_v, *M;
+    rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
-enum { RBDI_WANT_Q = 1, RBDI_WANT_V = 2, RBDI_WANT_M = 4 };
 
-/* Of a dof of this form, a lane of its own batch, with the batch c, to x[k] on. */
-RBDI_INLINE void rbdi_pairs_of(const rbdi_columns *c, int form, int want, const rbdi_columns *own, int lane,
-                               int k, rbdi_pairs *x) {
-    const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S + lane),
-                      U = rbdi_load_motion((const rbd_real *)&own->U + lane),
-                      Phi = rbdi_load_motion((const rbd_real *)&own->Phi + lane);
-    const rbdi_v3 Psi = rbdi_load_vec((const rbd_real *)&own->Psi + lane);
-    const int S_halves = form == RBDI_FORM_SLIDES ? RBDI_LINEAR
-                         : form == RBDI_FORM_ROOT ? RBDI_ANGULAR
-                                                  : RBDI_BOTH;
-    if (want & RBDI_WANT_M) *(rbdi_batch *)&x->M[k] = rbdi_b_power(c->F, S, S_halves);
-    if (want & RBDI_WANT_V) {
-        rbdi_batch y = rbdi_b_power(c->F, U, form == RBDI_FORM_SLIDES ? RBDI_LINEAR : RBDI_BOTH);
-        if (form != RBDI_FORM_SLIDES) y = rbdi_b_dot_add(y, c->T, S.omega);
-        *(rbdi_batch *)&x->v_row[k] = rbdi_b_power(c->D, S, S_halves);
-        *(rbdi_batch *)&x->v_column[k] = y;
-    }
-    if (want & RBDI_WANT_Q) {
-        rbdi_batch y = rbdi_b_power(c->F, Phi, form == RBDI_FORM_ANY ? RBDI_BOTH : RBDI_LINEAR);
-        if (form == RBDI_FORM_ANY) y = rbdi_b_dot_add(y, c->T, Psi);
-        *(rbdi_batch *)&x->q_row[k] = rbdi_b_power(c->E, S, S_halves);
-        *(rbdi_batch *)&x->q_column[k] = y;
-    }
+RBDI_INLINE rbd_real rbdi_b_sum(rbdi_batch x) {
+    rbd_real sum = rbdi_zero();
+    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + ((const rbd_real *)&x)[j];
+    return sum;
+}
+RBDI_INLINE rbdi_batch rbdi_b_zero(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
+}
+/* a' x + b' y, vectors of a batch with those of one dof. */
+RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
+RBDI_INLINE rbdi_batch rbdi_b_dots(rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
+    return rbdi_b_dot(a, x) + b.x * y.x + b.y * y.y + b.z * y.z;
 }
 
-/* Puts those of dofs j .. end - 1 into the caller's order; the chunk begins with dof first. */
-RBDI_INLINE void rbdi_put_pairs(const rbd_derivatives *d, int i, int j, int end, const rbdi_pairs *pairs,
-                                int first, int want, rbdi_wanted out) {
-    const rbdi_entry *e = d->entry + j, *last = d->entry + end;
-    const ptrdiff_t right = d->entry[i].row, down = d->entry[i].user;
-    for (const rbd_real *x = pairs->M + (j - first); e < last; ++e, ++x) {
-        const ptrdiff_t user = e->user, row = e->row;
-        if (want & RBDI_WANT_V) {
-            (out.by_v + right)[user] = x[RBDI_PAIRS];
-            (out.by_v + down)[row] = x[2 * RBDI_PAIRS];
-        }
-        if (want & RBDI_WANT_Q) {
-            (out.by_q + right)[user] = x[3 * RBDI_PAIRS];
-            (out.by_q + down)[row] = x[4 * RBDI_PAIRS];
-        }
-        if (want & RBDI_WANT_M) (out.M + right)[user] = (out.M + down)[row] = *x;
+/* Entries of the dof of F and T, with those before it on its path. */
+RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
+                                     rbdi_batch y[RBDI_RESULTS]) {
+    if (want & RBDI_WANT_Q)
+        y[RBDI_BY_Q] = rbdi_b_dots(c->Phi.omega, F.n, c->Phi.v, F.f) + rbdi_b_dot(c->Psi.omega, T);
+    if (want & RBDI_WANT_V)
+        y[RBDI_BY_V] = rbdi_b_dots(c->U.omega, F.n, c->U.v, F.f) + rbdi_b_dot(c->S.omega, T);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
+}
+/* Entries of the dof of S, with those of its subtree. */
+RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
+                                     rbdi_batch y[RBDI_RESULTS]) {
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dots(c->D.n, S.omega, c->D.f, S.v);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->F.n, S.omega, c->F.f, S.v);
+}
+
+/* n scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+    int k = 0;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < n; ++k) y[k] = x[k];
+}
+
+/* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
+RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
+                              ptrdiff_t stride, rbdi_wanted out) {
+    const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+    for (int r = 0; r < RBDI_RESULTS; ++r) {
+        rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
+        if (to) *to = *to + y[r * stride] * g;
     }
 }
-/* With mimic joints: adds them, G' (.) G. */
-RBDI_INLINE void rbdi_add_pair(rbd_real *out, ptrdiff_t right, ptrdiff_t down, int both, rbd_real g,
-                               rbd_real x, rbd_real y) {
-    out[right] = out[right] + x * g;
-    if (both) out[down] = out[down] + y * g;
+
+#if RBDI_BATCH > 1
+/* Lists of a dof's relatives: on its path, and from there rbdi_kin_length on of its subtree. */
+RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 1; }
+RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
+    return d->kin + i * 2 * rbdi_kin_length(d);
 }
-RBDI_PART void rbdi_add_pairs(const rbd_derivatives *d, int i, int j, int end, const rbdi_pairs *x, int first,
-                              rbdi_wanted out) {
+
+/* Puts what is wanted of a batch into a row; also: to what it has in other lanes. */
+RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, unsigned bits, int also, int want, rbdi_wanted row,
+                                ptrdiff_t at) {
+    rbdi_bits lanes;
+    for (int k = 0; k < RBDI_BATCH; ++k) lanes[k] = (rbdi_bit)1 << k;
+    lanes = (rbdi_bits)((lanes & (rbdi_bit)bits) == lanes);
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1) {
+            rbdi_batch *to = (rbdi_batch *)(row.at[r] + at);
+            const rbdi_bits x = (rbdi_bits)y[r] & lanes;
+            *to = (rbdi_batch)(also ? x | (rbdi_bits)*to : x);
+        }
+    }
+}
+
+/* Row of the dof at e, from that behind a free base on: the batches of its relatives. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *before,
+                              const rbdi_relatives *behind, int want, rbdi_wanted row) {
+    const rbd_real *x = (const rbd_real *)columns;
+    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    const rbdi_batch zero = {0};
+    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero};
+    if (before->lanes) {
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        do {
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + before->at), want, F, T, y);
+            rbdi_put_lanes(y, before->lanes, 0, want, row, before->row);
+        } while ((++before)->lanes);
+    }
+    {
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        do {
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + behind->at), want, S, y);
+            if (behind->lanes & RBDI_ALSO_BEFORE)
+                rbdi_put_lanes(y, behind->lanes, 1, want, row, behind->row);
+            else
+                rbdi_put_lanes(y, behind->lanes, 0, want, row, behind->row);
+        } while ((++behind)->lanes);
+    }
+}
+RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
+    const rbdi_batch zero = {0};
+    for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
+}
+
+/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
+   Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
+RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
+    const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
+    const ptrdiff_t length = rbdi_kin_length(&d);
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p) {
+        const rbdi_entry *e = d.entry + p->laid;
+        const rbdi_relatives *kin = d.kin + p->laid * 2 * length;
+        const int at = e->row + d.base, fits = at <= last;
+        rbdi_wanted row = out;
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
+        }
+        if ((zeros || !fits) && !(kin[length].lanes & RBDI_ALL_BATCHES)) rbdi_clear_row(n, want, row);
+        rbdi_put_row(d.columns, e, kin, kin + length, want, row);
+        if (fits) continue;
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
+        }
+    }
+}
+/* The same with mimic joints, added where the caller has them. */
+RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
+    const ptrdiff_t length = rbdi_kin_length(d), stride = rbdi_stride(d->model);
+    const rbd_real *x = d->work->F;
+    rbdi_wanted row = out;
+    for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
+    for (int i = 0; i < d->n; ++i) {
+        const rbdi_entry *e = d->entry + i;
+        const rbdi_relatives *kin = d->kin + i * 2 * length;
+        rbdi_put_row(d->columns, e, kin, kin + length, want, row);
+        for (int k = e->parent; k >= 0; k = d->entry[k].parent)
+            rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
+        for (int k = i; k < e->end; ++k)
+            rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
+    }
+}
+RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    if (d->model->nmimic)
+        rbdi_add_rows(d, want, out);
+    else
+        rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
+}
+#else
+/* Entries y of dofs i and k. */
+RBDI_INLINE void rbdi_put_entry(const rbdi_entry *i, const rbdi_entry *k, int want, const rbd_real *y,
+                                rbdi_wanted out) {
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r)
+        if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+}
+RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
-    for (; j < end; ++j) {
-        const int k = j - first, both = j > i;
-        const ptrdiff_t right = e[i].row + e[j].user, down = e[i].user + e[j].row;
-        const rbd_real g = rbdi_ratio(d->model, e[i].source) * rbdi_ratio(d->model, e[j].source);
-        if (out.by_v) rbdi_add_pair(out.by_v, right, down, both, g, x->v_row[k], x->v_column[k]);
-        if (out.by_q) rbdi_add_pair(out.by_q, right, down, both, g, x->q_row[k], x->q_column[k]);
-        if (out.M) rbdi_add_pair(out.M, right, down, both, g, x->M[k], x->M[k]);
+    const rbd_real o = rbdi_zero();
+    (void)zeros; /* they are there */
+    for (int i = d->base; i < d->n; ++i) {
+        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), 1);
+        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        rbd_real y[RBDI_RESULTS] = {o, o, o};
+        for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
+            rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
+            if (d->model->nmimic)
+                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
+            else
+                rbdi_put_entry(e + i, e + k, want, y, out);
+        }
+        for (int k = i; k < e[i].end; ++k) {
+            rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
+            if (d->model->nmimic)
+                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
+            else
+                rbdi_put_entry(e + i, e + k, want, y, out);
+        }
     }
 }
-
-/* All entries of dof i, of this form, with its subtree. */
-RBDI_INLINE void rbdi_entries_of(const rbd_derivatives *d, int i, int form, int want, rbdi_wanted out) {
-    const int end = d->entry[i].end, lane = d->entry[i].lane;
-    const rbdi_columns *own = &d->columns[d->entry[i].batch], *c = own;
-    int from = i;
-    for (int first = i - lane; first < end; from = first += RBDI_PAIRS) {
-        const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
-        rbdi_pairs x;
-        for (int k = 0; k < to - first; k += RBDI_BATCH) rbdi_pairs_of(c++, form, want, own, lane, k, &x);
-        if (d->model->nmimic)
-            rbdi_add_pairs(d, i, from, to, &x, first, out);
-        else
-            rbdi_put_pairs(d, i, from, to, &x, first, want, out);
-    }
-}
-RBDI_INLINE void rbdi_entries_by_form(const rbd_derivatives *d, int i, int want, rbdi_wanted out) {
-    switch (d->entry[i].form) {
-    case RBDI_FORM_ANY: rbdi_entries_of(d, i, RBDI_FORM_ANY, want, out); break;
-    case RBDI_FORM_SLIDES: rbdi_entries_of(d, i, RBDI_FORM_SLIDES, want, out); break;
-    default: rbdi_entries_of(d, i, RBDI_FORM_ROOT, want, out); break;
-    }
-}
+#endif
 
 /* With a free base the frame has its axes: of S_i' F_j nothing is left but the components of F_j, and
 
@@ -1112,46 +1206,49 @@ RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
 RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
     return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
-/* Rows of the base from dof j on: F, or D or E, of all of them. */
+/* Rows of the base from dof j on, the first or that behind: F, or D or E, of all of them. As in
+   rbdi_put_rows_in_place a batch may go over what the next row begins with, which comes later. */
 RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, int j, const rbd_real *F, rbd_real *out) {
     const ptrdiff_t nv = d->model->nv;
-    const rbdi_entry *e = d->entry + j, *end = d->entry + d->n;
-    for (; e < end; ++e) {
-        const rbd_real *in = F + e->at;
-        rbd_real *to = out + e->user, *low = to + 3 * nv;
-        RBDI_UNROLL_SIX for (int k = 0; k < 3; ++k) {
-            to[k * nv] = in[k * RBDI_BATCH];
-            low[k * nv] = in[(3 + k) * RBDI_BATCH];
-        }
+    const rbd_real *behind = F + d->behind * RBDI_COLUMN * RBDI_BATCH;
+    for (int k = 0, n = d->n; k < 6; ++k, behind += RBDI_BATCH) {
+        const rbd_real *in = behind;
+        rbd_real *to = out + k * nv;
+        for (int i = d->base; i < n; i += RBDI_BATCH, in += RBDI_COLUMN * RBDI_BATCH)
+            *(rbdi_batch *)(to + i) = *(const rbdi_batch *)in;
+    }
+    for (; j < d->base; ++j) {
+        const rbd_real *in = F + d->entry[j].at;
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
+            out[k * nv + j] = in[k * RBDI_BATCH];
     }
 }
-/* Its columns from dof j on: n batches a time, as the first n entries of as many rows. */
-RBDI_INLINE void rbdi_put_base_columns(const rbdi_entry *e, const rbdi_entry *end, const rbd_real *in, int n,
-                                       rbd_real *out) {
-    for (; e < end; ++e, ++in) RBDI_UNROLL_SIX
-        for (int k = 0; k < n; ++k) (out + e->row)[k] = in[k * RBDI_BATCH];
+/* Its columns: of n batches, as the first n entries of as many rows as they have lanes, then zeros up to
+   six. */
+RBDI_INLINE void rbdi_put_base_columns(const rbd_real *in, int n, int lanes, ptrdiff_t nv, rbd_real *out) {
+    for (int k = 0; k < lanes; ++k, ++in, out += nv) RBDI_UNROLL_SIX
+        for (int j = 0; j < 6; ++j) out[j] = j < n ? in[j * RBDI_BATCH] : rbdi_zero();
 }
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
-    const rbdi_entry *e = d->entry, *last = e + d->n;
-    if (want & RBDI_WANT_M) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->F, out.M);
-    if (want & RBDI_WANT_V) rbdi_put_base_rows(d, 0, (const rbd_real *)&d->columns->D, out.by_v);
-    if (want & RBDI_WANT_Q) rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->E, out.by_q);
-    for (int b = e->batch; b < d->batches; ++b) {
+    const ptrdiff_t nv = d->model->nv;
+    rbd_real *by_q = out.at[RBDI_BY_Q], *by_v = out.at[RBDI_BY_V], *M = out.at[RBDI_MASS];
+    for (int j = 0, b = d->entry->batch, lane = d->entry->lane; b < d->batches; ++b, lane = 0) {
         const rbdi_columns *c = &d->columns[b];
-        const int lane = e->lane, n = RBDI_BATCH - lane < last - e ? RBDI_BATCH - lane : (int)(last - e);
+        const int lanes = RBDI_BATCH - lane < d->n - j ? RBDI_BATCH - lane : d->n - j;
         const rbdi_bforce F = c->F;
         rbdi_b3 x[2];
         x[0] = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v);
         x[1] = rbdi_b_cross_vec(F.f, w);
-        if (want & RBDI_WANT_M) rbdi_put_base_columns(e, e + n, (const rbd_real *)&c->F + lane, 6, out.M);
-        if (want & RBDI_WANT_V && e >= d->entry + d->base)
-            rbdi_put_base_columns(e, e + n, (const rbd_real *)x + lane, 6, out.by_v);
+        if (want & RBDI_WANT_M)
+            rbdi_put_base_columns((const rbd_real *)&c->F + lane, 6, lanes, nv, M + j * nv);
+        if (want & RBDI_WANT_V && j >= d->base)
+            rbdi_put_base_columns((const rbd_real *)x + lane, 6, lanes, nv, by_v + j * nv);
         if (want & RBDI_WANT_Q) {
             x[0] = rbdi_b_cross_vec(F.f, up);
-            rbdi_put_base_columns(e, e + n, (const rbd_real *)x + lane, 3, out.by_q);
+            rbdi_put_base_columns((const rbd_real *)x + lane, 3, lanes, nv, by_q + j * nv);
         }
-        e += n;
+        j += lanes;
     }
 }
 
@@ -1162,20 +1259,19 @@ RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
 }
-RBDI_PART void rbdi_put_base_sides(const rbd_derivatives *d, rbdi_wanted out) {
-    const rbdi_entry *e = d->entry + d->base, *last = d->entry + d->n;
+RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
+    const ptrdiff_t nv = d->model->nv;
+    ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
-    if (out.by_q) rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->E, out.by_q);
-    if (!out.by_v) return;
-    rbdi_put_base_rows(d, d->base, (const rbd_real *)&d->columns->D, out.by_v);
-    rbdi_place_turns(out.by_q, out.by_v, turn);
+    if (!by_v) return;
+    rbdi_place_turns(by_q, by_v, turn);
     for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < 6; ++i) turn[k][i * d->model->nv] = RBDI_OF(d, k, D)[i * RBDI_BATCH];
+        for (int i = 0; i < 6; ++i) turn[k][i * nv] = RBDI_OF(d, k, D)[i * RBDI_BATCH];
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
         const rbd_real *x = (const rbd_real *)&y;
-        for (int k = 0; k < RBDI_BATCH && e < last; ++k, ++e)
-            for (int j = 0; j < 3; ++j) turn[j][e->row] = x[j * RBDI_BATCH + k];
+        for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
+            for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
     }
 }
 
@@ -1218,28 +1314,39 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
 }
 
-RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int sides, rbdi_wanted out) {
+RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int sides, rbdi_wanted out) {
+    const rbdi_columns *c = d->columns;
+    if (d->base && want & RBDI_WANT_Q)
+        rbdi_put_base_rows(d, d->base, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
+    if (d->base && want & RBDI_WANT_V)
+        rbdi_put_base_rows(d, sides ? d->base : 0, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
+    if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, 0, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
+    rbdi_put_rows(d, want, zeros, out);
     if (d->base && sides)
-        rbdi_put_base_sides(d, out);
+        rbdi_put_turns(d, out.at[RBDI_BY_Q], out.at[RBDI_BY_V]);
     else if (d->base)
         rbdi_put_base(d, want, out);
-    for (int i = d->base; i < d->n; ++i) rbdi_entries_by_form(d, i, want, out);
 }
 
 /* All entries of the matrices that are wanted, as they are or as sides of rbd_fd_derivatives. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int sides) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int clear = sides || m->nmimic || !d->keep_zeros;
+    const int zeros = sides || !d->keep_zeros;
     rbdi_wanted out;
-    out.by_q = by_q, out.by_v = by_v, out.M = M;
-    if (by_q && clear) rbdi_clear_matrix(m, by_q);
-    if (by_v && clear) rbdi_clear_matrix(m, by_v);
-    if (M && clear) rbdi_clear_matrix(m, M);
+    out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
+    for (int r = 0; r < RBDI_RESULTS; ++r) /* batches go into whole rows */
+        if (out.at[r] && (m->nmimic || (RBDI_BATCH == 1 && zeros))) rbdi_clear_matrix(m, out.at[r]);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, sides, out);
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, sides, out);
+    else if (want == RBDI_WANT_V)
+        rbdi_put_all(d, RBDI_WANT_V, zeros, sides, out);
+#if RBDI_BATCH > 1
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, sides, out);
+#endif
     else
-        rbdi_put_all(d, want, sides, out);
+        rbdi_put_all(d, want, zeros, sides, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1277,11 +1384,6 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
     return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k - l->first >= 3
                                  : l->kind == RBDI_SCREW && !(l->rho > 0);
-}
-
-RBDI_INLINE int rbdi_form_of(const rbd_model *m, const rbdi_link *l, int k) {
-    if (rbdi_slides(m, l, k)) return RBDI_FORM_SLIDES;
-    return l->parent < 0 && l->kind != RBDI_SCREW ? RBDI_FORM_ROOT : RBDI_FORM_ANY;
 }
 
 /* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
@@ -1330,13 +1432,8 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->end = l->end;
         e->joint = (int16_t)(l->first + n);
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
-        e->batch = (int16_t)((k + rbdi_lanes_before(m)) / RBDI_BATCH);
-        e->lane = (int16_t)((k + rbdi_lanes_before(m)) % RBDI_BATCH);
-        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
         e->row = e->user * m->nv;
-        e->form = (int16_t)rbdi_form_of(m, l, k);
     }
-    rbdi_init_constants(m, d, i);
     if (d->runs == 0 || block || r->block || parent != l->first - 1) {
         r = &d->run[d->runs++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
@@ -1344,6 +1441,50 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     }
     r->end = (int16_t)(l->first + n);
 }
+
+/* Where the lanes are: in the caller's order, in which rows of results are made. */
+RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
+    for (int k = 0; k < d->n; ++k) {
+        rbdi_entry *e = &d->entry[k];
+        const int from = e->source + rbdi_lanes_before(m);
+        d->entry[e->source].laid = (int16_t)k;
+        e->batch = (int16_t)(from / RBDI_BATCH);
+        e->lane = (int16_t)(from % RBDI_BATCH);
+        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
+    }
+}
+
+#if RBDI_BATCH > 1
+/* Adds a dof's lane to a list of relatives that ends at end. */
+RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *list, rbdi_relatives *end,
+                                      const rbdi_entry *e) {
+    rbdi_relatives *k = list;
+    while (k < end && k->at != e->at - e->lane) ++k;
+    if (k == end) {
+        k->at = e->at - e->lane, k->row = (int16_t)((e->batch - d->behind) * RBDI_BATCH);
+        (++end)->lanes = 0;
+    }
+    k->lanes = (uint16_t)(k->lanes | 1u << e->lane);
+    return end;
+}
+/* Lists of all dofs behind a free base. */
+RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
+    for (int i = d->base; i < d->n; ++i) {
+        rbdi_relatives *before = rbdi_kin_of(d, i), *behind = before + rbdi_kin_length(d), *b = before,
+                       *e = behind;
+        int both = 0;
+        before->lanes = behind->lanes = 0;
+        for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
+            b = rbdi_relate(d, before, b, &d->entry[k]);
+        for (int k = i; k < d->entry[i].end; ++k) e = rbdi_relate(d, behind, e, &d->entry[k]);
+        for (rbdi_relatives *k = behind; k < e; ++k)
+            for (const rbdi_relatives *other = before; other < b; ++other)
+                if (other->at == k->at) k->lanes = (uint16_t)(k->lanes | RBDI_ALSO_BEFORE), ++both;
+        if (b - before + e - behind - both == d->batches - d->behind)
+            behind->lanes = (uint16_t)(behind->lanes | RBDI_ALL_BATCHES);
+    }
+}
+#endif
 
 /* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
    end. */
@@ -1380,6 +1521,9 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
+#if RBDI_BATCH > 1
+    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * 2 * rbdi_kin_length(d), sizeof(rbdi_relatives));
+#endif
     d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
@@ -1390,6 +1534,11 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
         d->origin[i] = -1;
         rbdi_init_link(m, d, i);
     }
+    rbdi_lay_lanes(m, d);
+#if RBDI_BATCH > 1
+    rbdi_init_kin(d);
+#endif
+    for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
     for (int i = 0, r = 0; i < m->nl; ++i) {
         if (m->link[i].parent >= 0) continue;
         while (d->run[r].first < m->link[i].first) ++r;
@@ -1424,12 +1573,6 @@ RBDI_INLINE rbdi_v3 rbdi_offset_of(const rbd_model *m, const rbd_derivatives *d,
                                    rbdi_v3 offset) {
     if (r->parent >= 0 || r == d->run) return offset;
     return rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
-}
-
-RBDI_INLINE rbd_real rbdi_b_sum(rbdi_batch x) {
-    rbd_real sum = rbdi_zero();
-    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + ((const rbd_real *)&x)[j];
-    return sum;
 }
 
 /* The centre of mass from there, of the bodies as described; 0 without mass. The offsets of all dofs stay in
@@ -1536,7 +1679,8 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext,
-                RBDI_NEED_V | RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+    if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 0);
     return RBD_OK;
 }
@@ -1546,7 +1690,8 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
     if (status) return status;
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
-                RBDI_NEED_Q | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+    rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, 0);
     return RBD_OK;
 }
@@ -1570,65 +1715,54 @@ RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBDI_NO_FD_DERIVATIVES
+RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
+    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
+}
+
 /* M into packed rows, without mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
-    for (int j = 0; d->base && j < d->n; ++j) { /* a base's own rows are shorter: its later dofs write over */
-        const rbd_real *F = RBDI_OF(d, j, F);
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-            (H + o[j].row)[k] = F[k * RBDI_BATCH];
-    }
-    for (int i = d->base; i < d->n; ++i) {
-        const int end = d->entry[i].end, lane = d->entry[i].lane;
-        const rbdi_columns *own = &d->columns[d->entry[i].batch], *c = own;
-        const rbd_real *S = (const rbd_real *)&own->S + lane;
-        rbd_real *entry = H + m->dof[o[i].dof].depth;
-        int j = i;
-        for (int first = i - lane; first < end; first += RBDI_PAIRS) {
-            const int to = first + RBDI_PAIRS < end ? first + RBDI_PAIRS : end;
-            rbd_real x[RBDI_PAIRS];
-            for (int k = 0; k < to - first; k += RBDI_BATCH)
-                *(rbdi_batch *)&x[k] = rbdi_b_power((c++)->F, rbdi_load_motion(S), RBDI_BOTH);
-            for (const rbd_real *y = x + (j - first); j < to; ++j) entry[o[j].row] = *y++;
-        }
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real *pivot = H + m->dof[k].row + m->dof[k].depth;
-        *pivot = *pivot + m->dof[k].armature;
+    const rbdi_entry *e = d->entry;
+    for (int i = 0; i < d->n; ++i) { /* a base's own rows are shorter: its later dofs write over */
+        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
+        if (d->base) rbdi_store_force(row, 1, F);
+        for (int k = e[i].parent; i >= d->base && k >= d->base; k = e[k].parent)
+            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
+        *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
 }
 
-/* Sum of x[k] y[k], a batch at a time. */
-RBDI_INLINE rbd_real rbdi_sum_products(const rbd_real *x, const rbd_real *y, int n) {
-    rbd_real sum = rbdi_zero();
-    int k = 0;
-#if RBDI_BATCH > 1
-    rbdi_batch all = {0};
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
-        all = all + *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k];
-    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + all[j];
-#endif
-    for (; k < n; ++k) sum = sum + x[k] * y[k];
-    return sum;
-}
 /* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right after
-   it: one array, of a dof's path by depth, has all that the dof needs. */
+   it: one array, of a dof's path by depth, has all that the dof needs. What it has beyond is zero whenever a
+   row is used: rows are used by whole batches, into the next one, but where L ends. */
 RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    const int last = m->nh - RBDI_BATCH;
     rbd_real *path = w->F;
-    rbdi_clear(path, m->nv);
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbdi_order o = m->order[k];
-        const int d = m->dof[o.dof].depth;
-        const rbd_real y = x[o.dof] + path[d];
-        x[o.dof] = y;
-        path[d] = rbdi_zero();
-        rbdi_subtract(path, y, L + o.row, d);
+    rbdi_clear(path, m->nv + RBDI_BATCH);
+    for (const rbdi_order *o = m->order + m->nv - 1; o >= m->order; --o) {
+        const int d = dof[o->dof].depth;
+        const rbd_real *l = L + o->row, y = x[o->dof] + path[d];
+        int k = 0;
+        x[o->dof] = y;
+        for (; k < d && o->row + k <= last; k += RBDI_BATCH)
+            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
+        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        *(rbdi_batch *)&path[d] = rbdi_b_zero();
     }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbdi_order o = m->order[k];
-        const int d = m->dof[o.dof].depth;
-        const rbd_real *l = L + o.row;
-        path[d] = x[o.dof] = x[o.dof] * l[d] - rbdi_sum_products(path, l, d);
+    for (const rbdi_order *o = m->order, *end = o + m->nv; o < end; ++o) {
+        const int d = dof[o->dof].depth;
+        const rbd_real *l = L + o->row;
+        rbd_real sum = x[o->dof] * l[d];
+        rbdi_batch all = rbdi_b_zero();
+        int k = 0;
+        *(rbdi_batch *)&path[d] = all;
+        for (; k < d && o->row + k <= last; k += RBDI_BATCH)
+            all = all + *(const rbdi_batch *)&path[k] * *(const rbdi_batch *)&l[k];
+        for (; k < d; ++k) sum = sum - path[k] * l[k];
+        path[d] = x[o->dof] = sum - rbdi_b_sum(all);
     }
 }
 
@@ -1672,9 +1806,8 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
         const rbdi_bforce f = rbdi_b_force_add(rbdi_subtree_inertia(&c->sum, &d->constants[b], c->Phi), c->E);
         c->sum.f = rbdi_b_force_add(c->sum.f, f);
         c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
-        c->Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, c->S), c->Vp, c->Psi);
-        c->E = rbdi_E_column(c, &d->constants[b]);
     }
+    rbdi_columns_by_q(d);
 }
 
 /* From y and its derivatives to a and its; v: velocity of the base. Outputs may be NULL. */
@@ -1712,7 +1845,7 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
 RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
-    const int nv = m ? m->nv : 0, need = da_dq || da_dv ? RBDI_NEED_V | RBDI_NEED_Q : RBDI_NEED_WRENCH;
+    const int nv = m ? m->nv : 0, need = RBDI_NEED_WRENCH | (da_dq || da_dv ? RBDI_NEED_V : 0);
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
     rbd_real *sides[2];
     rbdi_mask doubt;
@@ -2073,8 +2206,15 @@ struct rbd_batch_derivatives {
     rbd_real *y; /* outputs of the states at hand */
 };
 
-/* Largest outputs of a call: three square matrices and an acceleration, or a momentum matrix and its bias. */
-static int rbdi_derivatives_output(const rbd_model *m) { return (3 * m->nv + 6) * m->nv + 6; }
+/* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a
+   regressor. */
+static int rbdi_derivatives_output(const rbd_model *m) {
+    int most = (3 * m->nv + 6) * m->nv + 6;
+#ifndef RBD_NO_REGRESSOR
+    if (most < 10 * m->nb * m->nv) most = 10 * m->nb * m->nv;
+#endif
+    return most;
+}
 
 RBD_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
     if (!m) return 0;
@@ -2163,6 +2303,19 @@ RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_
     rbdi_task_output(&t, 2, da_dv, rbd_nv(m) * rbd_nv(m));
     rbdi_task_output(&t, 3, Minv, rbd_nv(m) * rbd_nv(m));
     return rbdi_batch_derivatives_run(rbdi_lanes_fd_derivatives, m, d, n, &t);
+}
+#endif
+
+#ifndef RBD_NO_REGRESSOR
+static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
+    return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                             const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                             RBD_REAL *Y) {
+    rbdi_task t = rbdi_task_of(q, v, a, NULL);
+    rbdi_task_output(&t, 0, Y, m ? 10 * m->nb * m->nv : 0);
+    return rbdi_batch_derivatives_run(rbdi_lanes_regressor, m, d, n, &t);
 }
 #endif
 

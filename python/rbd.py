@@ -1394,7 +1394,7 @@ class Model(_Owner):
     def fd_derivatives(self, q, v, tau, f_ext=None, *, a=True, da_dq=True, da_dv=True, Minv=True):
         """Derivatives of the forward dynamics, components of v and tau held; Minv = da/dtau."""
 
-    @_c("derivatives", "Y")
+    @_c("derivatives", "Y", batch=True)
     def regressor(self, q, v, a):
         """Torque regressor: rnea(q, v, a) = Y pi + armature a, with the body_parameters pi of all bodies."""
 

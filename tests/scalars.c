@@ -411,6 +411,109 @@ static void check_derivatives(void) {
 START_TEST(momentum_and_derivatives_match_the_reference) { for_models(check_derivatives); }
 END_TEST
 
+/* ---- outputs that may be left out ---- */
+
+enum { OUTPUTS = 4, BETWEEN = 32 }; /* numbers between two outputs, which nobody writes */
+typedef struct choice {
+    const char *what;
+    rbd_status (*call)(rbd_real *const *y);
+    int size[OUTPUTS]; /* 0: there is none */
+    int inverse;       /* whether the inverse of M is in them */
+} choice;
+
+static rbd_derivatives *derivatives;
+
+static rbd_status of_rnea(rbd_real *const *y) {
+    return rbd_rnea_derivatives(model, derivatives, q, v, a, f_ext, y[0], y[1], y[2]);
+}
+static rbd_status of_fd(rbd_real *const *y) {
+    return rbd_fd_derivatives(model, derivatives, q, v, tau, f_ext, y[0], y[1], y[2], y[3]);
+}
+static rbd_status of_momentum_matrix(rbd_real *const *y) {
+    static rbd_real must[6 * MAX_V];
+    return rbd_momentum_matrix(model, derivatives, q, v, y[0] ? y[0] : must, y[1]);
+}
+static rbd_status of_energies(rbd_real *const *y) {
+    return rbd_energy_regressors(model, derivatives, q, v, y[0], y[1]);
+}
+static rbd_status of_integrate(rbd_real *const *y) {
+    return rbd_integrate_derivatives(model, v, a[0], y[0], y[1]);
+}
+static rbd_status of_difference(rbd_real *const *y) {
+    return rbd_difference_derivatives(model, found, q, y[0], y[1]);
+}
+static rbd_status of_generalized_momentum(rbd_real *const *y) {
+    return rbd_generalized_momentum(model, work, q, v, y[0], y[1]);
+}
+static rbd_status of_momentum(rbd_real *const *y) {
+    const rbd_status status = rbd_kinematics(model, work, q, v, a);
+    return status ? status : rbd_momentum(model, work, y[0], y[1]);
+}
+
+/* The outputs that are wanted, bit by bit, one behind the other, all numbers being 7 before. */
+static rbd_status choose(const choice *c, int wanted, rbd_real *x) {
+    rbd_real *y[OUTPUTS] = {NULL, NULL, NULL, NULL}, *at = x + BETWEEN;
+    int length = BETWEEN;
+    for (int k = 0; k < OUTPUTS; at += c->size[k++] + BETWEEN) {
+        if (wanted >> k & 1) y[k] = at;
+        length += c->size[k] + BETWEEN;
+    }
+    for (int i = 0; i < length; i++) EACH_LANE put(&x[i], lane, 7);
+    return c->call(y);
+}
+
+/* Every choice of outputs gives what the call gives for all of them, and writes nothing else. */
+static void check_choice(const choice *c) {
+    static rbd_real all[OUTPUTS * (MAX_M + BETWEEN)], some[OUTPUTS * (MAX_M + BETWEEN)];
+    int every = 0;
+    for (int k = 0; k < OUTPUTS; k++) every |= (c->size[k] > 0) << k;
+    succeed(c->what, choose(c, every, all));
+    for (int wanted = 0; wanted < every; wanted++) {
+        if (wanted & ~every) continue;
+        succeed(c->what, choose(c, wanted, some));
+        for (int k = 0, i = 0; k <= OUTPUTS; k++) {
+            const int begin = i + BETWEEN, end = begin + (k < OUTPUTS ? c->size[k] : 0);
+            const int written = k < OUTPUTS && wanted >> k & 1;
+            for (; i < end; i++) EACH_LANE
+            ck_assert_msg((written && i >= begin) || fabs(get(some[i], lane) - 7) <= 0,
+                          "%s, %s: %s, outputs %d, lane %d: writes beside them", SCALAR_NAME, reference->name,
+                          c->what, wanted, lane);
+            EACH_LANE if (written) {
+                const double bound = c->inverse ? INVERSE(lane_state[lane]->cond_M) : DIRECT;
+                double size = 0, error = 0;
+                for (int j = begin; j < end; j++) {
+                    const double e = fabs(get(some[j] - all[j], lane));
+                    error = e <= error ? error : e; /* NaN too, which stays */
+                    size = fmax(size, fabs(get(all[j], lane)));
+                }
+                ck_assert_msg(error <= bound * size,
+                              "%s, %s: %s, outputs %d, lane %d: number %d differs by %g", SCALAR_NAME,
+                              reference->name, c->what, wanted, lane, k, error);
+            }
+        }
+    }
+}
+
+static void check_choices(void) {
+    const int nv = reference->nv, square = nv * nv, ten = 10 * reference->nb;
+    const choice choices[] = {{"rnea_derivatives", of_rnea, {square, square, square, 0}, 0},
+                              {"fd_derivatives", of_fd, {nv, square, square, square}, 1},
+                              {"momentum_matrix", of_momentum_matrix, {6 * nv, 6, 0, 0}, 0},
+                              {"energy_regressors", of_energies, {ten, ten, 0, 0}, 0},
+                              {"integrate_derivatives", of_integrate, {square, square, 0, 0}, 0},
+                              {"difference_derivatives", of_difference, {square, square, 0, 0}, 0},
+                              {"generalized_momentum", of_generalized_momentum, {nv, nv, 0, 0}, 0},
+                              {"momentum", of_momentum, {6, 6, 0, 0}, 0}};
+    void *memory = malloc(rbd_derivatives_size(model));
+    RUN(rbd_derivatives_init(model, work, memory, rbd_derivatives_size(model), &derivatives));
+    RUN(rbd_integrate(model, q, v, a[0], found));
+    for (int k = 0; k < (int)(sizeof choices / sizeof *choices); k++) check_choice(&choices[k]);
+    free(memory);
+}
+
+START_TEST(outputs_may_be_left_out) { for_models(check_choices); }
+END_TEST
+
 /* ---- constraints ---- */
 
 static rbd_constraints *set_of(const ref_constraint_set *from, void **memory) {
@@ -792,6 +895,7 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, points_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);
     tcase_add_test(c, momentum_and_derivatives_match_the_reference);
+    tcase_add_test(c, outputs_may_be_left_out);
     tcase_add_test(c, thin_rod_turns_about_its_axis);
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
     tcase_add_test(c, constrained_dynamics_match_the_reference);

@@ -202,6 +202,7 @@ typedef enum call {
     MOMENTUM_MATRIX,
     CORIOLIS,
     RNEA_DERIVATIVES,
+    REGRESSOR,
     ABA, /* from here on with the inverse of M */
     FD_CHOLESKY,
     MINVERSE,
@@ -219,6 +220,7 @@ static const char *const call_name[CALLS] = {"rnea",
                                              "momentum_matrix",
                                              "coriolis",
                                              "rnea_derivatives",
+                                             "regressor",
                                              "aba",
                                              "fd_cholesky",
                                              "minverse",
@@ -239,6 +241,7 @@ static int parts_of(const robot *r, call c, int width[PARTS]) {
                                       {6 * nv, 6, 0, 0},
                                       {square, 0, 0, 0},
                                       {square, square, square, 0},
+                                      {10 * r->nb * nv, 0, 0, 0},
                                       {nv, 0, 0, 0},
                                       {nv, 0, 0, 0},
                                       {square, 0, 0, 0},
@@ -285,6 +288,7 @@ static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *
     case RNEA_DERIVATIVES:
         return rbd_rnea_derivatives(m, r->single, x->q, x->v, x->a, x->f_ext, out, out + square,
                                     out + 2 * square);
+    case REGRESSOR: return rbd_regressor(m, r->single, x->q, x->v, x->a, out);
     case ABA: return rbd_aba(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case FD_CHOLESKY: return rbd_fd_cholesky(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case MINVERSE: return rbd_minverse(m, r->w, x->q, out);
@@ -310,6 +314,7 @@ static rbd_status run_parts(const robot *r, call c, int n, const states *x, RBD_
     case CORIOLIS: return rbd_batch_coriolis(m, r->d, n, x->q, x->v, y[0]);
     case RNEA_DERIVATIVES:
         return rbd_batch_rnea_derivatives(m, r->d, n, x->q, x->v, x->a, x->f_ext, y[0], y[1], y[2]);
+    case REGRESSOR: return rbd_batch_regressor(m, r->d, n, x->q, x->v, x->a, y[0]);
     case ABA: return rbd_batch_aba(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case FD_CHOLESKY: return rbd_batch_fd_cholesky(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case MINVERSE: return rbd_batch_minverse(m, r->b, n, x->q, y[0]);
@@ -691,7 +696,7 @@ START_TEST(singular_state_is_of_the_last_call) {
     trap t = beads();
     const double locked[4] = {0.1, 0, 0.2, 0.3};
     states x = states_draw(&t.r, 1);
-    RBD_REAL out[64];
+    RBD_REAL out[1024];
     for (call c = RNEA; c < CALLS; c++) {
         int dof = -2;
         RBD_REAL *q = copy_of(x.q, 1, t.r.nq);
@@ -837,7 +842,7 @@ END_TEST
 START_TEST(null_arguments_are_refused) {
     robot r = build_reference(reference_model(2));
     states x = states_draw(&r, 1);
-    RBD_REAL out[512];
+    RBD_REAL out[4096];
     for (call c = RNEA; c < CALLS; c++) {
         robot no_model = r, no_batch = r;
         states no_q = x, no_v = x, no_third = x;

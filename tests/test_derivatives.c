@@ -549,32 +549,58 @@ static void check_floating(const robot *r, const state *s, int number) {
 START_TEST(place_of_a_floating_base_does_not_matter) { for_random_states(3, check_floating); }
 END_TEST
 
-/* A free base's dofs have closed forms in its own axes: the general way, forced, gives the same. */
+/* The n x n entries before those of further dofs, rows of nv, put together. */
+static void cut(double *x, int n, int nv) {
+    for (int i = 0; i < n; i++) memmove(x + i * n, x + i * nv, (size_t)n * sizeof *x);
+}
+
+/* A free base's dofs have closed forms in its own axes. With a second root beside it they go the general way,
+   which gives the same. */
 static void check_ways(const robot *r, const state *s, int number) {
-    const int n = r->nv * r->nv;
-    static double x[2][6][MAX_M], M[MAX_M];
-    double a[2][MAX_V];
-    rbd_derivatives *d = derivatives_of(r);
-    const int base = d->base;
+    const int nv = r->nv, n = nv * nv;
+    const rbd_body root = {.parent = -1,
+                           .type = RBD_REVOLUTE,
+                           .axis = {0, 1, 0},
+                           .mass = 1,
+                           .com = {0.1, 0.2, 0.3},
+                           .inertia = {1, 0, 0, 1, 0, 1}};
+    static double x[2][6][MAX_M], a[2][MAX_V];
+    static rbd_body bodies[MAX_BODIES];
+    static state both;
     tb_real expected[TB_MAX_DOFS];
     const double condition =
         (double)tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
-    for (int k = 0; k < 2 && base && condition > 0 && condition < 1e10; k++) {
-        double(*y)[MAX_M] = x[k];
-        d->base = k == 0 ? base : 0;
-        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, y[0], y[1], k == 0 ? y[2] : M));
-        RUN(rbd_coriolis(r->m, d, s->q, s->v, y[3]));
-        RUN(rbd_fd_derivatives(r->m, d, s->q, s->v, s->tau, s->f_ext, a[k], y[4], y[5], y[2]));
-        if (k == 0) continue;
-        expect_close("dtau/dq, both ways", r, number, x[0][0], x[1][0], n, 1e-12);
-        expect_close("dtau/dv, both ways", r, number, x[0][1], x[1][1], n, 1e-12);
-        expect_close("C, both ways", r, number, x[0][3], x[1][3], n, 1e-12);
-        expect_close("a, both ways", r, number, a[0], a[1], r->nv, inverse_bound(condition));
-        for (int j = 4; j < 6; j++)
-            expect_close("da/dq, da/dv, both ways", r, number, x[0][j], x[1][j], n, inverse_bound(condition));
-        expect_close("M^-1, both ways", r, number, x[0][2], x[1][2], n, inverse_bound(condition));
-    }
+    rbd_derivatives *d = derivatives_of(r);
+    const int base = d->base;
+    robot two;
     free(d_memory);
+    if (!base || nv == MAX_V || r->nb == MAX_BODIES || !(condition > 0 && condition < 1e10)) return;
+    memcpy(bodies, r->bodies, (size_t)r->nb * sizeof *bodies);
+    bodies[r->nb] = root;
+    two = robot_build("with a second root", bodies, r->nb + 1);
+    ck_assert_int_eq(rbd_set_gravity(two.w, s->gravity), RBD_OK);
+    both = *s;
+    both.q[r->nq] = both.v[nv] = both.a[nv] = both.tau[nv] = 0.5;
+    for (int k = 0; k < 6; k++) both.f_ext[6 * r->nb + k] = 0;
+    for (int k = 0; k < 2; k++) {
+        const robot *of = k == 0 ? r : &two;
+        double(*y)[MAX_M] = x[k], M[MAX_M];
+        d = derivatives_of(of);
+        ck_assert_int_eq(d->base, k == 0 ? 6 : 0);
+        RUN(rbd_rnea_derivatives(of->m, d, both.q, both.v, both.a, both.f_ext, y[0], y[1], M));
+        RUN(rbd_coriolis(of->m, d, both.q, both.v, y[3]));
+        RUN(rbd_fd_derivatives(of->m, d, both.q, both.v, both.tau, both.f_ext, a[k], y[4], y[5], y[2]));
+        for (int j = 0; j < 6; j++) cut(y[j], nv, of->nv);
+        free(d_memory);
+    }
+    expect_close("dtau/dq, both ways", r, number, x[0][0], x[1][0], n, 1e-12);
+    expect_close("dtau/dv, both ways", r, number, x[0][1], x[1][1], n, 1e-12);
+    expect_close("C, both ways", r, number, x[0][3], x[1][3], n, 1e-12);
+    expect_close("a, both ways", r, number, a[0], a[1], nv, inverse_bound(condition));
+    for (int j = 4; j < 6; j++)
+        expect_close("da/dq, da/dv, both ways", r, number, x[0][j], x[1][j], n, inverse_bound(condition));
+    expect_close("M^-1, both ways", r, number, x[0][2], x[1][2], n, inverse_bound(condition));
+    robot_free(&two);
 }
 
 START_TEST(closed_forms_of_a_free_base) {
