@@ -567,28 +567,87 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     return X;
 }
 
-/* Axes and origin of a link to one of its dofs, the dof's own axis on z. R has world axes as rows. */
-RBDI_INLINE void rbdi_put_pose(rbd_real *out, const rbdi_v3 R[3], rbdi_v3 x, int z) {
-    const rbdi_v3 e[3] = {rbdi_vec(R[0].x, R[1].x, R[2].x), rbdi_vec(R[0].y, R[1].y, R[2].y),
-                          rbdi_vec(R[0].z, R[1].z, R[2].z)};
-    rbdi_store_vec(out, e[z == 2 ? 0 : z + 1]);
-    rbdi_store_vec(out + 3 * RBDI_BATCH, e[z == 0 ? 2 : z - 1]);
-    rbdi_store_vec(out + 6 * RBDI_BATCH, e[z]);
-    rbdi_store_vec(out + 9 * RBDI_BATCH, x);
+/* Axes and origin of a link in the common frame: vectors of three components, in SIMD registers. */
+#if RBDI_BATCH > 1
+typedef rbd_real rbdi_axis
+    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
+    const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */
+    *a = axis;
+}
+RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return rbdi_vec((*a)[0], (*a)[1], (*a)[2]); }
+RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = -*b; }
+RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *b * k; }
+RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *a + *b * k; }
+#else
+typedef rbdi_v3 rbdi_axis;
+RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) { *a = v; }
+RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return *a; }
+RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = rbdi_vec(-b->x, -b->y, -b->z); }
+RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = rbdi_scale(k, *b); }
+RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) {
+    *a = rbdi_add(*a, rbdi_scale(k, *b));
+}
+#endif
+typedef struct rbdi_axes {
+    rbdi_axis x, y, z, origin;
+} rbdi_axes;
+
+RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
+    rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
+    rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
+    rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
+    rbdi_set_axis(&p->origin, X->r);
+}
+/* To one of the link's dofs, x to z in such an order that the last is the dof's own axis. */
+RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_axis *x, const rbdi_axis *y, const rbdi_axis *z,
+                               const rbdi_axis *origin) {
+    rbdi_store_vec(out, rbdi_axis_vec(x));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, rbdi_axis_vec(y));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
 }
 
-/* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
-RBDI_INLINE rbdi_v3 rbdi_pose_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 R[3], rbdi_v3 x) {
-    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
-        const rbdi_v3 r = rbdi_vec_c(l->r);
-        x = rbdi_add(x, form & RBDI_SHIFT_XYZ
-                            ? rbdi_vec(rbdi_dot(R[0], r), rbdi_dot(R[1], r), rbdi_dot(R[2], r))
-                            : rbdi_vec(R[0].x * r.x, R[1].x * r.x, R[2].x * r.x));
+/* The axes a, b turned in their plane, as in rbdi_turn_z. */
+RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
+    const rbdi_axis from = *a;
+    if (form & RBDI_TWIST_0) return;
+    if (form & RBDI_TWIST_90) {
+        *a = *b;
+        rbdi_negate_axis(b, &from);
+        return;
     }
-    for (int k = 0; k < 3; ++k) R[k] = rbdi_down(l, form, t, R[k]);
-    if (form & RBDI_SHIFT_Z && !(form & RBDI_ROOT))
-        x = rbdi_add(x, rbdi_vec(R[0].z * t.d, R[1].z * t.d, R[2].z * t.d));
-    return x;
+    rbdi_scale_axis(a, c, a);
+    rbdi_add_axis(a, s, b);
+    rbdi_scale_axis(b, c, b);
+    rbdi_add_axis(b, -s, &from);
+}
+/* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
+RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int form, rbdi_trig t, rbdi_axes *p) {
+    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
+        rbdi_add_axis(&p->origin, rbdi_set(l->r.x), &p->x);
+        if (form & RBDI_SHIFT_XYZ) {
+            rbdi_add_axis(&p->origin, rbdi_set(l->r.y), &p->y);
+            rbdi_add_axis(&p->origin, rbdi_set(l->r.z), &p->z);
+        }
+    }
+    if (form & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
+    rbdi_turn_axes(form, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
+    rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
+    if ((form & RBDI_SHIFT_Z) && !(form & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
+}
+/* The same of a block. */
+RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
+    const rbdi_axis x = p->x, y = p->y, z = p->z;
+    if (!root) rbdi_add_axis(&p->origin, X->r.x, &x);
+    if (!root) rbdi_add_axis(&p->origin, X->r.y, &y);
+    if (!root) rbdi_add_axis(&p->origin, X->r.z, &z);
+    rbdi_scale_axis(&p->x, X->E.xx, &x), rbdi_add_axis(&p->x, X->E.xy, &y);
+    rbdi_scale_axis(&p->y, X->E.yx, &x), rbdi_add_axis(&p->y, X->E.yy, &y);
+    rbdi_scale_axis(&p->z, X->E.zx, &x), rbdi_add_axis(&p->z, X->E.zy, &y);
+    rbdi_add_axis(&p->x, X->E.xz, &z);
+    rbdi_add_axis(&p->y, X->E.yz, &z);
+    rbdi_add_axis(&p->z, X->E.zz, &z);
 }
 
 /* The common origin moves from the root's own to link i's. */
@@ -597,44 +656,47 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
 }
 
-/* The same of a block. */
-RBDI_INLINE rbdi_v3 rbdi_pose_block(const rbdi_pose *X, int root, rbdi_v3 R[3], rbdi_v3 x) {
-    if (!root) x = rbdi_add(x, rbdi_vec(rbdi_dot(R[0], X->r), rbdi_dot(R[1], X->r), rbdi_dot(R[2], X->r)));
-    for (int k = 0; k < 3; ++k) R[k] = rbdi_mul(X->E, R[k]);
-    return x;
+/* To the dofs of a block from k on. */
+RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
+                                     const rbdi_axes *p) {
+    for (; k < d->entry[l->first].joint; ++k) {
+        rbd_real *out = RBDI_OF(d, k, ex);
+        const int axis = rbdi_dof_axis(m, l, k);
+        if (axis == 0)
+            rbdi_put_axes(out, &p->y, &p->z, &p->x, &p->origin);
+        else if (axis == 1)
+            rbdi_put_axes(out, &p->z, &p->x, &p->y, &p->origin);
+        else
+            rbdi_put_axes(out, &p->x, &p->y, &p->z, &p->origin);
+    }
 }
 
-/* R and x of all links; base: in the base's axes. */
+/* Axes and origins of all links; base: in the base's axes. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
-    const rbdi_v3 ex = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
-    rbdi_v3 R[3] = {ex, rbdi_uncycle(ex), rbdi_cycle(ex)}, x = rbdi_vec0();
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    const rbdi_pose root = {{one, o, o, o, one, o, o, o, one}, {o, o, o}};
+    rbdi_axes p;
+    rbdi_load_axes(&p, &root);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        if (l->parent < 0) {
-            R[0] = ex, R[1] = rbdi_uncycle(ex), R[2] = rbdi_cycle(ex), x = rbdi_vec0();
+        if (i > 0 && l->parent < 0) {
+            rbdi_load_axes(&p, &root);
         } else if (l->parent != i - 1) {
-            const rbdi_pose p = rbdi_common_pose(m, d, l->parent);
-            R[0] = rbdi_vec(p.E.xx, p.E.yx, p.E.zx);
-            R[1] = rbdi_vec(p.E.xy, p.E.yy, p.E.zy);
-            R[2] = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
-            x = p.r;
+            const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
+            rbdi_load_axes(&p, &parent);
         }
-        if (i == 0 && base)
-            x = rbdi_vec0();
-        else if (l->kind == RBDI_BLOCK)
-            x = rbdi_pose_block(&d->work->block[l->block].X, l->parent < 0, R, x);
-        else
-            RBDI_BY_FORM(form, l, x = rbdi_pose_axis(l, form, rbdi_trig_of(m, d->work, i, form), R, x));
+        if (l->kind != RBDI_BLOCK)
+            RBDI_BY_FORM(form, l, rbdi_axes_step(l, form, rbdi_trig_of(m, d->work, i, form), &p));
+        else if (i > 0 || !base)
+            rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
         if (d->origin[i] >= 0) {
-            if (d->origin[i] < i) rbdi_move_origin(m, d, i, x);
-            x = rbdi_vec0();
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
+            rbdi_set_axis(&p.origin, root.r);
         }
-        if (l->kind != RBDI_BLOCK) {
-            rbdi_put_pose(RBDI_OF(d, l->first, ex), R, x, 2);
-            continue;
-        }
-        for (int k = i == 0 && base ? base - 1 : l->first, n = d->entry[l->first].joint; k < n; ++k)
-            rbdi_put_pose(RBDI_OF(d, k, ex), R, x, rbdi_dof_axis(m, l, k));
+        if (l->kind == RBDI_BLOCK)
+            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &p);
+        else
+            rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
     }
 }
 
