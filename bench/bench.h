@@ -71,6 +71,7 @@ enum {
     KDL,
     RBDL,
     PINOCCHIO,
+    DYNIBO,
     ROBCOGEN_IIWA,
     ROBCOGEN_HYQ,
     ROBCOGEN_ATLAS,

@@ -94,11 +94,20 @@ void mass_matrix(const mjModel *m, mjData *d) { mj_crb(m, d); }
 void mass_matrix(const mjModel *m, mjData *d) { mj_makeM(m, d); }
 #endif
 
-// how it is unpacked.
+// how it is unpacked,
 #if mjVERSION_HEADER < 3010000
 void unpack(const mjModel *m, const mjData *d, double *M) { mj_fullM(m, M, d->qM); }
 #else
 void unpack(const mjModel *m, const mjData *d, double *M) { mj_fullM(m, d, M); }
+#endif
+
+// the matrix of angular momentum.
+#if mjVERSION_HEADER < 313
+#define ANGULAR_MOMENTUM 0
+void angular_momentum(const mjModel *, mjData *, double *) {}
+#else
+#define ANGULAR_MOMENTUM 1
+void angular_momentum(const mjModel *m, mjData *d, double *A) { mj_angmomMat(m, d, A, 0); }
 #endif
 
 mjModel *compile(const std::string &xml, char *text) {
@@ -128,6 +137,11 @@ void find_places(model *p) {
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
     model *p = new (memory) model;
     *out = p;
+    if (mj_version() != mjVERSION_HEADER) {
+        std::snprintf(text, 160, "its header is of version %d, the library %d", mjVERSION_HEADER,
+                      mj_version());
+        return RBD_ERR_TYPE;
+    }
     if (!read_tree(bodies, nb, &p->t, text) || p->t.nv > 256) return RBD_ERR_TYPE;
     p->m = compile(mjcf(p->t), text);
     if (!p->m) return RBD_ERR_MEMORY;
@@ -217,6 +231,23 @@ rbd_status call_fd(const void *model_, void *work_, int, const void *q, const vo
     return RBD_OK;
 }
 
+// M^-1 as its user gets it: the columns of the unit matrix, solved with the factor of M.
+rbd_status call_minv(const void *model_, void *work_, int, const void *q, const void *, const void *,
+                     void *inverse) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    double *X = static_cast<double *>(inverse);
+    std::memset(X, 0, (size_t)(p->m->nv * p->m->nv) * sizeof(double));
+    for (int i = 0; i < p->m->nv; i++) X[i * p->m->nv + i] = 1;
+    std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    mass_matrix(p->m, w->d);
+    mj_factorM(p->m, w->d);
+    mj_solveM(p->m, w->d, X, X, p->m->nv);
+    return RBD_OK;
+}
+
 // The last body's, world axes, at its origin; angular rows first.
 rbd_status call_jacobian(const void *model_, void *work_, int, const void *q, const void *, const void *,
                          void *J_) {
@@ -228,6 +259,31 @@ rbd_status call_jacobian(const void *model_, void *work_, int, const void *q, co
     mj_comPos(p->m, w->d);
     mj_jacBody(p->m, w->d, J + 3 * p->m->nv, J, p->last);
     return RBD_OK;
+}
+
+// About the centre of mass, world axes; angular rows first.
+rbd_status call_momentum_matrix(const void *model_, void *work_, int, const void *q, const void *,
+                                const void *, void *A_) {
+    const model *p = static_cast<const model *>(model_);
+    const work *w = static_cast<const work *>(work_);
+    double *A = static_cast<double *>(A_), *linear = A + 3 * p->m->nv;
+    std::memcpy(w->d->qpos, q, (size_t)p->m->nq * sizeof(double));
+    mj_kinematics(p->m, w->d);
+    mj_comPos(p->m, w->d);
+    angular_momentum(p->m, w->d, A);
+    mj_jacSubtreeCom(p->m, w->d, linear, 0);
+    mju_scl(linear, linear, p->m->body_subtreemass[0], 3 * p->m->nv);
+    return RBD_OK;
+}
+
+// Its momentum is that of all bodies, rbd's of those that a joint moves.
+int can(const void *model_, int algorithm) {
+    const mjModel *m = static_cast<const model *>(model_)->m;
+    if (algorithm != MOMENTUM_MATRIX) return 1;
+    double fixed = 0; // mass that no joint moves
+    for (int i = 0; i < m->nbody; i++)
+        if (m->body_weldid[i] == 0) fixed += m->body_mass[i];
+    return ANGULAR_MOMENTUM && fixed == 0;
 }
 
 // ---- conventions: README.md of rbd, "From and to other libraries" ----
@@ -261,50 +317,63 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
                     double *x) {
     const model *p = static_cast<const model *>(model_);
     const world_order order(p->place, p->t.floating, rbd->q);
-    if (algorithm == MM)
+    if (algorithm == MM || algorithm == MINV) // turning the base's axes is orthogonal: M^-1 turns as M
         order.matrix(its, x);
     else
-        order.columns(its, algorithm == JACOBIAN ? 6 : 1, x);
+        order.columns(its, algorithm == JACOBIAN || algorithm == MOMENTUM_MATRIX ? 6 : 1, x);
     if (algorithm == FD && p->t.floating) put(x + 3, get(x + 3) - turned(rbd->v));
 }
 
-const conventions others = {size,
-                            convert_state,
-                            convert_result,
-                            1e-10,
-                            {"mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added",
-                             "mj_kinematics, mj_comPos, " MASS_MATRIX ", mj_fullM", nullptr,
-                             "mj_kinematics, mj_comPos, " MASS_MATRIX
-                             ", mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)",
-                             nullptr, nullptr, nullptr, "mj_kinematics, mj_comPos, mj_jacBody", nullptr,
-                             nullptr, nullptr, nullptr, nullptr},
-                            PEER_BUILD};
+conventions make_conventions() {
+    conventions c = {};
+    c.size = size;
+    c.state = convert_state;
+    c.result = convert_result;
+    c.bound = 1e-10;
+    c.build = PEER_BUILD;
+    c.calls[ID] = "mj_kinematics, mj_comPos, mj_comVel, mj_rne, armature added";
+    c.calls[MM] = "mj_kinematics, mj_comPos, " MASS_MATRIX ", mj_fullM";
+    c.calls[FD] = "mj_kinematics, mj_comPos, " MASS_MATRIX
+                  ", mj_factorM, mj_comVel, mj_rne, mj_solveM (sparse L'DL, no ABA)";
+    c.calls[MINV] = "mj_kinematics, mj_comPos, " MASS_MATRIX ", mj_factorM, mj_solveM of the unit matrix";
+    c.calls[JACOBIAN] = "mj_kinematics, mj_comPos, mj_jacBody";
+    c.calls[MOMENTUM_MATRIX] = "mj_kinematics, mj_comPos, mj_angmomMat, mj_jacSubtreeCom times the mass";
+    return c;
+}
+
+const conventions others = make_conventions();
+
+library make_library() {
+    library l = {};
+    l.name = "MuJoCo";
+    l.version = PEER_VERSION;
+    l.scalar = "double";
+    l.variant = RUN_TIME;
+    l.lanes = 1;
+    l.width = 1;
+    l.size = sizeof(double);
+    l.epsilon = DBL_EPSILON;
+    l.model_build = model_build;
+    l.model_size = model_size;
+    l.model_free = model_free;
+    l.work_init = work_init;
+    l.work_size = work_size;
+    l.work_free = work_free;
+    l.set_gravity = set_gravity;
+    l.call[ID] = call_id;
+    l.call[MM] = call_mm;
+    l.call[FD] = call_fd;
+    l.call[MINV] = call_minv;
+    l.call[JACOBIAN] = call_jacobian;
+    l.call[MOMENTUM_MATRIX] = call_momentum_matrix;
+    l.can = can;
+    l.conventions = &others;
+    return l;
+}
 
 } // namespace
 
 extern "C" {
 PEER extern const struct library library_mujoco;
-const struct library library_mujoco = {"MuJoCo",
-                                       PEER_VERSION,
-                                       "double",
-                                       RUN_TIME,
-                                       1,
-                                       nullptr,
-                                       1,
-                                       sizeof(double),
-                                       DBL_EPSILON,
-                                       model_build,
-                                       model_size,
-                                       model_free,
-                                       work_init,
-                                       work_size,
-                                       work_free,
-                                       set_gravity,
-                                       {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
-                                        call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr},
-                                       nullptr,
-                                       &others,
-                                       nullptr,
-                                       nullptr,
-                                       nullptr};
+const struct library library_mujoco = make_library();
 }

@@ -8,7 +8,7 @@ extern const struct library library_double, library_float, library_quad, library
     library_lanes_float, library_blocks_double, library_blocks_float, library_iiwa, library_hyq,
     library_atlas, library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes,
     library_hyq_code_lanes, library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks,
-    library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio, library_rbdl,
+    library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio, library_rbdl, library_dynibo,
     library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
@@ -43,6 +43,9 @@ const struct library *const libraries[LIBRARIES] = {
 #endif
 #ifdef BENCH_PINOCCHIO
     [PINOCCHIO] = &library_pinocchio,
+#endif
+#ifdef BENCH_DYNIBO
+    [DYNIBO] = &library_dynibo,
 #endif
 #ifdef BENCH_ROBCOGEN_IIWA
     [ROBCOGEN_IIWA] = &library_robcogen_iiwa,
@@ -88,7 +91,7 @@ const char *const variant_names[] = {[RUN_TIME] = "run-time",
                                      [THREADS] = "threads",
                                      NULL};
 
-const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", "robcogen", NULL};
+const char *const library_names[] = {"rbd", "mujoco", "kdl", "rbdl", "pinocchio", "robcogen", "dynibo", NULL};
 
 bool library_is_ours(const struct library *library) { return !library->conventions; }
 

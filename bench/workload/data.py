@@ -29,7 +29,7 @@ OURS = [RUN_TIME, Bar("compile-time", "rbd with a compile-time model", "rbd", "c
 GENERATED_LANES = Bar("generated lanes", "rbd's generated code by lanes", "rbd", "generated-lanes")
 PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time"),
          Bar("RBDL", "RBDL", "RBDL", "run-time"), Bar("Pinocchio", "Pinocchio", "Pinocchio", "run-time"),
-         Bar("RobCoGen", "RobCoGen", "RobCoGen", "compile-time"),
+         Bar("RobCoGen", "RobCoGen", "RobCoGen", "compile-time"), Bar("dynibo", "dynibo", "dynibo", "run-time"),
          Bar("RBD.jl", "RigidBodyDynamics.jl", "RigidBodyDynamics.jl", "run-time")]
 
 
