@@ -384,6 +384,30 @@ class Page(unittest.TestCase):
             self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["did", "dfd", "minv"]])
             self.assertEqual(page.ratios_table(data)[2], ["Pinocchio", "2.50", "–", "–", "2.50", "–", "2.50"])
 
+    def test_panels_of_other_algorithms_have_only_who_can(self):
+        data = type("data", (), {"robots": [("iiwa", "iiwa"), ("hyq", "HyQ")]})
+        ours, peer, third = (figures.Bar(name, name, name, "run-time") for name in ("rbd", "KDL", "RBDL"))
+        has = {"constrained": [(ours, "hyq"), (peer, "hyq")], "id": [(ours, "hyq")], "dfd": []}
+        value = lambda bar, robot, algorithm: [1.0] if (bar, robot) in has[algorithm] else None
+        drawn = figures.Bars(data, [ours, peer, third], ["time"], value, "us")
+        self.assertEqual(drawn.cells("constrained", drawn.bars), ([ours, peer], [("hyq", "HyQ")]))
+        for algorithm in ("id", "dfd"):
+            self.assertEqual(drawn.cells(algorithm, drawn.bars), (drawn.bars, data.robots))
+
+    def test_rbd_has_another_shade_than_others_where_nothing_is_stacked(self):
+        data = type("data", (), {"robots": [("iiwa", "iiwa")]})
+        ours, peer = figures.Bar("a", "A", "rbd", "run-time"), figures.Bar("b", "B", "KDL", "run-time")
+        plain = figures.Bars(data, [ours, peer], ["time"], lambda *_: [2.0], "us")
+        self.assertEqual(dict(plain.key()), {"rbd": plain.shade(ours, 0), "other libraries": plain.shade(peer, 0)})
+        self.assertNotEqual(plain.shade(ours, 0), plain.shade(peer, 0))
+        self.assertEqual(figures.Bars(data, [ours], ["time"], lambda *_: [2.0], "us").key(), [])
+        stacked = figures.Bars(data, [ours, peer], ["x", "y"], lambda *_: [1.0, 1.0], "us")
+        self.assertEqual(dict(stacked.key()), {"x": stacked.shade(peer, 0), "y": stacked.shade(peer, 1)})
+        blocks = []
+        plain.panel("id", plain.bars, blocks)
+        self.assertEqual([int(line.split()[3]) for line in blocks[0].splitlines()],
+                         [int(plain.shade(b, 0)[1:], 16) for b in plain.bars])
+
     def test_without_counts_there_are_only_times(self):
         with tempfile.TemporaryDirectory() as folder:
             text, _ = self.write(folder, 700, False)

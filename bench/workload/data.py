@@ -7,7 +7,9 @@ import os
 ALGORITHMS = [("id", "inverse dynamics"), ("mm", "mass matrix"), ("fd", "forward dynamics")]
 # Beside the paper's three: a row of panels each in the figures.
 MORE = [[("did", "derivatives of inverse dynamics"), ("dfd", "derivatives of forward dynamics"), ("minv", "M⁻¹")],
-        [("jacobian", "Jacobian"), ("momentum_matrix", "momentum matrix"), ("regressor", "regressor")]]
+        [("jacobian", "Jacobian"), ("momentum_matrix", "momentum matrix"), ("regressor", "regressor")],
+        [("coriolis", "Coriolis matrix"), ("constrained", "constrained dynamics"),
+         ("constrained_hand", "constrained, a hand too")]]
 ROBOTS = [("iiwa", "iiwa"), ("hyq", "HyQ"), ("atlas", "Atlas")]
 
 

@@ -43,16 +43,16 @@ def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8, ro
 
 
 def legend(parts, rows):
-    """What is stacked, in one row above the rows of panels: gnuplot's own key would break it to a panel's width."""
+    """What is stacked, or whose the bars are, (text, shade) each, in one row above the rows of panels: gnuplot's own key would break it to a panel's width."""
     low, middle, high = (1 - y / rows for y in (0.115, 0.1, 0.085))
     letter, box = 0.0062, 0.022  # widths, of the picture
-    x = 0.5 - (sum(len(p) * letter + 2 * box for p in parts) - box) / 2
+    x = 0.5 - (sum(len(text) * letter + 2 * box for text, _ in parts) - box) / 2
     script = ""
-    for i, part in enumerate(parts):
+    for i, (text, shade) in enumerate(parts):
         script += "set object %d rectangle from screen %g, screen %g to screen %g, screen %g fc rgb '%s'\n" % (
-            i + 1, x, low, x + box, high, SHADES[i])
-        script += "set label \"%s\" at screen %g, screen %g left font ',12'\n" % (part, x + 1.3 * box, middle)
-        x += len(part) * letter + 2 * box
+            i + 1, x, low, x + box, high, shade)
+        script += "set label \"%s\" at screen %g, screen %g left font ',12'\n" % (text, x + 1.3 * box, middle)
+        x += len(text) * letter + 2 * box
     return script
 
 
@@ -84,6 +84,16 @@ class Bars:
         """Whether these are the bars of rbd, without others'."""
         return len(shown) < len(self.bars) and all(b.library == "rbd" for b in shown)
 
+    def shade(self, bar, part):
+        """Of a part of a bar; where nothing is stacked, rbd's bars differ from others'."""
+        return SHADES[part if len(self.parts) > 1 else 1 if bar.library == "rbd" else 2]
+
+    def key(self):
+        """What the shades mean: (text, shade)."""
+        if len(self.parts) > 1:
+            return list(zip(self.parts, SHADES))
+        return [("rbd", SHADES[1]), ("other libraries", SHADES[2])] if {b.library for b in self.bars} > {"rbd"} else []
+
     def found(self, bars, group):
         values = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
                   for algorithm, _ in group]
@@ -97,15 +107,24 @@ class Bars:
         least = min(f[0] for group in self.groups for f in self.found(self.bars, group))
         return 10.0 ** math.floor(math.log10(least * 0.8))
 
+    def cells(self, algorithm, shown):
+        """The bars and robots of a panel: the paper's algorithms have all, with dashes; others those with a number."""
+        has = lambda bars, robots: any(self.value(b, r, algorithm) for b in bars for r, _ in robots)
+        if algorithm in dict(ALGORITHMS) or not has(shown, self.data.robots):
+            return shown, self.data.robots
+        return ([b for b in shown if has([b], self.data.robots)],
+                [r for r in self.data.robots if has(shown, [r])])
+
     def panel(self, algorithm, shown, blocks):
         """Appends a block of data for each part; returns ticks, labels of clusters, labels of bars, the end of the
         axis, and the highest bar."""
         x, ticks, clusters, top = 0.0, [], [], 0.0
         rows = [[] for _ in self.parts]
         marks = []
-        for robot, title in self.data.robots:
+        bars, robots = self.cells(algorithm, shown)
+        for robot, title in robots:
             start = x
-            for bar in shown:
+            for bar in bars:
                 numbers = self.value(bar, robot, algorithm)
                 ticks.append('"%s" %g' % (bar.label, x))
                 if numbers is None:
@@ -114,7 +133,7 @@ class Bars:
                     low = self.log or 0.0
                     for i, number in enumerate(numbers):
                         high = number if self.log else low + number
-                        rows[i].append("%g %g %g %g" % (x, low, max(high, low), number))
+                        rows[i].append("%g %g %g %d" % (x, low, max(high, low), int(self.shade(bar, i)[1:], 16)))
                         low = high
                     top = max(top, low)
                     if self.disturbed(bar, robot, algorithm):
@@ -123,7 +142,7 @@ class Bars:
             clusters.append((title, (start + x - 1) / 2))
             x += GAP
         for part in rows:
-            blocks.append("\n".join(part or ["0 NaN NaN NaN"]) + "\n")
+            blocks.append("\n".join(part or ["0 NaN NaN 0"]) + "\n")
         return ticks, clusters, marks, x - GAP, top
 
     def draw(self, folder, name, title):
@@ -131,7 +150,7 @@ class Bars:
         for row, (shown, group) in enumerate(rows):
             script += self.row(row, shown, group, blocks, len(rows))
         run_gnuplot(script, "\n\n".join(blocks), folder, name, title, len(ALGORITHMS),
-                    5 if len(self.parts) > 1 else 3.5, rows=len(rows))
+                    5 if self.key() else 3.5, rows=len(rows))
 
     def row(self, row, shown, group, blocks, rows):
         """The script for a row of panels, whose data it appends to the blocks."""
@@ -152,10 +171,9 @@ class Bars:
                 script += "set label '%s' at first %g, graph 0 offset character 0,-6.7 center font ',14'\n" % (text, place)
             for mark in marks:
                 script += "set label %s\n" % mark
-            script += legend(self.parts, rows) if row + column == 0 and len(self.parts) > 1 else "unset object\n"
-            plots = ["'DATA' index %d using 1:2:($1-0.42):($1+0.42):2:3 with boxxyerror fc rgb '%s' title \"%s\""
-                     % (first + i, SHADES[i if len(self.parts) > 1 else 1], part)
-                     for i, part in enumerate(self.parts)]
+            script += legend(self.key(), rows) if row + column == 0 else "unset object\n"
+            plots = ["'DATA' index %d using 1:2:($1-0.42):($1+0.42):2:3:4 with boxxyerror fc rgb variable" % (first + i)
+                     for i in range(len(self.parts))]
             script += "plot %s\n" % ", \\\n  ".join(plots)
         return script
 
