@@ -198,7 +198,7 @@ rbd_status call_jacobian(const void *model_, void *work_, int, const void *q_, c
                                      p->last, static_cast<double *>(J), (size_t)(6 * p->t.nv)));
 }
 
-// ---- conventions: its base has angular, then linear motion, both in world axes; accelerations classical ----
+// ---- conventions: its base has angular, then linear motion in world axes; accelerations classical ----
 
 void size(const void *p, int *nq, int *nv) {
     *nq = static_cast<const model *>(p)->t.nq;
