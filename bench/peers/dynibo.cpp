@@ -1,7 +1,6 @@
 // dynibo.cpp - dynibo (https://github.com/xiaojie-xue/dynibo), through its C interface, beside rbd: its robot
 // comes from URDF text that this file writes from the description. What is timed stands in `conventions`
 // below; the state of a floating base is set in the robot at each call. SPDX-License-Identifier: MIT
-#include <cfloat>
 #include <cstdlib>
 #include <cstring>
 #include <dynibo/dynibo.h>
@@ -298,15 +297,7 @@ conventions make_conventions() {
 const conventions others = make_conventions();
 
 library make_library() {
-    library l = {};
-    l.name = "dynibo";
-    l.version = PEER_VERSION;
-    l.scalar = "double";
-    l.variant = RUN_TIME;
-    l.lanes = 1;
-    l.width = 1;
-    l.size = sizeof(double);
-    l.epsilon = DBL_EPSILON;
+    library l = plain_library("dynibo", PEER_VERSION);
     l.model_build = model_build;
     l.model_size = model_size;
     l.model_free = model_free;

@@ -5,7 +5,6 @@
 // same motion, but other coordinates. States are converted before, results after what is timed. Near a pitch
 // of 90 degrees these coordinates are singular; random states come close only so far that the results lose
 // some digits. SPDX-License-Identifier: MIT
-#include <cfloat>
 #include <new>
 #include <string>
 #include <kdl/chaindynparam.hpp>
@@ -276,43 +275,44 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     put(x + 3, transpose(b.R) * get(its));
 }
 
-const conventions others = {size,
-                            convert_state,
-                            convert_result,
-                            1e-10,
-                            {"ChainIdSolver_RNE::CartToJnt; trees: TreeIdSolver_RNE::CartToJnt, a floating "
-                             "base as six joints of one axis",
-                             "ChainDynParam::JntToMass (chains only)", nullptr,
-                             "ChainFdSolver_RNE::CartToJnt (chains only; mass matrix and L'DL, no ABA)",
-                             nullptr, nullptr, nullptr, "ChainJntToJacSolver::JntToJac (chains only)",
-                             nullptr, nullptr, nullptr, nullptr, nullptr},
-                            PEER_BUILD};
+conventions make_conventions() {
+    conventions c = {};
+    c.size = size;
+    c.state = convert_state;
+    c.result = convert_result;
+    c.bound = 1e-10;
+    c.build = PEER_BUILD;
+    c.calls[ID] = "ChainIdSolver_RNE::CartToJnt; trees: TreeIdSolver_RNE::CartToJnt, a floating base as six "
+                  "joints of one axis";
+    c.calls[MM] = "ChainDynParam::JntToMass (chains only)";
+    c.calls[FD] = "ChainFdSolver_RNE::CartToJnt (chains only; mass matrix and L'DL, no ABA)";
+    c.calls[JACOBIAN] = "ChainJntToJacSolver::JntToJac (chains only)";
+    return c;
+}
+
+const conventions others = make_conventions();
+
+library make_library() {
+    library l = plain_library("KDL", PEER_VERSION);
+    l.model_build = model_build;
+    l.model_size = model_size;
+    l.model_free = model_free;
+    l.work_init = work_init;
+    l.work_size = work_size;
+    l.work_free = work_free;
+    l.set_gravity = set_gravity;
+    l.call[ID] = call_id;
+    l.call[MM] = call_mm;
+    l.call[FD] = call_fd;
+    l.call[JACOBIAN] = call_jacobian;
+    l.can = can;
+    l.conventions = &others;
+    return l;
+}
 
 } // namespace
 
 extern "C" {
 PEER extern const struct library library_kdl;
-const struct library library_kdl = {"KDL",
-                                    PEER_VERSION,
-                                    "double",
-                                    RUN_TIME,
-                                    1,
-                                    nullptr,
-                                    1,
-                                    sizeof(double),
-                                    DBL_EPSILON,
-                                    model_build,
-                                    model_size,
-                                    model_free,
-                                    work_init,
-                                    work_size,
-                                    work_free,
-                                    set_gravity,
-                                    {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
-                                     call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr},
-                                    can,
-                                    &others,
-                                    nullptr,
-                                    nullptr,
-                                    nullptr};
+const struct library library_kdl = make_library();
 }

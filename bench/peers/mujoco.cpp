@@ -1,7 +1,6 @@
 // mujoco.cpp - MuJoCo (https://mujoco.org) beside rbd: its model is compiled from MJCF text that this file
 // writes from the description; contacts, limits, damping and all other forces are absent or off. What is
 // timed stands in `conventions` below. SPDX-License-Identifier: MIT
-#include <cfloat>
 #include <cstring>
 #include <new>
 #include <string>
@@ -344,15 +343,7 @@ conventions make_conventions() {
 const conventions others = make_conventions();
 
 library make_library() {
-    library l = {};
-    l.name = "MuJoCo";
-    l.version = PEER_VERSION;
-    l.scalar = "double";
-    l.variant = RUN_TIME;
-    l.lanes = 1;
-    l.width = 1;
-    l.size = sizeof(double);
-    l.epsilon = DBL_EPSILON;
+    library l = plain_library("MuJoCo", PEER_VERSION);
     l.model_build = model_build;
     l.model_size = model_size;
     l.model_free = model_free;

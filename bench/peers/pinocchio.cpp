@@ -3,7 +3,6 @@
 // below: the arrays of the caller are used as they are, and the results stay in its `Data`.
 // SPDX-License-Identifier: MIT
 #undef PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION // that of the installed library has other flags
-#include <cfloat>
 #include <cstring>
 #include <new>
 #include <pinocchio/multibody/model.hpp>
@@ -359,15 +358,7 @@ conventions make_conventions() {
 const conventions others = make_conventions();
 
 library make_library() {
-    library l = {};
-    l.name = "Pinocchio";
-    l.version = PEER_VERSION;
-    l.scalar = "double";
-    l.variant = RUN_TIME;
-    l.lanes = 1;
-    l.width = 1;
-    l.size = sizeof(double);
-    l.epsilon = DBL_EPSILON;
+    library l = plain_library("Pinocchio", PEER_VERSION);
     l.model_build = model_build;
     l.model_size = model_size;
     l.model_free = model_free;

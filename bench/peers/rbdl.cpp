@@ -1,6 +1,5 @@
 // rbdl.cpp - RBDL (https://github.com/rbdl/rbdl) beside rbd. What is timed stands in `conventions` below;
 // states are copied into its vectors, as its calls take no others. SPDX-License-Identifier: MIT
-#include <cfloat>
 #include <cstring>
 #include <new>
 #include <rbdl/rbdl.h>
@@ -221,42 +220,45 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     order.columns(rows.data(), 6, x);
 }
 
-const conventions others = {size,
-                            convert_state,
-                            convert_result,
-                            1e-10,
-                            {"InverseDynamics", "CompositeRigidBodyAlgorithm", nullptr,
-                             "ForwardDynamics (ABA)", nullptr, nullptr, nullptr,
-                             "CalcPointJacobian6D with the kinematics", nullptr, nullptr, nullptr, nullptr,
-                             nullptr, "ForwardDynamicsConstraintsRangeSpaceSparse, point contacts", nullptr},
-                            PEER_BUILD};
+conventions make_conventions() {
+    conventions c = {};
+    c.size = size;
+    c.state = convert_state;
+    c.result = convert_result;
+    c.bound = 1e-10;
+    c.build = PEER_BUILD;
+    c.calls[ID] = "InverseDynamics";
+    c.calls[MM] = "CompositeRigidBodyAlgorithm";
+    c.calls[FD] = "ForwardDynamics (ABA)";
+    c.calls[JACOBIAN] = "CalcPointJacobian6D with the kinematics";
+    c.calls[CONSTRAINED] = "ForwardDynamicsConstraintsRangeSpaceSparse, point contacts";
+    return c;
+}
+
+const conventions others = make_conventions();
+
+library make_library() {
+    library l = plain_library("RBDL", PEER_VERSION);
+    l.model_build = model_build;
+    l.model_size = model_size;
+    l.model_free = model_free;
+    l.work_init = work_init;
+    l.work_size = work_size;
+    l.work_free = work_free;
+    l.set_gravity = set_gravity;
+    l.call[ID] = call_id;
+    l.call[MM] = call_mm;
+    l.call[FD] = call_fd;
+    l.call[JACOBIAN] = call_jacobian;
+    l.call[CONSTRAINED] = call_constrained;
+    l.can = can;
+    l.conventions = &others;
+    return l;
+}
 
 } // namespace
 
 extern "C" {
 PEER extern const struct library library_rbdl;
-const struct library library_rbdl = {"RBDL",
-                                     PEER_VERSION,
-                                     "double",
-                                     RUN_TIME,
-                                     1,
-                                     nullptr,
-                                     1,
-                                     sizeof(double),
-                                     DBL_EPSILON,
-                                     model_build,
-                                     model_size,
-                                     model_free,
-                                     work_init,
-                                     work_size,
-                                     work_free,
-                                     set_gravity,
-                                     {call_id, call_mm, nullptr, call_fd, nullptr, nullptr, nullptr,
-                                      call_jacobian, nullptr, nullptr, nullptr, nullptr, nullptr,
-                                      call_constrained, nullptr},
-                                     can,
-                                     &others,
-                                     nullptr,
-                                     nullptr,
-                                     nullptr};
+const struct library library_rbdl = make_library();
 }

@@ -2,7 +2,6 @@
 // namespace is ROBOT. States are copied into its vectors, the results stay in its objects. Its constants are
 // of 32 bits, and where gravity is taken away little may remain: hence the bound.
 // SPDX-License-Identifier: MIT
-#include <cfloat>
 #include <cstring>
 #include <new>
 #include <traits.h>
@@ -181,16 +180,9 @@ conventions make_conventions() {
 const conventions others = make_conventions();
 
 library make_library() {
-    library l = {};
-    l.name = "RobCoGen";
-    l.version = "code";
-    l.scalar = "double";
+    library l = plain_library("RobCoGen", "code");
     l.variant = COMPILE_TIME;
-    l.lanes = 1;
     l.robot = TEXT(ROBOT);
-    l.width = 1;
-    l.size = sizeof(double);
-    l.epsilon = DBL_EPSILON;
     l.model_build = model_build;
     l.model_size = model_size;
     l.work_init = work_init;

@@ -4,6 +4,7 @@
 #ifndef PEERS_TREE_HPP
 #define PEERS_TREE_HPP
 
+#include <cfloat>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -12,6 +13,19 @@
 
 // Before what an adapter gives: all else of it stays within it.
 #define PEER __attribute__((visibility("default")))
+
+// A library whose calls take one state of doubles; the rest of it is still to be set.
+inline library plain_library(const char *name, const char *version) {
+    library l = {};
+    l.name = name;
+    l.version = version;
+    l.scalar = "double";
+    l.variant = RUN_TIME;
+    l.lanes = l.width = 1;
+    l.size = sizeof(double);
+    l.epsilon = DBL_EPSILON;
+    return l;
+}
 
 // The first place for an object of Eigen's in memory that has 64 bytes to spare.
 inline void *aligned(void *memory) {
