@@ -256,7 +256,7 @@ def stages(header):
 
     def batch(scalar_name, lanes):
         flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
-        return Stage(f"batch {scalar_name} {lanes}", (("batch.c", ("-O0", *flags)), ("rbd.c", ("-O0", flags[0]))),
+        return Stage(f"batch {scalar_name} {lanes}", (("batch.c", ("-O0", APART, *flags)), ("rbd.c", ("-O0", APART, flags[0]))),
                      (("test_batch.c", ("-O1", *flags)), *ref), functions=BATCHES)
 
     def sincos(name, *flags):
@@ -264,7 +264,7 @@ def stages(header):
                      functions="sincos|bits|beyond")
 
     def tables(name, *flags):
-        return Stage("tables " + name, (("tables.c", ("-O0", "-ffp-contract=off", *flags)),))
+        return Stage("tables " + name, (("tables.c", ("-O0", APART, "-ffp-contract=off", *flags)),))
 
     def bounds(scalar_name):
         flag = f"-DRBD_REAL={scalar_name}"
