@@ -1964,37 +1964,6 @@ RBDI_INLINE rbdi_body rbdi_common_body(const rbd_model *m, const rbd_derivatives
     return b;
 }
 
-/* Wrenches of unit parameters, in the common frame: rows of moments and forces, of which the last six are
-   zero: with acc of the body's origin and body axes e, m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega
-   e); inertia: I omega_dot + omega x I omega, in body axes. */
-typedef struct rbdi_unit_wrenches {
-    rbd_real K[6][10];
-} rbdi_unit_wrenches;
-
-RBDI_INLINE void rbdi_put_unit(rbdi_unit_wrenches *u, int column, rbdi_v3 n, rbdi_v3 f) {
-    u->K[0][column] = n.x, u->K[1][column] = n.y, u->K[2][column] = n.z;
-    u->K[3][column] = f.x, u->K[4][column] = f.y, u->K[5][column] = f.z;
-}
-
-RBDI_PART void rbdi_body_wrenches(const rbdi_body *b, rbdi_unit_wrenches *u) {
-    const rbdi_mat R = b->R, Omega = rbdi_omega(b->V.omega, b->A.omega);
-    const rbdi_v3 e[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy), rbdi_vec(R.xz, R.yz, R.zz)};
-    const rbdi_v3 w = rbdi_mul_t(R, b->V.omega), p = rbdi_mul_t(R, b->A.omega);
-    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, b->x)));
-    const rbdi_v3 inertia[6] = {rbdi_vec(p.x, w.x * w.z, -(w.x * w.y)),
-                                rbdi_vec(p.y - w.x * w.z, p.x + w.y * w.z, w.x * w.x - w.y * w.y),
-                                rbdi_vec(p.z + w.x * w.y, w.z * w.z - w.x * w.x, p.x - w.y * w.z),
-                                rbdi_vec(-(w.y * w.z), p.y, w.x * w.y),
-                                rbdi_vec(w.y * w.y - w.z * w.z, p.z - w.x * w.y, p.y + w.x * w.z),
-                                rbdi_vec(w.y * w.z, -(w.x * w.z), p.z)};
-    rbdi_put_unit(u, 0, rbdi_cross(b->x, acc), acc);
-    for (int k = 0; k < 3; ++k) {
-        const rbdi_v3 f = rbdi_mul(Omega, e[k]);
-        rbdi_put_unit(u, 1 + k, rbdi_add(rbdi_cross(e[k], acc), rbdi_cross(b->x, f)), f);
-    }
-    for (int k = 0; k < 6; ++k) rbdi_put_unit(u, 4 + k, rbdi_mul(R, inertia[k]), rbdi_vec0());
-}
-
 #if RBDI_BATCH <= 8
 #define RBDI_TEN RBDI_BATCH /* of ten figures so many go together */
 typedef rbdi_batch rbdi_ten;
@@ -2002,6 +1971,58 @@ typedef rbdi_batch rbdi_ten;
 #define RBDI_TEN 1
 typedef rbd_real rbdi_ten;
 #endif
+
+/* Rows of ten figures and of six, padded so that whole batches fit from any of the first five on. */
+enum { RBDI_TEN_ROW = RBDI_TEN > 1 ? 12 : 10, RBDI_SIX_ROW = RBDI_TEN > 1 ? 8 : 6 };
+
+/* n figures of y = a_1 x_1 + a_2 x_2 + a_3 x_3. */
+RBDI_INLINE void rbdi_combine_rows(int n, rbdi_v3 a, const rbd_real (*x)[RBDI_SIX_ROW], rbd_real *y) {
+    for (int k = 0; k < n; k += RBDI_TEN)
+        *(rbdi_ten *)&y[k] = *(const rbdi_ten *)&x[0][k] * a.x + *(const rbdi_ten *)&x[1][k] * a.y +
+                             *(const rbdi_ten *)&x[2][k] * a.z;
+}
+/* y = a x b, of a with each of three columns b, less c x e. */
+RBDI_INLINE void rbdi_cross_rows(rbdi_v3 a, const rbd_real *bx, const rbd_real *by, const rbd_real *bz,
+                                 rbdi_v3 c, const rbd_real (*e)[RBDI_SIX_ROW], rbd_real (*y)[RBDI_TEN_ROW]) {
+    for (int k = 0; k < 3; k += RBDI_TEN) {
+        const rbdi_ten x0 = *(const rbdi_ten *)&bx[k], x1 = *(const rbdi_ten *)&by[k],
+                       x2 = *(const rbdi_ten *)&bz[k], e0 = *(const rbdi_ten *)&e[0][k],
+                       e1 = *(const rbdi_ten *)&e[1][k], e2 = *(const rbdi_ten *)&e[2][k];
+        *(rbdi_ten *)&y[0][1 + k] = x2 * a.y - x1 * a.z - e2 * c.y + e1 * c.z;
+        *(rbdi_ten *)&y[1][1 + k] = x0 * a.z - x2 * a.x - e0 * c.z + e2 * c.x;
+        *(rbdi_ten *)&y[2][1 + k] = x1 * a.x - x0 * a.y - e1 * c.x + e0 * c.y;
+    }
+}
+
+/* Wrenches of unit parameters, in the common frame: rows of moments and forces, of which the last six are
+   zero: with acc of the body's origin and body axes e, m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega
+   e); inertia: I omega_dot + omega x I omega, in body axes. */
+typedef struct rbdi_unit_wrenches {
+    rbd_real K[6][RBDI_TEN_ROW];
+} rbdi_unit_wrenches;
+
+RBDI_PART void rbdi_body_wrenches(const rbdi_body *b, rbdi_unit_wrenches *u) {
+    const rbdi_mat R = b->R, Omega = rbdi_omega(b->V.omega, b->A.omega);
+    const rbdi_v3 w = rbdi_mul_t(R, b->V.omega), p = rbdi_mul_t(R, b->A.omega);
+    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, b->x)));
+    const rbdi_v3 n = rbdi_cross(b->x, acc);
+    const rbd_real mass[6] = {n.x, n.y, n.z, acc.x, acc.y, acc.z};
+    const rbd_real e[3][RBDI_SIX_ROW] = {{R.xx, R.xy, R.xz}, {R.yx, R.yy, R.yz}, {R.zx, R.zy, R.zz}};
+    const rbd_real inertia[3][RBDI_SIX_ROW] = {
+        {p.x, p.y - w.x * w.z, p.z + w.x * w.y, -(w.y * w.z), w.y * w.y - w.z * w.z, w.y * w.z},
+        {w.x * w.z, p.x + w.y * w.z, w.z * w.z - w.x * w.x, p.y, p.z - w.x * w.y, -(w.x * w.z)},
+        {-(w.x * w.y), w.x * w.x - w.y * w.y, p.x - w.y * w.z, w.x * w.y, p.y + w.x * w.z, p.z}};
+    rbdi_combine_rows(3, rbdi_vec(Omega.xx, Omega.xy, Omega.xz), e, &u->K[3][1]);
+    rbdi_combine_rows(3, rbdi_vec(Omega.yx, Omega.yy, Omega.yz), e, &u->K[4][1]);
+    rbdi_combine_rows(3, rbdi_vec(Omega.zx, Omega.zy, Omega.zz), e, &u->K[5][1]);
+    rbdi_cross_rows(b->x, &u->K[3][1], &u->K[4][1], &u->K[5][1], acc, e, u->K);
+    rbdi_combine_rows(6, rbdi_vec(R.xx, R.xy, R.xz), inertia, &u->K[0][4]);
+    rbdi_combine_rows(6, rbdi_vec(R.yx, R.yy, R.yz), inertia, &u->K[1][4]);
+    rbdi_combine_rows(6, rbdi_vec(R.zx, R.zy, R.zz), inertia, &u->K[2][4]);
+    for (int k = 0; k < 6; ++k) u->K[k][0] = mass[k];
+    for (int k = 3; k < 6; ++k)
+        u->K[k][9] = rbdi_zero(); /* the others of the six: where a batch reads them */
+}
 
 /* y = S' K, ten figures; the last batch goes over what the one before has done. */
 RBDI_INLINE void rbdi_regress(const rbdi_unit_wrenches *u, rbdi_motion S, rbd_real *y) {
@@ -2021,7 +2042,11 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
                                  const rbd_real *a, rbd_real *Y) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
+    const rbdi_entry *entry;
+    const rbd_real *S;
+    int mimic;
     if (status) return status;
+    entry = d->entry, S = (const rbd_real *)&d->columns->S, mimic = m->nmimic; /* no store can change them */
     rbdi_common_motion(m, d, 0, q, v, a, d->work->gravity, RBDI_NEED_WRENCH);
     rbdi_clear_all(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i) {
@@ -2031,11 +2056,10 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
         if (u->link < 0) continue;
         b = rbdi_common_body(m, d, u, RBDI_NEED_WRENCH);
         rbdi_body_wrenches(&b, &K);
-        for (int k = rbdi_last_dof(m, u->link); k >= 0; k = d->entry[k].parent) {
-            rbd_real *y = Y + d->entry[k].user * columns + 10 * i, own[10];
-            const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, k, S));
-            rbdi_regress(&K, S, m->nmimic ? own : y);
-            if (m->nmimic) rbdi_add_column(y, 1, rbdi_ratio(m, d->entry[k].source), own, 10);
+        for (int k = rbdi_last_dof(m, u->link); k >= 0; k = entry[k].parent) {
+            rbd_real *y = Y + entry[k].user * columns + 10 * i, own[10];
+            rbdi_regress(&K, rbdi_load_motion(S + entry[k].at), mimic ? own : y);
+            if (mimic) rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), own, 10);
         }
     }
     return RBD_OK;
