@@ -4923,7 +4923,7 @@ static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real
     if (l->kind == RBDI_BLOCK)
         rbdi_kin_form(m, w, i, -1, v, moving);
     else
-        RBDI_BY_FORM(form, l, rbdi_kin_form(m, w, i, form, v, moving));
+        RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_form(m, w, i, form, v, moving));
 }
 
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,

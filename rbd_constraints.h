@@ -408,7 +408,7 @@ struct rbd_constraints {
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                4114         48297     9117     17680
-       articulated bodies    12066        163475    22460     33960
+       articulated bodies    11832        152864    21940     33510
        factor of M           13159        983754    29082     47475
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -827,38 +827,52 @@ static rbd_real rbdi_levers(const rbd_constraints *c) {
     return sum;
 }
 
-/* Delta = L'DL, D L in place of Delta, and b = L^-T b; 1/d = 0 where the pivot is only rounding. Gathered: a
-   row takes from those behind it. c->diagonal has what rows have lost before. */
+/* 1/d of row k; judged, once any has been so small that it must be. */
+RBDI_INLINE rbd_real rbdi_delta_pivot(rbd_constraints *c, int k, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    const rbd_real d = c->D[k * c->stride + k];
+    rbd_real inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(c->diagonal[k] * RBDI_DOUBT, d)));
+    if (rbdi_any(*doubt)) inverse = rbdi_select(rbdi_judge_row(c, k, d), inverse, rbdi_zero());
+    c->inverse[k] = inverse;
+    return inverse;
+}
+
+/* x -= l u + n v, in whole batches. */
+RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
+                                   int count) {
+    for (int j = 0; j < count; j += RBDI_BATCH)
+        *(rbdi_batch *)&x[j] =
+            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
+}
+
+/* Delta = L'DL, D L in place of Delta, and b = L^-T b; 1/d = 0 where the pivot is only rounding. Rows k and
+   k - 1 are taken from those before them together: these are read and written half as often. c->diagonal has
+   what rows have lost before. */
 static void rbdi_delta_factor(rbd_constraints *c, rbdi_rows g) {
     const rbd_real zero_row = c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero()), none = doubt;
-    rbd_real *l = c->lambda; /* column i of L */
-    for (int i = g.first; i < g.end; ++i)
-        c->diagonal[i] = c->diagonal[i] + c->D[i * c->stride + i] + zero_row;
-    for (int i = g.end - 1; i >= g.first; --i) {
-        rbd_real *h = &c->D[i * c->stride], d, inverse, rest = c->b[i];
-        for (int k = g.end - 1; k > i; --k) {
-            l[k] = c->D[k * c->stride + i] * c->inverse[k];
-            rest = rest - l[k] * c->b[k];
+    const int stride = c->stride, low = g.low;
+    rbd_real *D = c->D, *b = c->b, *w = c->wrench;
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i] + zero_row;
+    for (int k = g.end - 1; k >= g.first; k -= 2) {
+        const rbd_real *u = &D[k * stride], first = rbdi_delta_pivot(c, k, &doubt);
+        rbd_real *v, l, second;
+        if (k == g.first) return;
+        v = &D[(k - 1) * stride], l = u[k - 1] * first;
+        rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
+        b[k - 1] = b[k - 1] - l * b[k];
+        if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
+        second = rbdi_delta_pivot(c, k - 1, &doubt);
+        for (int i = k - 2; i >= g.first; --i) {
+            const rbd_real n = v[i] * second;
+            l = u[i] * first;
+            rbdi_subtract_two(&D[i * stride + low], l, &u[low], n, &v[low], i + 1 - low);
+            b[i] = b[i] - l * b[k] - n * b[k - 1];
+            if (!g.carried) continue;
+            rbdi_subtract(&w[8 * i], l, &w[8 * k], 6);
+            rbdi_subtract(&w[8 * i], n, &w[8 * (k - 1)], 6);
         }
-        c->b[i] = rest;
-        for (int j = g.low; j <= i; j += 2 * RBDI_BATCH) {
-            const rbd_real *u = &c->D[(g.end - 1) * c->stride + j];
-            rbdi_batch x = *(const rbdi_batch *)&h[j], y = *(const rbdi_batch *)&h[j + RBDI_BATCH];
-            for (int k = g.end - 1; k > i; --k, u -= c->stride) {
-                x = x - *(const rbdi_batch *)u * l[k];
-                y = y - *(const rbdi_batch *)(u + RBDI_BATCH) * l[k];
-            }
-            *(rbdi_batch *)&h[j] = x;
-            *(rbdi_batch *)&h[j + RBDI_BATCH] = y;
-        }
-        d = h[i], inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
-        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[i] * RBDI_DOUBT, d)));
-        if (rbdi_any(doubt)) inverse = rbdi_select(rbdi_judge_row(c, i, d), inverse, rbdi_zero());
-        c->inverse[i] = inverse;
-        for (int k = g.end - 1; g.carried && k > i; --k)
-            for (int j = 0; j < 6; ++j)
-                c->wrench[8 * i + j] = c->wrench[8 * i + j] - l[k] * c->wrench[8 * k + j];
     }
 }
 
@@ -1347,6 +1361,15 @@ static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cu
     }
 }
 
+/* Rows of Lambda, of constraint k, from the first column that they know to the diagonal. */
+RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constraint *k) {
+    const rbdi_batch zero = rbdi_zero_batch();
+    const int stride = c->stride, n = k->row + k->rows - k->low;
+    rbd_real *D = &c->D[k->row * stride + k->low];
+    for (int r = k->rows; r > 0; --r, D += stride)
+        for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
+}
+
 /* x and lambda from the joints' torques, bias wrenches and b = target. */
 static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
                                          rbd_real *lambda) {
@@ -1360,8 +1383,7 @@ static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c,
     rbdi_clear(c->lambda, c->stride);
     if (c->used) rbdi_clear(c->D, c->rows * c->stride);
     for (const rbdi_constraint *k = c->constraint; !c->used && k < c->constraint + c->n; ++k)
-        for (int r = k->row; r < k->row + k->rows; ++r)
-            rbdi_clear(&c->D[r * c->stride + k->low], k->row + k->rows - k->low);
+        rbdi_clear_lambda(c, k);
     c->used = 0;
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
