@@ -91,16 +91,21 @@ static void compare_torque(const char *what, const result *r, const tb_real *M, 
     judge(what, error / size);
 }
 
-static void compare(const rbd_body *bodies, int nb, const result *r) {
-    static tb_real M[TB_MAX_DOFS * TB_MAX_DOFS];
-    tb_real expected[TB_MAX_DOFS], found[TB_MAX_DOFS];
-    double a[MAX_NV];
+static void compare_mass_matrix(const rbd_body *bodies, int nb, const result *r, tb_real *M) {
     const int nv = r->nv;
     tb_mass_matrix(bodies, nb, r->q, M);
     for (int i = 0; i < nv; i++)
         for (int j = 0; j < nv; j++)
             judge("M",
                   fabsl((tb_real)r->M[i * nv + j] - M[i * nv + j]) / sqrtl(M[i * nv + i] * M[j * nv + j]));
+}
+
+static void compare(const rbd_body *bodies, int nb, const result *r) {
+    static tb_real M[TB_MAX_DOFS * TB_MAX_DOFS];
+    tb_real expected[TB_MAX_DOFS], found[TB_MAX_DOFS];
+    double a[MAX_NV];
+    const int nv = r->nv;
+    compare_mass_matrix(bodies, nb, r, M);
     tb_rnea(bodies, nb, gravity, r->q, r->v, r->a, NULL, expected, NULL);
     for (int i = 0; i < nv; i++) found[i] = r->torque[i];
     compare_torque("rnea", r, M, expected, r->a, found);
@@ -256,6 +261,59 @@ START_TEST(heavy_hub_with_a_light_far_child) {
 }
 END_TEST
 
+/* A small screw on a long link, far along its axis from where the other axis comes near: its inertia is a
+   number of its own, no difference of large ones, and no singular one (evaluate). */
+START_TEST(small_screw_far_along_its_axis) {
+    const rbd_body b[2] = {{.parent = -1,
+                            .type = RBD_REVOLUTE,
+                            .axis = {1, 0, 0},
+                            .mass = 10,
+                            .com = {0, 0, 100},
+                            .inertia = {3e4, 0, 0, 3e4, 0, 1}},
+                           {.parent = 0,
+                            .type = RBD_HELICAL,
+                            .axis = {0, 0, 1},
+                            .pitch = 1e-5,
+                            .mass = 1e-3,
+                            .position = {0, 0, 200},
+                            .com = {1e-5, 0, 0},
+                            .inertia = {1e-14, 0, 0, 2e-14, 0, 3e-14}}};
+    tb_real M[4];
+    place = "small screw";
+    angle = 1.5707963267948966;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        const result r = evaluate(b, 2, seed);
+        compare_mass_matrix(b, 2, &r, M);
+    }
+}
+END_TEST
+
+/* A hub so small and heavy that its inertia is a light arm's: a millionth of the arm aside its weight would
+   drown the arm's. */
+START_TEST(heavy_hub_of_little_inertia) {
+    const rbd_body b[3] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1e-6, .com = {0.1, 0, 0}},
+        {.parent = 0,
+         .type = RBD_REVOLUTE,
+         .axis = {1, 0, 0},
+         .mass = 1e6,
+         .com = {0, 1e-8, 1e-8},
+         .inertia = {1e-9, 0, 0, 1e-9, 0, 1e-9}},
+        {.parent = 1,
+         .type = RBD_REVOLUTE,
+         .axis = {0, 1, 0},
+         .mass = 1e-6,
+         .position = {1e-6, 1, 0},
+         .com = {0.1, 0, 0.1}}};
+    place = "heavy hub of little inertia";
+    angle = 1.5707963267948966;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        const result r = evaluate(b, 3, seed);
+        compare(b, 3, &r);
+    }
+}
+END_TEST
+
 /* Links without mass, moved by their rotors: where they are is no worse known. */
 START_TEST(massless_links_keep_their_places) {
     static unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE(2, 2)];
@@ -289,6 +347,8 @@ int main(void) {
     tcase_add_test(c, beside_a_far_second_root);
     tcase_add_test(c, small_finger_on_a_large_arm);
     tcase_add_test(c, heavy_hub_with_a_light_far_child);
+    tcase_add_test(c, small_screw_far_along_its_axis);
+    tcase_add_test(c, heavy_hub_of_little_inertia);
     tcase_add_test(c, massless_links_keep_their_places);
     suite_add_tcase(suite, c);
     SRunner *runner = srunner_create(suite);
