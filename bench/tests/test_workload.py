@@ -154,7 +154,7 @@ class Schemas(unittest.TestCase):
         self.assertRegex(variants[2], r"^lanes (2|4|8)$")
         for row in rows:
             self.assertGreater(float(row["min_ns"]), 0)
-            self.assertLess(float(row["max_error"]), 1e-10)
+            self.assertLess(float(row["max_error"]), 1e-5 if row["library"] == "RobCoGen" else 1e-10)
 
     def test_algorithms_have_other_names(self):
         for name, other in (("rnea", "id"), ("crba", "mm"), ("aba", "fd")):
