@@ -6557,8 +6557,7 @@ static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, 
 /* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
    shift: all that it carries is farther then (4 times at most, 2.5 in iiwa). */
 static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
-    return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0) &&
-           rbdi_draft_lever(l, distance) <= 4 * rbdi_draft_lever(l, 0);
+    return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
 }
 
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
