@@ -6536,8 +6536,8 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
 /* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
    distance from it. Numbers about a far point grow with the distance, inertias with its square, and what is
    wanted is their differences, so those of this subtree must stay of the size that they have about the origin
-   that the user chose. Errors grow by as much; right-angled and parallel axes (1.1 at most in iiwa, HyQ,
-   Atlas) pass. */
+   that the user chose, 4 times at most. Errors grow by as much; right-angled and parallel axes pass
+   (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->r), step = rbdi_w_abs(t);
@@ -6555,7 +6555,7 @@ static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, 
 }
 
 /* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
-   shift: all that it carries is farther then (4 times at most, 2.5 in iiwa). */
+   shift: all that it carries is farther then, 4 times at most. */
 static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
     return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
 }
