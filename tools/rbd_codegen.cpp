@@ -4,6 +4,7 @@ extern "C" {
 #include "robot.h"
 }
 #include "codegen/emit.h"
+#include "codegen/limbs.h"
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,6 +30,7 @@ const char help_more[] =
     "\n"
     "  --scalar SCALAR     double or float (double)\n"
     "  --lanes N           N states at once, 2, 4, 8 or 16: GCC's and clang's vectors of N scalars\n"
+    "  --limbs N           up to N like limbs of a state at once, 2 or 4: vectors too, for computers (1)\n"
     "  --f-ext             external wrenches are an argument\n"
     "  --gravity-argument  gravity is an argument, not the constant of --gravity\n"
     "  --bounded-angles    the caller promises that no angle exceeds 1e6 rad (float: 1e4) and is a number: "
@@ -91,6 +93,12 @@ int read_lanes(options *o, const char *text) {
     return usage_error("--lanes: '%s' is none of 2, 4, 8, 16", text);
 }
 
+int read_limbs(options *o, const char *text) {
+    for (int n = 1; n <= 4; n *= 2)
+        if (text == std::to_string(n)) return o->target.limbs = n, 0;
+    return usage_error("--limbs: '%s' is none of 1, 2, 4", text);
+}
+
 int read_block(options *o, const char *text) {
     char *end;
     const long n = strtol(text, &end, 10);
@@ -116,7 +124,8 @@ int read_own(options *o, char **argv, int *i) {
         const char *name;
         int (*read)(options *, const char *);
     } with_value[] = {{"--name", read_name},     {"--output", read_folder}, {"--algorithm", read_algorithms},
-                      {"--scalar", read_scalar}, {"--lanes", read_lanes},   {"--block", read_block}};
+                      {"--scalar", read_scalar}, {"--lanes", read_lanes},   {"--block", read_block},
+                      {"--limbs", read_limbs}};
     for (const auto &x : with_value) {
         if (!option_is(argv[*i], x.name)) continue;
         const char *text = option_value(argv, i);
@@ -163,6 +172,8 @@ int read_options(options *o, char **argv) {
         if (status > 0) return 1 + status;
     }
     if (!o->path) return 1 + usage_error("no file given");
+    if (o->target.limbs > 1 && o->target.lanes > 1)
+        return 1 + usage_error("--limbs: the lanes are those of --lanes already");
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
@@ -194,6 +205,7 @@ codegen::tested record(const options *o, const std::string &algorithm) {
     const bool is_float = o->target.is_float;
     const auto recorded = is_float ? codegen::record_float : codegen::record_double;
     codegen::tested x = {recorded(o->robot, algorithm), {}, 0};
+    if (o->robot.limbs_alike) x.f = codegen::pack_limbs(x.f, codegen::joints(o->robot), o->target.limbs);
     for (unsigned state = 0; state < 3; state++) {
         codegen::example e = codegen::compute(o->robot, algorithm, state);
         if (!(error_of<double>(x.f, e) < (is_float ? 0.05 : 1e-9)))
@@ -272,6 +284,9 @@ int run(options *o) {
         std::memcpy(o->robot.gravity, o->read.urdf.gravity ? o->read.gravity : usual, sizeof usual);
         try {
             std::vector<codegen::tested> functions;
+            if (o->target.limbs > 1)
+                o->target.limbs = codegen::like_limbs(codegen::joints(o->robot), o->target.limbs);
+            o->robot.limbs_alike = o->target.limbs > 1;
             for (const std::string &name : o->algorithms) functions.push_back(record(o, name));
             print_header(o, &r, functions);
             print_source(o, &r, functions);
@@ -289,6 +304,7 @@ int run(options *o) {
 int main(int argc, char **argv) {
     options o = {};
     o.target.lanes = 1;
+    o.target.limbs = 1;
     o.target.block = 600;
     o.target.statements.long_sums = true;
     o.algorithms = {"id", "mm", "fd"};

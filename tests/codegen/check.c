@@ -1,6 +1,6 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
-   ROBOTS is 3 or 8, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes. What is no number
-   is wrong where rbd.h has one, and so is any status that is not rbd.h's. */
+   ROBOTS is 3, 8 or 10, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes. What is no
+   number is wrong where rbd.h has one, and so is any status that is not rbd.h's. */
 #define RBD_REAL REAL
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
@@ -69,11 +69,18 @@ FUNCTIONS(DECLARATION, 5)
 FUNCTIONS(DECLARATION, 6)
 FUNCTIONS(DECLARATION, 7)
 #endif
+#if ROBOTS > 8
+FUNCTIONS(DECLARATION, 8)
+FUNCTIONS(DECLARATION, 9)
+#endif
 static const code codes[ROBOTS] = {
     {FUNCTIONS(ENTRY, 0)}, {FUNCTIONS(ENTRY, 1)}, {FUNCTIONS(ENTRY, 2)},
 #if ROBOTS > 3
     {FUNCTIONS(ENTRY, 3)}, {FUNCTIONS(ENTRY, 4)}, {FUNCTIONS(ENTRY, 5)},
     {FUNCTIONS(ENTRY, 6)}, {FUNCTIONS(ENTRY, 7)},
+#endif
+#if ROBOTS > 8
+    {FUNCTIONS(ENTRY, 8)}, {FUNCTIONS(ENTRY, 9)},
 #endif
 };
 

@@ -44,6 +44,8 @@ expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,id a
 expect 2 "--algorithm: its value is missing$see" --algorithm
 expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
 expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
+expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
+expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
 expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
 expect 2 "--algorithm: there is no 'jacobian'$see" --algorithm jacobian a
 expect 1 "jacobian:foot: there is no such link" --algorithm jacobian:foot "$iiwa"
@@ -72,6 +74,13 @@ all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivativ
 selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
 selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
+selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id "$root/models/atlas.urdf"
+grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"
+selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$root/models/hyq.urdf"
+grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"
+grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does not say what is done at once"
+selftest none --limbs 2 --algorithm gravity "$iiwa"
+grep -q "limbs" none_code.c && fail "like limbs of an arm"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
 selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
 

@@ -1,6 +1,7 @@
 // write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
-// all arguments. usage: write NAME N double|float LANES BLOCK long|short FOLDER
+// all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short FOLDER
 #include "../../tools/codegen/emit.h"
+#include "../../tools/codegen/limbs.h"
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,7 +14,7 @@ static void write(const std::string &path, const std::string &text) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 8) return 2;
+    if (argc != 9) return 2;
     for (int k = 0; k < std::atoi(argv[2]); k++) {
         codegen::target t = {};
         codegen::robot r = {};
@@ -22,15 +23,19 @@ int main(int argc, char **argv) {
         t.name = argv[1] + std::to_string(k);
         t.is_float = std::strcmp(argv[3], "float") == 0;
         t.lanes = std::atoi(argv[4]);
-        t.block = std::atoi(argv[5]);
-        t.statements.long_sums = std::strcmp(argv[6], "long") == 0;
+        t.limbs = codegen::like_limbs(codegen::joints(r), std::atoi(argv[5]));
+        t.block = std::atoi(argv[6]);
+        t.statements.long_sums = std::strcmp(argv[7], "long") == 0;
+        r.limbs_alike = t.limbs > 1;
         std::vector<codegen::tested> functions;
         for (std::string name : codegen::algorithm_names()) {
             name = name.substr(0, name.find("LINK")) + (name.find("LINK") != name.npos ? "tip" : "");
+            const codegen::function f =
+                t.is_float ? codegen::record_float(r, name) : codegen::record_double(r, name);
             functions.push_back(
-                {t.is_float ? codegen::record_float(r, name) : codegen::record_double(r, name), {}, 0});
+                {r.limbs_alike ? codegen::pack_limbs(f, codegen::joints(r), t.limbs) : f, {}, 0});
         }
-        const std::string path = argv[7] + ("/" + t.name);
+        const std::string path = argv[8] + ("/" + t.name);
         write(path + "_code.h", codegen::declarations(functions, t));
         write(path + "_code.c", "#include \"" + t.name + "_code.h\"\n" + codegen::definitions(functions, t));
     }

@@ -28,6 +28,17 @@ std::vector<std::string> algorithm_names() {
     return names;
 }
 
+std::vector<joint> joints(const robot &r) {
+    session s(r, "id");
+    std::vector<joint> all;
+    for (int b = 0; b < r.nb; b++) {
+        rbd_joint_info x;
+        session::demand(rbd_joint(s.m, b, &x));
+        all.push_back({r.bodies[b].parent, x.iq, x.nq, x.iv, x.nv});
+    }
+    return all;
+}
+
 example compute(const robot &r, const std::string &name, unsigned state) {
     session s(r, name);
     example e;

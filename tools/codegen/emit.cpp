@@ -86,15 +86,24 @@ class writer {
     std::vector<int> order;             /* statements */
     std::vector<std::string> name;      /* of each node's value */
     std::unordered_map<int, int> angle; /* of a node: its index among the angles */
-    std::map<int, std::vector<std::pair<std::string, bool>>> stores; /* of a node; negated */
+    struct store {
+        std::string array;
+        size_t k;
+        bool negative;
+        int lane; /* of a vector; or -1 */
+    };
+    std::map<int, std::vector<store>> stores; /* of a node */
     std::vector<int> block, shared; /* of a node: the block that computes it, its place in `kept` or -1 */
-    int blocks = 1, kept = 0;
+    int blocks = 1, kept = 0, kept_vectors = 0;
 
     void store_at(value x, const std::string &array, size_t k);
     void split();
     std::string number(double x) const { return literal(x, t.is_float); }
     std::string leaf(int i) const;
-    std::string operand(int i) const { return p.is_leaf(i) ? leaf(i) : name[size_t(i)]; }
+    std::string elements(int i) const;
+    std::string gathered(int i) const;
+    std::string operand(int i) const;
+    std::string stores_of(int i) const;
     std::string operand_signed(value x) const;
     std::string angle_text(value x) const;
     std::string sum(int i) const;
@@ -106,7 +115,11 @@ class writer {
 };
 
 void writer::store_at(value x, const std::string &array, size_t k) {
-    stores[node_of(x)].push_back({format("%s[%zu]", array.c_str(), k), is_negative(x)});
+    const node &n = p.at(node_of(x));
+    if (n.op == LANE)
+        stores[node_of(n.arg[0])].push_back({array, k, is_negative(x), int(n.constant)});
+    else
+        stores[node_of(x)].push_back({array, k, is_negative(x), -1});
 }
 
 /* Blocks of as many statements, and places for what later blocks read, free again behind the last of them. */
@@ -120,22 +133,47 @@ void writer::split() {
     for (int i : order)
         for (int k : p.operands(i)) last[size_t(k)] = block[size_t(i)];
     std::vector<std::vector<int>> released(size_t(blocks) + 1);
-    std::vector<int> unused;
+    std::vector<int> unused[2]; /* scalars, vectors */
     int current = 0;
     for (int i : order) {
         for (; current < block[size_t(i)]; current++)
-            for (int k : released[size_t(current)]) unused.push_back(k);
+            for (int k : released[size_t(current)]) unused[p.at(k).is_vector].push_back(shared[size_t(k)]);
         if (last[size_t(i)] <= current) continue;
-        if (unused.empty()) unused.push_back(kept++);
-        shared[size_t(i)] = unused.back();
-        unused.pop_back();
-        released[size_t(last[size_t(i)])].push_back(shared[size_t(i)]);
+        const bool is_vector = p.at(i).is_vector;
+        std::vector<int> &u = unused[is_vector];
+        if (u.empty()) u.push_back(is_vector ? kept_vectors++ : kept++);
+        shared[size_t(i)] = u.back();
+        u.pop_back();
+        released[size_t(last[size_t(i)])].push_back(i);
     }
+}
+
+std::string writer::elements(int i) const {
+    std::string s;
+    for (int l = 0; l < t.limbs; l++) s += (l ? ", " : "") + operand_signed(p.at(i).arg[l]);
+    return s;
+}
+
+/* A vector of scalars; "side_by_side(v[6])" where they stand one behind the other. */
+std::string writer::gathered(int i) const {
+    const value *a = p.at(i).arg;
+    const auto place = [&](value x) {
+        const node &n = p.at(node_of(x));
+        if (is_negative(x) || !p.is_leaf(node_of(x)) || n.op == CONSTANT) return std::make_pair(-1, -1);
+        return n.op == INPUT ? std::make_pair(n.arg[0], n.arg[1])
+                             : std::make_pair(-int(n.op), angle.at(node_of(n.arg[0])));
+    };
+    bool contiguous = true;
+    for (int l = 0; l < t.limbs; l++)
+        contiguous = contiguous && place(a[l]).first == place(a[0]).first && place(a[l]).first != -1 &&
+                     place(a[l]).second == place(a[0]).second + l;
+    return contiguous ? "side_by_side(" + leaf(node_of(a[0])) + ")" : "(limbs){" + elements(i) + "}";
 }
 
 std::string writer::leaf(int i) const {
     const node &n = p.at(i);
     if (n.op == CONSTANT) return number(n.constant);
+    if (n.op == GATHER) return "(limbs){" + elements(i) + "}";
     if (n.op == INPUT) return format("%s[%d]", f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1]);
     return format("%s[%d]", n.op == SINE ? "sine" : "cosine", angle.at(node_of(n.arg[0])));
 }
@@ -196,20 +234,48 @@ std::string writer::expression(int i) const {
         return format("choose(%s < %s, %s, %s)", operand_signed(n.arg[0]).c_str(),
                       operand_signed(n.arg[1]).c_str(), operand_signed(n.arg[2]).c_str(),
                       operand_signed(n.arg[3]).c_str());
+    case GATHER: return gathered(i);
     default: abort();
     }
+}
+
+/* The lanes of a vector are stored as one where they stand one behind the other. */
+std::string writer::stores_of(int i) const {
+    const auto found = stores.find(i);
+    std::string s;
+    if (found == stores.end()) return s;
+    const std::vector<store> &all = found->second;
+    for (size_t k = 0; k < all.size(); k++) {
+        const store &to = all[k];
+        size_t n = 0;
+        while (to.lane == 0 && k + n < all.size() && all[k + n].lane == int(n) && all[k + n].k == to.k + n &&
+               all[k + n].array == to.array && all[k + n].negative == to.negative)
+            n++;
+        const bool whole = to.lane == 0 && n == size_t(t.limbs);
+        const std::string place = format("%s[%zu]", to.array.c_str(), to.k);
+        s += "    " + (whole ? "side_by_side(" + place + ")" : place) + " = " +
+             operand_signed(negated(2 * i, to.negative)) +
+             (whole || to.lane < 0 ? "" : format("[%d]", to.lane)) + ";\n";
+        if (whole) k += n - 1;
+    }
+    return s;
+}
+
+std::string writer::operand(int i) const {
+    const node &n = p.at(i);
+    if (n.op == LANE) return operand(node_of(n.arg[0])) + format("[%d]", int(n.constant));
+    return p.is_leaf(i) ? leaf(i) : name[size_t(i)];
 }
 
 std::string writer::statement(int i) {
     std::string &own = name[size_t(i)];
     own = format("t%d", i);
-    std::string s = "    const real " + own + " = " + expression(i) + ";\n";
-    const auto found = stores.find(i);
-    if (found != stores.end())
-        for (const auto &to : found->second)
-            s += "    " + to.first + " = " + (to.second != bool(p.flipped[size_t(i)]) ? "-" : "") + own +
-                 ";\n";
-    if (shared[size_t(i)] >= 0) s += format("    kept[%d] = %s;\n", shared[size_t(i)], own.c_str());
+    const bool is_vector = p.at(i).is_vector;
+    std::string s =
+        (is_vector ? "    const limbs " : "    const real ") + own + " = " + expression(i) + ";\n";
+    s += stores_of(i);
+    if (shared[size_t(i)] >= 0)
+        s += format("    kept%s[%d] = %s;\n", is_vector ? "_limbs" : "", shared[size_t(i)], own.c_str());
     return s;
 }
 
@@ -217,7 +283,7 @@ std::string writer::block_text(int b) {
     std::string s;
     for (int i : order)
         if (block[size_t(i)] < b && shared[size_t(i)] >= 0)
-            name[size_t(i)] = format("kept[%d]", shared[size_t(i)]);
+            name[size_t(i)] = format("kept%s[%d]", p.at(i).is_vector ? "_limbs" : "", shared[size_t(i)]);
     for (int i : order)
         if (block[size_t(i)] == b) s += statement(i);
     return s;
@@ -240,10 +306,7 @@ std::string writer::sines() const {
 std::string writer::end() const {
     std::string s;
     for (const auto &x : stores)
-        for (const auto &to : x.second) {
-            if (p.is_statement[size_t(x.first)]) continue;
-            s += "    " + to.first + " = " + operand_signed(negated(2 * x.first, to.second)) + ";\n";
-        }
+        if (!p.is_statement[size_t(x.first)]) s += stores_of(x.first);
     if (f.pivots.empty()) return s;
     const std::string pivots =
         format("pivot, %s_%s_limit, %zu", t.name.c_str(), f.name.c_str(), f.pivots.size());
@@ -267,16 +330,19 @@ std::string writer::text() {
         s += "};\n";
     }
     std::string more = ", real *restrict kept", pass = ", kept";
+    if (kept_vectors > 0) more += ", limbs *restrict kept_limbs", pass += ", kept_limbs";
     if (angles) more += ", const real *restrict sine, const real *restrict cosine", pass += ", sine, cosine";
     if (pivots) more += ", real *restrict pivot", pass += ", pivot";
     for (int b = 0; b < blocks && blocks > 1; b++) {
-        s += format("PART void %s_%d(%s%s) {\n    %s, (void)kept%s%s;\n%s}\n", full.c_str(), b, all.c_str(),
-                    more.c_str(), names(f, "(void)").c_str(), angles ? ", (void)sine, (void)cosine" : "",
-                    pivots ? ", (void)pivot" : "", block_text(b).c_str());
+        s += format("PART void %s_%d(%s%s) {\n    %s, (void)kept%s%s%s;\n%s}\n", full.c_str(), b, all.c_str(),
+                    more.c_str(), names(f, "(void)").c_str(), kept_vectors > 0 ? ", (void)kept_limbs" : "",
+                    angles ? ", (void)sine, (void)cosine" : "", pivots ? ", (void)pivot" : "",
+                    block_text(b).c_str());
         calls += format("    %s_%d(%s%s);\n", full.c_str(), b, names(f).c_str(), pass.c_str());
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), all.c_str());
     if (blocks > 1) s += format("    real kept[%d];\n", std::max(1, kept));
+    if (kept_vectors > 0) s += format("    limbs kept_limbs[%d];\n", kept_vectors);
     if (pivots) s += format("    real pivot[%zu];\n", f.pivots.size());
     s += sines() + (blocks > 1 ? calls : block_text(0));
     return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
@@ -299,8 +365,10 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
         for (const std::vector<array> *list : {&x.f.inputs, &x.f.outputs})
             for (const array &a : *list) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
         s += format("   Operations: %d multiplications, %d additions, %d divisions, %d roots, %d sines and "
-                    "cosines. */\n",
+                    "cosines.",
                     n.multiplications, n.additions, n.divisions, n.roots, n.angles);
+        if (n.of_vectors > 0) s += format("\n   Of these %d are of %d limbs at once.", n.of_vectors, t.limbs);
+        s += " */\n";
         s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
                     parameters(x.f, real_name(t), "").c_str());
     }
@@ -345,6 +413,17 @@ const char scalar_text[] = R"(
 typedef scalar real;
 INLINE real choose(int k, real x, real y) { return k ? x : y; }
 INLINE real root(real x) { return LIBM_SQRT(x); }
+)";
+
+const char limbs_text[] = R"(
+/* Like limbs, side by side. */
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+typedef scalar limbs __attribute__((vector_size(LIMBS * sizeof(scalar))));
+typedef scalar limbs_in_memory
+    __attribute__((vector_size(LIMBS * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
+#define side_by_side(first) (*(limbs_in_memory *)&(first))
 )";
 
 const char lanes_text[] = R"(
@@ -514,6 +593,7 @@ std::string definitions(const std::vector<tested> &functions, const target &t) {
              lanes_text;
     else
         s += scalar_text;
+    if (t.limbs > 1) s += format("\n#define LIMBS %d\n", t.limbs) + limbs_text;
     bool angles = false, pivots = false;
     for (const tested &x : functions) {
         angles = angles || !program(x.f, t.statements).angles.empty();

@@ -19,7 +19,8 @@ bool graph::same::operator()(const node &a, const node &b) const {
 }
 
 value graph::make(operation op, value a, value b, value c, value d, double x) {
-    const node n = {op, {a, b, c, d}, x};
+    const bool of_vector = op >= ADD && op <= DIVIDE && nodes[size_t(node_of(a))].is_vector;
+    const node n = {op, {a, b, c, d}, x, op == GATHER || of_vector};
     const auto found = table.emplace(n, int(nodes.size()));
     if (found.second) nodes.push_back(n);
     return 2 * found.first->second;
@@ -90,27 +91,39 @@ value graph::cosine(value a) {
 
 value graph::select(value a, value b, value x, value y) { return x == y ? x : make(SELECT, a, b, x, y); }
 
+value graph::gather(value a, value b, value c, value d) { return make(GATHER, a, b, c, d); }
+value graph::lane(value vector, int lane) {
+    return negated(make(LANE, 2 * node_of(vector), -1, -1, -1, lane), is_negative(vector));
+}
+
 /* ---- evaluation ---- */
 
 template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in) {
-    std::vector<T> x(f.code.nodes.size()), results;
-    const auto of = [&](value v) { return is_negative(v) ? -x[size_t(node_of(v))] : x[size_t(node_of(v))]; };
+    enum { LANES = 4 }; /* of scalars all the same */
+    std::vector<T> x(LANES * f.code.nodes.size()), results;
+    const auto of = [&](value v, int l) {
+        const T y = x[size_t(LANES * node_of(v) + l)];
+        return is_negative(v) ? -y : y;
+    };
     for (size_t i = 0; i < x.size(); i++) {
-        const node &n = f.code.nodes[i];
+        const node &n = f.code.nodes[i / LANES];
         const value *a = n.arg;
+        const int l = int(i % LANES);
         switch (n.op) {
         case CONSTANT: x[i] = T(n.constant); break;
         case INPUT: x[i] = T(in[size_t(a[0])][size_t(a[1])]); break;
-        case ADD: x[i] = of(a[0]) + of(a[1]); break;
-        case MULTIPLY: x[i] = of(a[0]) * of(a[1]); break;
-        case DIVIDE: x[i] = of(a[0]) / of(a[1]); break;
-        case ROOT: x[i] = std::sqrt(of(a[0])); break;
-        case SINE: x[i] = std::sin(of(a[0])); break;
-        case COSINE: x[i] = std::cos(of(a[0])); break;
-        case SELECT: x[i] = of(a[0]) < of(a[1]) ? of(a[2]) : of(a[3]); break;
+        case ADD: x[i] = of(a[0], l) + of(a[1], l); break;
+        case MULTIPLY: x[i] = of(a[0], l) * of(a[1], l); break;
+        case DIVIDE: x[i] = of(a[0], l) / of(a[1], l); break;
+        case ROOT: x[i] = std::sqrt(of(a[0], l)); break;
+        case SINE: x[i] = std::sin(of(a[0], l)); break;
+        case COSINE: x[i] = std::cos(of(a[0], l)); break;
+        case SELECT: x[i] = of(a[0], l) < of(a[1], l) ? of(a[2], l) : of(a[3], l); break;
+        case GATHER: x[i] = a[l] < 0 ? 0 : of(a[l], 0); break;
+        case LANE: x[i] = of(a[0], int(n.constant)); break;
         }
     }
-    for (value v : f.results) results.push_back(of(v));
+    for (value v : f.results) results.push_back(of(v, 0));
     return results;
 }
 template std::vector<double> evaluate<double>(const function &, const std::vector<std::vector<double>> &);

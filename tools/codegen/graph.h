@@ -9,7 +9,7 @@
 
 namespace codegen {
 
-enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT };
+enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT, GATHER, LANE };
 
 /* A node or its negative, 2 * node + sign: signs stand on the edges, so that no negation costs anything. */
 typedef int value;
@@ -18,11 +18,13 @@ inline bool is_negative(value x) { return x & 1; }
 inline value negated(value x, bool when = true) { return x ^ int(when); }
 
 /* arg: operands, -1 where there are fewer; of an input its array and element. SELECT: arg[0] < arg[1] ?
-   arg[2] : arg[3]. Operands of products and quotients, and the first of a sum, are never negative. */
+   arg[2] : arg[3]. GATHER: a vector of scalars; LANE: its element `constant`; sums, products and quotients of
+   vectors are vectors. Operands of products and quotients, and the first of a sum, are never negative. */
 struct node {
     operation op;
     value arg[4];
     double constant;
+    bool is_vector;
 };
 
 /* Every node stands once: what is equal is shared. Operands come before what uses them. */
@@ -39,6 +41,8 @@ class graph {
     value sine(value a);
     value cosine(value a);
     value select(value a, value b, value x, value y);
+    value gather(value a, value b, value c, value d);
+    value lane(value vector, int lane);
 
     bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }
     double constant_of(value x) const;

@@ -7,6 +7,9 @@ namespace codegen {
 
 bool program::is_leaf(int i) const {
     const operation op = at(i).op;
+    if (op == GATHER)
+        return std::all_of(at(i).arg, at(i).arg + 4,
+                           [this](value x) { return x < 0 || at(node_of(x)).op == CONSTANT; });
     return op == CONSTANT || op == INPUT || op == SINE || op == COSINE;
 }
 
@@ -26,10 +29,9 @@ void program::mark() {
             const int angle = node_of(n.arg[0]);
             if (std::find(angles.begin(), angles.end(), angle) == angles.end()) angles.push_back(angle);
         }
-        if (is_leaf(i))
-            is_statement[size_t(i)] = 0;
-        else
-            for (value x : n.arg) use(x);
+        if (is_leaf(i) || n.op == LANE) is_statement[size_t(i)] = 0;
+        if (is_leaf(i)) continue;
+        for (value x : n.arg) use(x);
     }
     std::sort(angles.begin(), angles.end());
 }
@@ -74,7 +76,7 @@ void program::gather_sums(int longest) {
             absorb(i);
         } else {
             terms[size_t(i)] = {{false, node_of(n.arg[0]), n.arg[1] < 0 ? -1 : node_of(n.arg[1])}};
-            if (n.op == SELECT) terms[size_t(i)].push_back({false, node_of(n.arg[2]), node_of(n.arg[3])});
+            if (n.arg[2] >= 0) terms[size_t(i)].push_back({false, node_of(n.arg[2]), node_of(n.arg[3])});
         }
     }
 }
@@ -86,6 +88,8 @@ void program::share_products() {
     std::vector<char> elsewhere(terms.size(), 0);
     for (value x : f.results) elsewhere[size_t(node_of(x))] = 1;
     for (value x : f.pivots) elsewhere[size_t(node_of(x))] = 1;
+    for (int i = 0; i < int(terms.size()); i++)
+        if (at(i).op == LANE) elsewhere[size_t(node_of(at(i).arg[0]))] = 1;
     for (int i = 0; i < int(terms.size()); i++)
         for (const term &t : terms[size_t(i)]) {
             if (!is_statement[size_t(i)]) continue;
@@ -118,6 +122,7 @@ void program::sort_by_depth() {
     };
     for (int i = 0; i < int(terms.size()); i++) {
         std::vector<term> &t = terms[size_t(i)];
+        if (at(i).op == LANE) depth[size_t(i)] = depth[size_t(node_of(at(i).arg[0]))] + 1;
         if (!is_statement[size_t(i)]) continue;
         if (at(i).op == ADD)
             std::stable_sort(t.begin(), t.end(), [&](const term &x, const term &y) { return of(x) < of(y); });
@@ -133,8 +138,12 @@ bool program::term_is_negative(int i, const term &t) const {
 /* A sum may stand for its negative: where all its terms are negative, or the result that it is. */
 void program::choose_signs() {
     std::vector<int> wanted(terms.size(), 0);
-    for (value x : f.results) wanted[size_t(node_of(x))] += is_negative(x) ? 1 : -1;
+    for (value x : f.results) {
+        const int i = node_of(x), v = at(i).op == LANE ? node_of(at(i).arg[0]) : i;
+        wanted[size_t(v)] += is_negative(x) ? 1 : -1;
+    }
     for (int i = 0; i < int(terms.size()); i++) {
+        if (at(i).op == LANE) flipped[size_t(i)] = flipped[size_t(node_of(at(i).arg[0]))];
         if (!is_statement[size_t(i)]) continue;
         const std::vector<term> &t = terms[size_t(i)];
         const auto negative =
@@ -152,18 +161,22 @@ std::vector<int> program::operands(int i) const {
         all.push_back(t.a);
         if (t.b >= 0) all.push_back(t.b);
     }
+    for (int &k : all)
+        if (at(k).op == LANE) k = node_of(at(k).arg[0]);
     return all;
 }
 
 operations program::count() const {
-    operations n = {0, 0, 0, 0, int(angles.size()), 0};
+    operations n = {0, 0, 0, 0, int(angles.size()), 0, 0};
     for (int i = 0; i < int(terms.size()); i++) {
         if (!is_statement[size_t(i)]) continue;
         const operation op = at(i).op;
+        const int before = n.additions + n.multiplications + n.divisions;
         if (op == ADD) n.additions += int(terms[size_t(i)].size()) - 1;
         for (const term &t : terms[size_t(i)])
             if (op == MULTIPLY || (op == ADD && t.b >= 0)) n.multiplications++;
         n.divisions += op == DIVIDE;
+        if (at(i).is_vector) n.of_vectors += n.additions + n.multiplications + n.divisions - before;
         n.roots += op == ROOT;
         n.choices += op == SELECT;
     }

@@ -19,7 +19,7 @@ struct term {
 };
 
 struct operations {
-    int multiplications, additions, divisions, roots, angles, choices;
+    int multiplications, additions, divisions, roots, angles, choices, of_vectors;
 };
 
 /* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is

@@ -70,6 +70,15 @@ static inline number select(mask k, number x, number y) {
 }
 static mask operator<(number a, number b);
 
+/* Of several limbs of one size none has the cheaper frames. */
+static bool limbs_alike;
+template <class draft> bool has_like_limbs(const draft *links, int count, int i) {
+    int alike = 0;
+    for (int j = i + 1; j < count; j++)
+        alike += links[j].parent == i && links[j].size == links[links[i].favourite].size;
+    return limbs_alike && alike > 1;
+}
+
 } // namespace RECORD_SPACE
 } // namespace codegen
 
@@ -78,6 +87,7 @@ static mask operator<(number a, number b);
 #define RBD_MASK codegen::RECORD_SPACE::mask
 #define RBD_CONST CONSTANTS
 #define RBD_STATIC
+#define RBDI_NO_FAVOURITE codegen::RECORD_SPACE::has_like_limbs
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 
@@ -121,6 +131,7 @@ function RECORD(const robot &r, const std::string &name) {
     function f;
     tape = &f.code;
     stand_in.clear();
+    limbs_alike = r.limbs_alike;
     session s(r, name);
     std::vector<number> x[ARGUMENTS];
     for (int k = 0; k < ARGUMENTS; k++) {

@@ -14,7 +14,14 @@ struct robot {
     int nb;
     double gravity[3];
     bool f_ext, gravity_argument;
+    bool limbs_alike; /* the same operations for limbs of one size, if it takes more of them */
 };
+
+/* Of a body: where its joint stands in q and v. */
+struct joint {
+    int parent, iq, nq, iv, nv;
+};
+std::vector<joint> joints(const robot &r);
 
 /* The names of all algorithms; of a body: "NAME:LINK". */
 std::vector<std::string> algorithm_names();
