@@ -3472,8 +3472,9 @@ RBDI_INLINE void rbdi_tie_release(const rbd_model *m, rbd_work *w, int g, rbd_re
 /* Pass 2, tied link: as rbdi_aba_up. */
 RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
                            rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i], *parent = &m->link[l->parent < 0 ? i : l->parent];
-    const int form = l->flags, g = rbdi_source(m, l->iv);
+    const rbdi_link *l = &m->link[i];
+    const int form = l->flags, g = rbdi_source(m, l->iv), up = l->parent < 0 ? i : l->parent;
+    const rbdi_link *parent = &m->link[up];
     const rbd_real k = rbdi_ratio(m, l->iv), armature = rbdi_set(m->dof[l->iv].armature);
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     const rbdi_motion c = w->scratch[i].c;
@@ -3488,7 +3489,7 @@ RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_rea
     *pA = rbdi_force_up(l, form, t, *pA);
     *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
     if (!(form & RBDI_ROOT) && (parent->flags & RBDI_TIED) && rbdi_source(m, parent->iv) == g) {
-        w->scratch[l->parent].U_D = rbdi_force_add(w->scratch[l->parent].U_D, F);
+        w->scratch[up].U_D = rbdi_force_add(w->scratch[up].U_D, F);
         return;
     }
     F = rbdi_force_add(rbdi_load_force(&w->F[g], rbdi_stride(m)), F);
