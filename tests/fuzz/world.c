@@ -305,8 +305,9 @@ static void measure_reach(const rbd_body *b, int nb, quad *reach) {
    The library chooses the points that it computes with, as engineers do, on the axes: as far from the body as
    that. */
 static void measure_bodies(world *s) {
-    quad reach[WORLD_BODIES], p[WORLD_BODIES], v[WORLD_BODIES], a[WORLD_BODIES];
-    measure_reach(s->bodies, s->nb, reach);
+    quad p[WORLD_BODIES], v[WORLD_BODIES], a[WORLD_BODIES];
+    const quad *reach = s->reach;
+    measure_reach(s->bodies, s->nb, s->reach);
     for (int i = 0; i < s->nb; i++) {
         const world_element *e = &s->element[s->last[i]];
         const int up = s->bodies[i].parent;
@@ -429,7 +430,7 @@ void world_torques(const world *s, const quad gravity[3], const quad *a, const q
             N[j] = -dot(e->R + 3 * j, f_ext + 6 * i);
             F[j] = -dot(e->R + 3 * j, f_ext + 6 * i + 3);
         }
-        add_wrench(s, i, e->p, 0, N, F, length(N), length(F), tau, size);
+        add_wrench(s, i, e->p, s->reach[i], N, F, length(N), length(F), tau, size);
     }
     for (int i = 0; i < s->elements; i++) {
         const world_element *e = &s->element[i];

@@ -29,8 +29,9 @@ typedef struct world {
     const rbd_body *bodies;
     int nb, nv, elements;
     world_element element[WORLD_ELEMENTS];
-    int last[WORLD_BODIES];  /* the element that is the link frame of the body */
-    int moved[WORLD_BODIES]; /* some joint moves it */
+    int last[WORLD_BODIES];   /* the element that is the link frame of the body */
+    int moved[WORLD_BODIES];  /* some joint moves it */
+    quad reach[WORLD_BODIES]; /* how far off the library's own origin may be: see measure_reach */
     quad p_size[WORLD_BODIES], v_size[WORLD_BODIES],
         a_size[WORLD_BODIES]; /* of a body's motion: see measure_bodies */
     quad largest_angle;       /* of the joints, offsets of mimic joints included */
