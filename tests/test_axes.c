@@ -262,28 +262,32 @@ START_TEST(heavy_hub_with_a_light_far_child) {
 END_TEST
 
 /* A small screw on a long link, far along its axis from where the other axis comes near: its inertia is a
-   number of its own, no difference of large ones, and no singular one (evaluate). */
+   number of its own, no difference of large ones, and no singular one (evaluate). At two sizes. */
 START_TEST(small_screw_far_along_its_axis) {
-    const rbd_body b[2] = {{.parent = -1,
-                            .type = RBD_REVOLUTE,
-                            .axis = {1, 0, 0},
-                            .mass = 10,
-                            .com = {0, 0, 100},
-                            .inertia = {3e4, 0, 0, 3e4, 0, 1}},
-                           {.parent = 0,
-                            .type = RBD_HELICAL,
-                            .axis = {0, 0, 1},
-                            .pitch = 1e-5,
-                            .mass = 1e-3,
-                            .position = {0, 0, 200},
-                            .com = {1e-5, 0, 0},
-                            .inertia = {1e-14, 0, 0, 2e-14, 0, 3e-14}}};
-    tb_real M[4];
+    static const double units[2] = {1, 1e-3};
     place = "small screw";
     angle = 1.5707963267948966;
-    for (uint64_t seed = 1; seed <= 20; seed++) {
-        const result r = evaluate(b, 2, seed);
-        compare_mass_matrix(b, 2, &r, M);
+    for (int i = 0; i < 2; i++) {
+        const double l = units[i], I = l * l;
+        const rbd_body b[2] = {{.parent = -1,
+                                .type = RBD_REVOLUTE,
+                                .axis = {1, 0, 0},
+                                .mass = 10,
+                                .com = {0, 0, 100 * l},
+                                .inertia = {3e4 * I, 0, 0, 3e4 * I, 0, I}},
+                               {.parent = 0,
+                                .type = RBD_HELICAL,
+                                .axis = {0, 0, 1},
+                                .pitch = 1e-5 * l,
+                                .mass = 1e-3,
+                                .position = {0, 0, 200 * l},
+                                .com = {1e-5 * l, 0, 0},
+                                .inertia = {1e-14 * I, 0, 0, 2e-14 * I, 0, 3e-14 * I}}};
+        tb_real M[4];
+        for (uint64_t seed = 1; seed <= 20; seed++) {
+            const result r = evaluate(b, 2, seed);
+            compare_mass_matrix(b, 2, &r, M);
+        }
     }
 }
 END_TEST

@@ -585,6 +585,32 @@ END_TEST
 
 /* ---- mechanisms with closed forms ---- */
 
+/* The angular error of a body that shall not turn is the turn that brought it there: up to half a turn,
+   about any axis. */
+START_TEST(angular_error_is_the_turn) {
+    const rbd_body ball = {.parent = -1, .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};
+    const rbd_constraint k = {.body1 = 0, .body2 = -1, .axes = {1, 1, 1}};
+    uint64_t seed = 31;
+    robot r = robot_build("ball", &ball, 1);
+    set c = set_of(&r, &k, 1);
+    for (int i = 0; i < 500; i++) {
+        double q[4], J[9], e[3], turn[3];
+        const double angle = i % 2 ? uniform(&seed, 0, 3.14) : uniform(&seed, 3, 3.14);
+        for (int j = 0; j < 3; j++) turn[j] = uniform(&seed, -1, 1) * (i % 5 && i % 3 != j ? 0.1 : 1);
+        const double length = sqrt(dot(turn, turn, 3));
+        for (int j = 0; j < 3; j++) {
+            q[j] = sin(angle / 2) / length * turn[j];
+            turn[j] *= angle / length;
+        }
+        q[3] = cos(angle / 2);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, q, NULL, J, NULL, e), RBD_OK);
+        expect_close("angular error", &r, i, e, turn, 3, 1e-12);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 /* Rods in the x-z plane, along their x, with pins at both ends; mass at the ends of the second only: then it
    moves with its neighbours, and one angle says all. y points away, so angles run from z to x: the plane is
    seen as (x, -z). */
@@ -1057,6 +1083,7 @@ END_TEST
 
 /* The same point shall stand still and, by its own stabilisation, come back. */
 START_TEST(contradiction_names_the_row) {
+    static slopes found;
     const ref_control *iiwa = control_named("control_iiwa");
     robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
     const ref_control_state *s = &iiwa->states[0];
@@ -1076,12 +1103,20 @@ START_TEST(contradiction_names_the_row) {
     for (int row = 4; row < 7; row++)
         expect_small("row behind a contradiction", &r, row, fabs(held[row] + gamma[row] + 10 * e[row]), 1e-9);
     free(c.memory);
+    c = set_of(&r, list + 1, 2); /* the first row may be the one */
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_ERR_INFEASIBLE);
+    ck_assert_int_eq(rbd_infeasible_row(c.c), 0);
+    free(c.memory);
     list[1].kp = 10; /* in agreement */
     memcpy(list[1].position2, far, sizeof far);
     c = set_of(&r, list, 3);
     ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_OK);
     ck_assert_int_eq(rbd_infeasible_row(c.c), -1);
     expect_close("shared by twins", &r, 0, lambda + 1, lambda + 4, 3, 1e-11);
+    ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, a, lambda, &found), RBD_OK);
+    for (int x = 0; x < 3; x++) /* so are its changes, with every degree of freedom */
+        expect_close("changes shared by twins", &r, x, found.lambda[x] + r.nv, found.lambda[x] + 4 * r.nv,
+                     3 * r.nv, 1e-10);
     free(c.memory);
     robot_free(&r);
 }
@@ -1319,6 +1354,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(INIT(r.m, r.w, &k, 1, memory, size - 1, &c), RBD_ERR_MEMORY);
     ck_assert_int_eq(INIT(r.m, r.w, &k, -1, memory, size, &c), RBD_ERR_COUNT);
     ck_assert_int_eq(INIT(r.m, r.w, &k, RBD_MAX_CONSTRAINTS + 1, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_int_eq(report.error.body, -1);
     ck_assert_ptr_null(c);
     ck_assert_uint_eq(rbd_constraints_size(NULL, &k, 1), 0);
     ck_assert_uint_eq(rbd_constraints_size(r.m, NULL, 1), 0);
@@ -1444,6 +1480,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, four_bar_is_closed_nearby);
     tcase_add_test(c, sets_of_the_reference_are_assembled);
     tcase_add_test(c, out_of_reach_names_a_row);
+    tcase_add_test(c, angular_error_is_the_turn);
     tcase_add_test(c, linkage_keeps_its_energy);
     tcase_add_test(c, close_points_keep_their_rank);
     tcase_add_test(c, contradiction_names_the_row);

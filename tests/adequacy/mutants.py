@@ -296,10 +296,11 @@ def stages(header):
             sincos("float scalars", "-U__SSE2__", "-DRBD_REAL=float"),
             bounds("double"), bounds("float"), axes("double"), axes("float"),
             Stage("suites", (("rbd.c", ("-O0", "-D__OPTIMIZE__=1", APART)),), fast, parts=parts),
+            Stage("suites, AVX2", (("rbd.c", ("-O1", APART, "-mavx2", "-mfma")),), fast, parts=parts,
+                  functions="stride|whole_batches|batches_of"),
             Stage("suites specialised", (("rbd.c", ("-O0", APART, "-DRBD_SPECIALISE")),),
                   tuple((name, ("-O1", "-DSPECIALISED")) for name in suites),
-                  parts=tuple(name for name in parts if name != "singular"),
-                  functions="status_of|hybrid_status|aligned"),
+                  parts=parts, functions="status_of|hybrid_status|aligned"),
             tables("double"), tables("float", "-DSCALAR_FLOAT"),
             scalar("float", "-DSCALAR_FLOAT"), scalar("4 lanes", "-DRBD_LANES=4"),
             sanitized_batch("double", 4), sanitized_batch("float", 16),
@@ -307,6 +308,9 @@ def stages(header):
                   headers="rbd.h|rbd_derivatives"),
             Stage("suites sanitized", (("rbd.c", SANITIZE),), fast, link=SANITIZE[:2], parts=parts,
                   environment=(("ASAN_OPTIONS", "detect_leaks=0"),))]
+    cpu = Path("/proc/cpuinfo")
+    if not (cpu.exists() and " avx2 " in cpu.read_text()):
+        out = [stage for stage in out if stage.name != "suites, AVX2"]
     if shutil.which("valgrind"):
         out += [Stage("work under valgrind", (("rbd.c", ("-O1",)),), fast, environment=(("CK_RUN_CASE", "work"),),
                       run=("valgrind", "--quiet", "--error-exitcode=1"),
