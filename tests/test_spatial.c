@@ -225,7 +225,13 @@ START_TEST(exp_and_log_of_rotations_undo_each_other) {
         const rbd_vec3 axis = unit(draw_vec(1)), turn = rbdi_scale(all(angle), axis);
         const rbd_rotation r = rbd_rotation_exp(turn);
         const rbd_vec3 log = rbd_rotation_log(r);
+        rbd_real rows[9];
         rbd_vec3 found;
+        rbd_rotation_to_array(r, rows);
+        EQUAL(rows[1], r.xy, 0);
+        EQUAL(rows[3], r.yx, 0);
+        for (int k = 0; k < 3; k++) EQUAL(rows[6 + k], k == 0 ? r.zx : k == 1 ? r.zy : r.zz, 0);
+        SMALL(of_rotations(rbd_rotation_from_array(rows), r), 0);
         SMALL(of_rotations(rbd_rotation_exp(log), r), BOUND);
         if (angle < PI - BOUND) SMALL(of_vecs(log, turn), BOUND * fmax(angle, 1e-12)); /* relative */
         EQUAL(rbd_rotation_to_axis_angle(r, &found), rbdi_sqrt(rbdi_dot(log, log)), 0);

@@ -277,9 +277,9 @@ def stages(header):
         return Stage("axes " + scalar_name, (("rbd.c", ("-O0", APART, flag)),),
                      (("test_axes.c", ("-O1", flag)), ("textbook.c", ("-O1", flag))), functions="draft|parallel|snap|zxz")
 
-    def spatial(name, *flags):
+    def spatial(name, *flags, link=()):
         return Stage("spatial " + name, (("test_spatial.c", ("-O0", *flags)),), (("reference.c", ("-O1",)),),
-                     ("-lquadmath",), headers="rbd_spatial")
+                     ("-lquadmath",), link=link, headers="rbd_spatial")
 
     def sanitized_batch(scalar_name, lanes):
         flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
@@ -288,7 +288,8 @@ def stages(header):
                      environment=(("ASAN_OPTIONS", "detect_leaks=0"),), functions=BATCHES)
 
     out = [spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
-           Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial")]
+           Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),
+           spatial("sanitized", *SANITIZE, link=SANITIZE[:2])]
     if shutil.which("tcc") and platform.machine() == "x86_64":
         out += [Stage("suites, tcc", (("rbd.c", ()),), fast, compiler="tcc", parts=parts)]
     out += [batch("double", 4), batch("double", 2), batch("double", 8), batch("float", 4), batch("float", 16),
