@@ -857,20 +857,30 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi
     s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * k->m, v.y * k->m, v.z * k->m), w, h);
 }
 
+/* Rows of Omega. */
+typedef struct rbdi_b33 {
+    rbdi_b3 x, y, z;
+} rbdi_b33;
+RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 al) {
+    rbdi_b33 O;
+    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - al.z, w.x * w.z + al.y);
+    O.y = rbdi_b_vec(w.x * w.y + al.z, -(w.x * w.x + w.z * w.z), w.y * w.z - al.x);
+    O.z = rbdi_b_vec(w.x * w.z - al.y, w.y * w.z + al.x, -(w.x * w.x + w.y * w.y));
+    return O;
+}
+
 /* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
 RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *k, rbdi_sums *s) {
-    const rbdi_b3 w = V.omega, al = A.omega, h = s->h, acc = rbdi_b_cross_add(A.v, w, V.v);
-    const rbdi_batch xx = -(w.y * w.y + w.z * w.z), yy = -(w.x * w.x + w.z * w.z),
-                     zz = -(w.x * w.x + w.y * w.y);
-    const rbdi_batch xy = w.x * w.y - al.z, yx = w.x * w.y + al.z, xz = w.x * w.z + al.y,
-                     zx = w.x * w.z - al.y, yz = w.y * w.z - al.x, zy = w.y * w.z + al.x; /* Omega */
-    const rbdi_b3 n = rbdi_b_vec(zx * s->xy + zy * s->yy + (zz - yy) * s->yz - yx * s->xz - yz * s->zz,
-                                 xy * s->yz + (xx - zz) * s->xz + xz * s->zz - zx * s->xx - zy * s->xy,
-                                 yx * s->xx + (yy - xx) * s->xy + yz * s->xz - xy * s->yy - xz * s->yz);
+    const rbdi_b3 h = s->h, acc = rbdi_b_cross_add(A.v, V.omega, V.v);
+    const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
+    const rbdi_b3 n =
+        rbdi_b_vec(O.z.x * s->xy + O.z.y * s->yy + (O.z.z - O.y.y) * s->yz - O.y.x * s->xz - O.y.z * s->zz,
+                   O.x.y * s->yz + (O.x.x - O.z.z) * s->xz + O.x.z * s->zz - O.z.x * s->xx - O.z.y * s->xy,
+                   O.y.x * s->xx + (O.y.y - O.x.x) * s->xy + O.y.z * s->xz - O.x.y * s->yy - O.x.z * s->yz);
     s->f.n = rbdi_b_cross_add(n, h, acc);
-    s->f.f = rbdi_b_vec(xx * h.x + xy * h.y + xz * h.z + acc.x * k->m,
-                        yx * h.x + yy * h.y + yz * h.z + acc.y * k->m,
-                        zx * h.x + zy * h.y + zz * h.z + acc.z * k->m);
+    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * k->m,
+                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * k->m,
+                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
 }
 
 /* As many of them as need asks for. */
@@ -1359,17 +1369,15 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* x = 0: rbdi_clear four batches at a time. */
+/* x = 0: rbdi_clear eight batches at a time. */
 RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
-    int k = 0;
-#if RBDI_BATCH > 1
-    for (const rbdi_batch zero = {0}; k + 4 * RBDI_BATCH <= n; k += 4 * RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)&x[k];
-        __asm__("" : "+r"(p)); /* as there */
-        p[0] = p[1] = p[2] = p[3] = zero;
+    const rbdi_batch zero = rbdi_b_zero();
+    for (; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)x;
+        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
+        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
-#endif
-    rbdi_clear(x + k, n - k);
+    rbdi_clear(x, n);
 }
 /* The same unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
@@ -1942,124 +1950,183 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 /* ---- regressors and inertial parameters [identification code] ---- */
 
 #ifndef RBD_NO_REGRESSOR
-/* A body as described: its axes in the common frame (columns of R), origin, and its link's motion there. */
-typedef struct rbdi_body {
-    rbdi_mat R;
-    rbdi_v3 x;
-    rbdi_motion V, A;
-} rbdi_body;
-
-RBDI_INLINE rbdi_body rbdi_common_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *u,
-                                       int need) {
-    const int last = rbdi_last_dof(m, u->link);
-    const rbdi_pose X = rbdi_common_pose(m, d, u->link);
-    rbdi_body b;
-    b.R = rbdi_transpose(rbdi_mul_mat(rbdi_mat_c(u->E), X.E));
-    b.x = rbdi_add(X.r, rbdi_mul_t(X.E, rbdi_vec_c(u->r)));
-    b.V = b.A = rbdi_motion0();
-    if (need)
-        b.V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)), rbdi_load_motion(RBDI_OF(d, last, dV)));
-    if (need & RBDI_NEED_WRENCH)
-        b.A = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Ap)), rbdi_load_motion(RBDI_OF(d, last, dA)));
-    return b;
+/* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
+   inertia. */
+#if RBDI_BATCH > 1
+typedef rbdi_axis rbdi_four;
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    const rbdi_four x = {a, b, c, d};
+    *y = x;
 }
-
-#if RBDI_BATCH <= 8
-#define RBDI_TEN RBDI_BATCH /* of ten figures so many go together */
-typedef rbdi_batch rbdi_ten;
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
+RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y - *x * k; }
+RBDI_INLINE void rbdi_halve_first(rbdi_four *y) {
+    const rbdi_four k = {RBD_C(0.5), RBD_C(1), RBD_C(1), RBD_C(1)};
+    *y = *y * k;
+}
 #else
-#define RBDI_TEN 1
-typedef rbd_real rbdi_ten;
+typedef struct rbdi_four {
+    rbd_real x[4];
+} rbdi_four;
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
+}
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return x->x[k]; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = x->x[j] * k;
+}
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] + x->x[j] * k;
+}
+RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] - x->x[j] * k;
+}
+RBDI_INLINE void rbdi_halve_first(rbdi_four *y) { y->x[0] = y->x[0] * RBD_C(0.5); }
 #endif
-
-/* Rows of ten figures and of six, padded so that whole batches fit from any of the first five on. */
-enum { RBDI_TEN_ROW = RBDI_TEN > 1 ? 12 : 10, RBDI_SIX_ROW = RBDI_TEN > 1 ? 8 : 6 };
-
-/* n figures of y = a_1 x_1 + a_2 x_2 + a_3 x_3. */
-RBDI_INLINE void rbdi_combine_rows(int n, rbdi_v3 a, const rbd_real (*x)[RBDI_SIX_ROW], rbd_real *y) {
-    for (int k = 0; k < n; k += RBDI_TEN)
-        *(rbdi_ten *)&y[k] = *(const rbdi_ten *)&x[0][k] * a.x + *(const rbdi_ten *)&x[1][k] * a.y +
-                             *(const rbdi_ten *)&x[2][k] * a.z;
+/* a_1 x_1 + a_2 x_2 + a_3 x_3, and with y added. */
+RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
+    rbdi_add_four(y, a.x, &x[0]), rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
 }
-/* y = a x b, of a with each of three columns b, less c x e. */
-RBDI_INLINE void rbdi_cross_rows(rbdi_v3 a, const rbd_real *bx, const rbd_real *by, const rbd_real *bz,
-                                 rbdi_v3 c, const rbd_real (*e)[RBDI_SIX_ROW], rbd_real (*y)[RBDI_TEN_ROW]) {
-    for (int k = 0; k < 3; k += RBDI_TEN) {
-        const rbdi_ten x0 = *(const rbdi_ten *)&bx[k], x1 = *(const rbdi_ten *)&by[k],
-                       x2 = *(const rbdi_ten *)&bz[k], e0 = *(const rbdi_ten *)&e[0][k],
-                       e1 = *(const rbdi_ten *)&e[1][k], e2 = *(const rbdi_ten *)&e[2][k];
-        *(rbdi_ten *)&y[0][1 + k] = x2 * a.y - x1 * a.z - e2 * c.y + e1 * c.z;
-        *(rbdi_ten *)&y[1][1 + k] = x0 * a.z - x2 * a.x - e0 * c.z + e2 * c.x;
-        *(rbdi_ten *)&y[2][1 + k] = x1 * a.x - x0 * a.y - e1 * c.x + e0 * c.y;
+RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
+    rbdi_scale_four(y, a.x, &x[0]);
+    rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
+}
+
+/* (x R) of a body as described, by rows: its origin and axes in the common frame. With a row's four figures
+   belong to the same four parameters: a' (x R) is (a' x; R' a). */
+typedef struct rbdi_placement {
+    rbdi_four row[3];
+} rbdi_placement;
+
+RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *u,
+                                 rbdi_placement *p) {
+    const rbdi_pose X = rbdi_common_pose(m, d, u->link);
+    const rbd_real o = rbdi_zero();
+    const rbd_const *E = u->E;
+    rbdi_four own[3]; /* the same in the link's axes */
+    rbdi_set_four(&own[0], rbdi_set(u->r.x), rbdi_set(E[0]), rbdi_set(E[3]), rbdi_set(E[6]));
+    rbdi_set_four(&own[1], rbdi_set(u->r.y), rbdi_set(E[1]), rbdi_set(E[4]), rbdi_set(E[7]));
+    rbdi_set_four(&own[2], rbdi_set(u->r.z), rbdi_set(E[2]), rbdi_set(E[5]), rbdi_set(E[8]));
+    rbdi_set_four(&p->row[0], X.r.x, o, o, o);
+    rbdi_set_four(&p->row[1], X.r.y, o, o, o);
+    rbdi_set_four(&p->row[2], X.r.z, o, o, o);
+    rbdi_add_fours(&p->row[0], rbdi_vec(X.E.xx, X.E.yx, X.E.zx), own);
+    rbdi_add_fours(&p->row[1], rbdi_vec(X.E.xy, X.E.yy, X.E.zy), own);
+    rbdi_add_fours(&p->row[2], rbdi_vec(X.E.xz, X.E.yz, X.E.zz), own);
+}
+/* R' a, and the origin x. */
+RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
+    rbdi_four y;
+    rbdi_combine_fours(&y, a, p->row);
+    return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
+}
+RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
+    return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
+}
+
+/* What moves the unit wrenches of all bodies on a link, in places of no more use: Omega in the rows of
+   X, acc in P, omega and omega_dot in U. */
+RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
+    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
+        const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
+        c->sum.Xx = O.x, c->sum.Xy = O.y, c->sum.Xz = O.z;
+        c->sum.P = rbdi_b_cross_add(A.v, V.omega, V.v);
+        c->U.omega = V.omega, c->U.v = A.omega;
     }
 }
 
-/* Wrenches of unit parameters, in the common frame: rows of moments and forces, of which the last six are
-   zero: with acc of the body's origin and body axes e, m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega
-   e); inertia: I omega_dot + omega x I omega, in body axes. */
-typedef struct rbdi_unit_wrenches {
-    rbd_real K[6][RBDI_TEN_ROW];
-} rbdi_unit_wrenches;
-
-RBDI_PART void rbdi_body_wrenches(const rbdi_body *b, rbdi_unit_wrenches *u) {
-    const rbdi_mat R = b->R, Omega = rbdi_omega(b->V.omega, b->A.omega);
-    const rbdi_v3 w = rbdi_mul_t(R, b->V.omega), p = rbdi_mul_t(R, b->A.omega);
-    const rbdi_v3 acc = rbdi_add(b->A.v, rbdi_add(rbdi_cross(b->V.omega, b->V.v), rbdi_mul(Omega, b->x)));
-    const rbdi_v3 n = rbdi_cross(b->x, acc);
-    const rbd_real mass[6] = {n.x, n.y, n.z, acc.x, acc.y, acc.z};
-    const rbd_real e[3][RBDI_SIX_ROW] = {{R.xx, R.xy, R.xz}, {R.yx, R.yy, R.yz}, {R.zx, R.zy, R.zz}};
-    const rbd_real inertia[3][RBDI_SIX_ROW] = {
-        {p.x, p.y - w.x * w.z, p.z + w.x * w.y, -(w.y * w.z), w.y * w.y - w.z * w.z, w.y * w.z},
-        {w.x * w.z, p.x + w.y * w.z, w.z * w.z - w.x * w.x, p.y, p.z - w.x * w.y, -(w.x * w.z)},
-        {-(w.x * w.y), w.x * w.x - w.y * w.y, p.x - w.y * w.z, w.x * w.y, p.y + w.x * w.z, p.z}};
-    rbdi_combine_rows(3, rbdi_vec(Omega.xx, Omega.xy, Omega.xz), e, &u->K[3][1]);
-    rbdi_combine_rows(3, rbdi_vec(Omega.yx, Omega.yy, Omega.yz), e, &u->K[4][1]);
-    rbdi_combine_rows(3, rbdi_vec(Omega.zx, Omega.zy, Omega.zz), e, &u->K[5][1]);
-    rbdi_cross_rows(b->x, &u->K[3][1], &u->K[4][1], &u->K[5][1], acc, e, u->K);
-    rbdi_combine_rows(6, rbdi_vec(R.xx, R.xy, R.xz), inertia, &u->K[0][4]);
-    rbdi_combine_rows(6, rbdi_vec(R.yx, R.yy, R.yz), inertia, &u->K[1][4]);
-    rbdi_combine_rows(6, rbdi_vec(R.zx, R.zy, R.zz), inertia, &u->K[2][4]);
-    for (int k = 0; k < 6; ++k) u->K[k][0] = mass[k];
-    for (int k = 3; k < 6; ++k)
-        u->K[k][9] = rbdi_zero(); /* the others of the six: where a batch reads them */
-}
-
-/* y = S' K, ten figures; the last batch goes over what the one before has done. */
-RBDI_INLINE void rbdi_regress(const rbdi_unit_wrenches *u, rbdi_motion S, rbd_real *y) {
-    for (int k = 0; k < 10; k += RBDI_TEN) {
-        const int at = k + RBDI_TEN <= 10 ? k : 10 - RBDI_TEN;
-        rbdi_ten sum = *(const rbdi_ten *)&u->K[0][at] * S.omega.x +
-                       *(const rbdi_ten *)&u->K[1][at] * S.omega.y +
-                       *(const rbdi_ten *)&u->K[2][at] * S.omega.z;
-        if (at < 4)
-            sum = sum + *(const rbdi_ten *)&u->K[3][at] * S.v.x + *(const rbdi_ten *)&u->K[4][at] * S.v.y +
-                  *(const rbdi_ten *)&u->K[5][at] * S.v.z;
-        *(rbdi_ten *)&y[at] = sum;
+/* Wrenches of a body's unit parameters, in the common frame: six rows of ten in K, moments and forces. With
+   acc of the body's origin and body axes e, of m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega e);
+   inertia: I omega_dot + omega x I omega, in body axes, its forces being zero and not written. */
+RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
+                                  ptrdiff_t stride) {
+    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
+                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v)));
+    const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
+    const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
+                   zz = w.z * w.z;
+    rbdi_four f[3], some[3], rest[3];
+    rbdi_set_four(&some[0], a.x, a.y - xz, a.z + xy, -yz); /* xx xy xz yy */
+    rbdi_set_four(&some[1], xz, a.x + yz, zz - xx, a.y);
+    rbdi_set_four(&some[2], -xy, xx - yy, a.x - yz, xy);
+    rbdi_set_four(&rest[0], a.z + xy, -yz, yy - zz, yz); /* xz yy yz zz */
+    rbdi_set_four(&rest[1], zz - xx, a.y, a.z - xy, -xz);
+    rbdi_set_four(&rest[2], a.x - yz, xy, a.y + xz, a.z);
+    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
+        const rbdi_v3 R =
+            rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
+        rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
+        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH), p->row);
+        *(rbdi_four *)&K[(3 + i) * stride] = f[i];
+        rbdi_combine_fours((rbdi_four *)&K[i * stride + 4], R, some);
+        rbdi_combine_fours((rbdi_four *)&K[i * stride + 6], R, rest);
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) { /* the first of the two sums has x x acc twice */
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        rbdi_four n;
+        rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
+        rbdi_subtract_four(&n, rbdi_one_of(&f[j], 0), &p->row[k]);
+        rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
+        rbdi_subtract_four(&n, rbdi_one_of(&p->row[k], 0), &f[j]);
+        rbdi_halve_first(&n);
+        *(rbdi_four *)&K[i * stride] = n;
     }
 }
 
+/* y = S' K, ten figures. */
+RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S, rbd_real *y) {
+    static const int at[3] = {0, 4, 6}; /* the last two go over one another */
+    rbdi_four sum[3];
+    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+        const rbd_real *k = K + at[j];
+        rbdi_scale_four(&sum[j], S.omega.x, (const rbdi_four *)k);
+        rbdi_add_four(&sum[j], S.omega.y, (const rbdi_four *)(k + stride));
+        rbdi_add_four(&sum[j], S.omega.z, (const rbdi_four *)(k + 2 * stride));
+    }
+    rbdi_add_four(&sum[0], S.v.x, (const rbdi_four *)(K + 3 * stride));
+    rbdi_add_four(&sum[0], S.v.y, (const rbdi_four *)(K + 4 * stride));
+    rbdi_add_four(&sum[0], S.v.z, (const rbdi_four *)(K + 5 * stride));
+    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j)
+        *(rbdi_four *)&y[at[j]] = sum[j];
+}
+
+/* A free base's six rows are the unit wrenches themselves. */
 RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                  const rbd_real *a, rbd_real *Y) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
     const rbdi_entry *entry;
     const rbd_real *S;
-    int mimic;
+    rbd_real own[60], *K = own;
+    int base;
     if (status) return status;
-    entry = d->entry, S = (const rbd_real *)&d->columns->S, mimic = m->nmimic; /* no store can change them */
-    rbdi_common_motion(m, d, 0, q, v, a, d->work->gravity, RBDI_NEED_WRENCH);
+    entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
+    rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
+    rbdi_link_motion(d, base);
     rbdi_clear_all(Y, m->nv * 10 * m->nb);
-    for (int i = 0; i < m->nb; ++i) {
+    for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
-        rbdi_unit_wrenches K;
-        rbdi_body b;
+        const ptrdiff_t stride = base ? columns : 10;
+        rbdi_placement p;
+        int k;
         if (u->link < 0) continue;
-        b = rbdi_common_body(m, d, u, RBDI_NEED_WRENCH);
-        rbdi_body_wrenches(&b, &K);
-        for (int k = rbdi_last_dof(m, u->link); k >= 0; k = entry[k].parent) {
-            rbd_real *y = Y + entry[k].user * columns + 10 * i, own[10];
-            rbdi_regress(&K, rbdi_load_motion(S + entry[k].at), mimic ? own : y);
-            if (mimic) rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), own, 10);
+        if (base) K = Y;
+        rbdi_place_body(m, d, u, &p);
+        k = rbdi_last_dof(m, u->link);
+        rbdi_unit_wrenches(d, k, &p, K, stride);
+        for (; k >= base; k = entry[k].parent) {
+            rbd_real *y = Y + entry[k].user * columns;
+            const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
+            if (m->nmimic) {
+                rbd_real part[10];
+                rbdi_regress(K, stride, s, part);
+                rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);
+            } else
+                rbdi_regress(K, stride, s, y);
         }
     }
     return RBD_OK;
@@ -2077,14 +2144,18 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
         const rbdi_frame *u = &m->frame[i];
         const rbd_const half = RBD_C(0.5);
         int root = u->link;
-        rbdi_body b;
+        rbdi_placement p;
         if (root < 0) continue;
         while (m->link[root].parent >= 0) root = m->link[root].parent;
-        b = rbdi_common_body(m, d, u, need);
+        rbdi_place_body(m, d, u, &p);
         if (Y_kinetic) { /* the frame moves: its velocity is that which the world has, reversed */
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp));
-            const rbdi_v3 w = rbdi_mul_t(b.R, b.V.omega),
-                          c = rbdi_mul_t(b.R, rbdi_add(rbdi_sub(b.V.v, world.v), rbdi_cross(b.V.omega, b.x)));
+            const int last = rbdi_last_dof(m, u->link);
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),
+                                                  rbdi_load_motion(RBDI_OF(d, last, dV)));
+            const rbdi_v3 w = rbdi_to_body(&p, V.omega),
+                          c = rbdi_to_body(
+                              &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
             rbd_real *y = Y_kinetic + 10 * i;
             y[0] = rbdi_dot(c, c) * half;
             rbdi_store(rbdi_cross(c, w), y + 1);
@@ -2093,8 +2164,9 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
         }
         if (Y_potential) {
             const rbdi_v3 up = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
-            Y_potential[10 * i] = rbdi_dot(up, rbdi_add(rbdi_place_of(m, d, root), b.x));
-            rbdi_store(rbdi_mul_t(b.R, up), Y_potential + 10 * i + 1);
+            rbdi_four *y = (rbdi_four *)&Y_potential[10 * i];
+            rbdi_set_four(y, rbdi_dot(up, rbdi_place_of(m, d, root)), rbdi_zero(), rbdi_zero(), rbdi_zero());
+            rbdi_add_fours(y, up, p.row);
         }
     }
     return RBD_OK;
