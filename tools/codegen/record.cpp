@@ -14,8 +14,8 @@ static std::unordered_map<double, value> stand_in; /* constants that stand for a
 
 class number {
   public:
-    value x;
-    number() = default; /* trivial: the library's memory is raw */
+    alignas(double) value x; /* constants stand behind numbers in the library's memory */
+    number() = default;      /* trivial: the library's memory is raw */
     number(double c) {
         const auto found = stand_in.find(c);
         x = found != stand_in.end() ? found->second : tape->constant(c);
