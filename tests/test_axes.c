@@ -293,27 +293,31 @@ START_TEST(small_screw_far_along_its_axis) {
 END_TEST
 
 /* A hub so small and heavy that its inertia is a light arm's: a millionth of the arm aside its weight would
-   drown the arm's. */
+   drown the arm's. The unit of mass does not matter. */
 START_TEST(heavy_hub_of_little_inertia) {
-    const rbd_body b[3] = {
-        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1e-6, .com = {0.1, 0, 0}},
-        {.parent = 0,
-         .type = RBD_REVOLUTE,
-         .axis = {1, 0, 0},
-         .mass = 1e6,
-         .com = {0, 1e-8, 1e-8},
-         .inertia = {1e-9, 0, 0, 1e-9, 0, 1e-9}},
-        {.parent = 1,
-         .type = RBD_REVOLUTE,
-         .axis = {0, 1, 0},
-         .mass = 1e-6,
-         .position = {1e-6, 1, 0},
-         .com = {0.1, 0, 0.1}}};
+    static const double units[2] = {1, 1e-9};
     place = "heavy hub of little inertia";
     angle = 1.5707963267948966;
-    for (uint64_t seed = 1; seed <= 20; seed++) {
-        const result r = evaluate(b, 3, seed);
-        compare(b, 3, &r);
+    for (int i = 0; i < 2; i++) {
+        const double m = units[i], I = 1e-9 * m;
+        const rbd_body b[3] = {
+            {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1e-6 * m, .com = {0.1, 0, 0}},
+            {.parent = 0,
+             .type = RBD_REVOLUTE,
+             .axis = {1, 0, 0},
+             .mass = 1e6 * m,
+             .com = {0, 1e-8, 1e-8},
+             .inertia = {I, 0, 0, I, 0, I}},
+            {.parent = 1,
+             .type = RBD_REVOLUTE,
+             .axis = {0, 1, 0},
+             .mass = 1e-6 * m,
+             .position = {1e-6, 1, 0},
+             .com = {0.1, 0, 0.1}}};
+        for (uint64_t seed = 1; seed <= 20; seed++) {
+            const result r = evaluate(b, 3, seed);
+            compare(b, 3, &r);
+        }
     }
 }
 END_TEST
