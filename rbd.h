@@ -6561,11 +6561,6 @@ static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
     return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
 }
 
-/* Whether no child of link i may be preferred to its siblings: for a program that wants like limbs alike. */
-#ifndef RBDI_NO_FAVOURITE
-#define RBDI_NO_FAVOURITE(draft, nl, i) 0
-#endif
-
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
@@ -6573,7 +6568,10 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
     rbdi_draft *l = &draft[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
-    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK || RBDI_NO_FAVOURITE(draft, nl, i)) {
+#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
+    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(draft, nl, i)) l->favourite = -1;
+#endif
+    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK) {
         const int moves = l->dh && rbdi_draft_near_alone(l, rbdi_w_abs(l->d));
         rbdi_draft_angles(l);
         rbdi_draft_turn(draft, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
