@@ -212,7 +212,7 @@ WARN_NOT = ["-Wno-psabi", "-Wno-attributes", "-Werror=incompatible-pointer-types
             "-Werror=implicit-function-declaration"]
 APART = "-Dalways_inline=unused"  # compiles in a fraction of the time
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", APART)
-BATCHES = "batch|gather|scatter|transpose|EXCHANGE|task|lanes|_output"
+BATCHES = "batch|gather|scatter|transpose|EXCHANGE|task|lanes|_output|note_singular"
 
 
 @dataclass(frozen=True)
