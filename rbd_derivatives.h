@@ -193,10 +193,10 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            rbd_real *dg_dq);
 
-/* Matrices of these calls and of rbd_coriolis are written whole. With keep other than 0 what is zero in all
-   states, dofs on different branches, need not be written any more, for a caller who cleared the matrix once
-   (as 0 or not at all: less memory passes). Not with mimic joints. Errors:
-   RBD_ERR_NULL. */
+/* Matrices of these calls, of rbd_coriolis and of rbd_regressor are written whole. With keep other than 0
+   what is zero in all states, dofs on different branches, bodies that a dof does not move, need not be
+   written any more, for a caller who cleared the matrix once (as 0 or not at all: less memory passes). Not
+   with mimic joints. Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 #endif
 
@@ -2107,7 +2107,7 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
     entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_link_motion(d, base);
-    rbdi_clear_all(Y, m->nv * 10 * m->nb);
+    if (!d->keep_zeros || m->nmimic) rbdi_clear_all(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;

@@ -764,28 +764,33 @@ static void check_alone(const robot *r, const state *s, int number) {
 
 /* What is kept is zero in the whole matrix; all else is written. */
 static void check_kept(const robot *r, const state *s, int number) {
-    static double whole[4][MAX_M], kept[4][MAX_M];
+    enum { MATRICES = 5 };
+    static double whole[MATRICES][10 * MAX_M], kept[MATRICES][10 * MAX_M];
     rbd_derivatives *d = derivatives_of(r);
+    const int square = r->nv * r->nv, size[MATRICES] = {square, square, square, square, r->nv * 10 * r->nb};
     int left = 0, mimics = 0;
     for (int i = 0; i < r->nb; i++) mimics += r->bodies[i].mimic != NULL;
     for (int keep = 0; keep < 2; keep++) {
-        double(*x)[MAX_M] = keep ? kept : whole;
-        for (int k = 0; k < 4; k++)
-            for (int i = 0; i < r->nv * r->nv; i++) x[k][i] = 7;
+        double(*x)[10 * MAX_M] = keep ? kept : whole;
+        for (int k = 0; k < MATRICES; k++)
+            for (int i = 0; i < size[k]; i++) x[k][i] = 7;
         RUN(rbd_keep_zeros(d, keep));
         RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, x[0], x[1], x[2]));
         RUN(rbd_coriolis(r->m, d, s->q, s->v, x[3]));
+        RUN(rbd_regressor(r->m, d, s->q, s->v, s->a, x[4]));
     }
-    for (int k = 0; k < 4; k++)
-        for (int i = 0; i < r->nv * r->nv; i++) {
+    for (int k = 0; k < MATRICES; k++) {
+        left = 0;
+        for (int i = 0; i < size[k]; i++) {
             const int same = fabs(kept[k][i] - whole[k][i]) <= 0, is_left = fabs(kept[k][i] - 7) <= 0;
             ck_assert_msg(same || (is_left && fabs(whole[k][i]) <= 0),
                           "%s %d: matrix %d, entry %d: %g, not %g", r->name, number, k, i, kept[k][i],
                           whole[k][i]);
             left += is_left;
         }
-    if (mimics) ck_assert_int_eq(left, 0);
-    if (!mimics && rbd_packed_size(r->m) < r->nv * (r->nv + 1) / 2) ck_assert_int_gt(left, 0);
+        if (mimics) ck_assert_int_eq(left, 0);
+        if (!mimics && rbd_packed_size(r->m) < r->nv * (r->nv + 1) / 2) ck_assert_int_gt(left, 0);
+    }
     free(d_memory);
 }
 
