@@ -1423,10 +1423,12 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 
 /* ---- memory [memory code] ---- */
 
-/* The dofs of a free base that all others hang on, else 0: its coordinates come first. */
+/* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
+   would feel v_dot, and not v_dot + w x v - gravity, which [forward dynamics code] solves of. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
-    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && rbdi_block_of(m, l)->n == 6 && l->end == m->nv
+    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
+                   rbdi_block_of(m, l)->n == 6 && l->end == m->nv
                ? 6
                : 0;
 }

@@ -244,6 +244,28 @@ static void check_forward(const robot *r, const state *s, int number) {
 START_TEST(forward_derivatives_on_random_trees) { for_random_trees(150, check_forward); }
 END_TEST
 
+/* A free base that all hangs on, with rotors: at its shifts they feel v_dot, not its sum with w x v. */
+START_TEST(free_base_may_have_rotors) {
+    for (int dof = 0; dof < 6; dof++) {
+        rbd_body bodies[MAX_BODIES];
+        uint64_t seed = 5;
+        state s;
+        memset(bodies, 0, sizeof bodies);
+        for (int i = 0; i < 3; i++) {
+            random_joint(&seed, bodies, i, i ? RBD_REVOLUTE : RBD_FLOATING);
+            random_mass(&seed, &bodies[i]);
+            bodies[i].parent = i - 1;
+        }
+        bodies[0].armature[dof] = 0.5;
+        robot r = robot_build("base with a rotor", bodies, 3);
+        draw_state(&r, &seed, &s);
+        check_forward(&r, &s, dof);
+        check_derivatives(&r, &s, dof);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 static void check_gravity(const robot *r, const state *s, int number) {
     const int nv = r->nv;
     static double by_q[MAX_M], expected[MAX_M], same[MAX_M], by_v[MAX_M], zero[MAX_M];
@@ -810,6 +832,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, forward_derivatives_match_the_control_data);
     tcase_add_test(c, forward_derivatives_match_the_reference);
     tcase_add_test(c, forward_derivatives_on_random_trees);
+    tcase_add_test(c, free_base_may_have_rotors);
     tcase_add_test(c, gravity_derivatives_match_differences);
     tcase_add_test(c, coriolis_matrix_is_one);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
