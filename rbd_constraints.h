@@ -2320,7 +2320,7 @@ static void rbdi_number_rows(rbd_constraints *c, rbd_real *K) {
     c->strands = (int)(s - c->strand);
     c->moving = 0;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        c->moving |= k->kd > 0 || (k->link[0] >= 0 && k->link[1] >= 0);
+        c->moving |= k->kd > 0 || k->kp > 0 || k->link[1] >= 0; /* else: rbdi_articulated_contact */
 }
 
 /* Whether a strand passes the joint of link i. */

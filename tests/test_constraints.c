@@ -404,6 +404,7 @@ static int random_set(const robot *r, uint64_t *seed, rbd_constraint *list) {
             k->position1[i] = uniform(seed, -0.5, 0.5), k->position2[i] = uniform(seed, -0.5, 0.5);
         memcpy(k->axes, kinds[below(seed, 6)], sizeof k->axes);
         if (below(seed, 2)) k->kd = uniform(seed, 0, 20), k->kp = uniform(seed, 0, 50);
+        if (k->body2 < 0 && k->position1[0] < 0) k->body2 = k->body1, k->body1 = -1; /* the world held to it */
         n++;
     }
     if (n > 0 && below(seed, 3) == 0) list[n] = list[0], n++;
@@ -460,6 +461,7 @@ static void check_residuals(const robot *r, const state *s, int number) {
     set k = set_of(r, list, n);
     residual dynamics = {0, 0}, held = {0, 0};
     RUN(rbd_constraint_jacobian(r->m, k.c, s->q, s->v, J, gamma, e));
+    RUN(rbd_constraint_jacobian(r->m, k.c, s->q, zero, NULL, NULL, NULL)); /* other velocities in the work */
     const rbd_status status = rbd_constrained_fd(r->m, k.c, s->q, s->v, s->tau, s->f_ext, a, lambda);
     if (!(condition > 0 && condition < 1e10L) ||
         status == RBD_ERR_INFEASIBLE) { /* more is held than can be */
