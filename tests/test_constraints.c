@@ -404,7 +404,7 @@ static int random_set(const robot *r, uint64_t *seed, rbd_constraint *list) {
             k->position1[i] = uniform(seed, -0.5, 0.5), k->position2[i] = uniform(seed, -0.5, 0.5);
         memcpy(k->axes, kinds[below(seed, 6)], sizeof k->axes);
         if (below(seed, 2)) k->kd = uniform(seed, 0, 20), k->kp = uniform(seed, 0, 50);
-        if (k->body2 < 0 && k->position1[0] < 0) k->body2 = k->body1, k->body1 = -1; /* the world held to it */
+        if (k->body2 < 0 && k->position1[0] < 0) k->body2 = k->body1, k->body1 = -1;
         n++;
     }
     if (n > 0 && below(seed, 3) == 0) list[n] = list[0], n++;
