@@ -905,7 +905,7 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
         const int k = c->order[n], depth = m->dof[k].depth, d = L ? depth : 0;
         const rbdi_span s = c->span[k];
         const rbd_real *y = &c->Y[k * c->stride + s.first], *lambda = &c->lambda[s.first],
-                       *l = L + m->dof[k].row;
+                       *l = L ? L + m->dof[k].row : NULL;
         rbdi_batch sum = rbdi_zero_batch();
         rbd_real rest = x[k];
         int t = 0;

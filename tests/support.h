@@ -88,7 +88,8 @@ void expect_ok(const char *what, const robot *r, int number, rbd_status status);
 /* A call that must succeed, for functions that have `r` and `number`. */
 #define RUN(call) expect_ok(#call, r, number, call)
 
-/* Prints the largest error that was seen, per quantity and robot: `tests --errors`. */
+/* From now on the largest error of each quantity and robot is kept; prints them: `tests --errors`. */
+void record_errors(void);
 void print_errors(void);
 
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */

@@ -10,7 +10,10 @@ int main(int argc, char **argv) {
     const int errors = argc > 1 && strcmp(argv[1], "--errors") == 0;
     SRunner *runner = srunner_create(NULL);
     SUITES(ADD_SUITE)
-    if (errors) srunner_set_fork_status(runner, CK_NOFORK); /* the errors are kept in this process */
+    if (errors) {
+        srunner_set_fork_status(runner, CK_NOFORK); /* the errors are kept in this process */
+        record_errors();
+    }
     srunner_run_all(runner, CK_NORMAL);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);

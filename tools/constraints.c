@@ -49,7 +49,8 @@ static int read_number(const csv *row, const int where[COLUMNS], int i, double *
 
 static int read_link(const csv *row, const char *name, const rbd_model *m, int *body) {
     *body = strcmp(name, "world") == 0 ? -1 : rbd_body_index(m, name);
-    return *body >= 0 || strcmp(name, "world") == 0 ? 0 : csv_error(row, "the robot has no link '%s'", name);
+    if (*body >= 0 || strcmp(name, "world") == 0) return 0;
+    return csv_error(row, "the robot has no link '%s' (one on a fixed joint needs --keep)", name);
 }
 
 static int read_axes(const csv *row, const char *cell, int axes[6]) {

@@ -411,7 +411,7 @@ expect 2 "rbd-eval: --constraints is missing: constrained takes a table of them;
 expect 1 "rbd-eval: nowhere.csv: No such file or directory" \
     "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints nowhere.csv --layout
 same=1,0,0,0,1,0,0,0,1
-constraints_row "row 2: the robot has no link 'leg'" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
+constraints_row "row 2: the robot has no link 'leg' (one on a fixed joint needs --keep)" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
 constraints_row "row 2: column 'axes': '00011' is not six characters 0 or 1" \
     "pole,0,0,0,$same,world,0,0,0,$same,00011,0,0"
 constraints_row "row 3: column 'z2': 'up' is not a finite number" "pole,0,0,0,$same,world,0,0,0,$same,000111,0,0" \
