@@ -816,7 +816,8 @@ enum {
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
     RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
     RBDI_NEED_OWN = 8,      /* in a free base's own axes, at v = 0 and without gravity */
-    RBDI_NEED_WHOLE = 16    /* the same with both */
+    RBDI_NEED_WHOLE = 16,   /* the same with both */
+    RBDI_NEED_BEHIND = 32   /* no columns of that base: its last dof has the sums of all */
 };
 
 /* Sigma and h of the links. */
@@ -887,7 +888,7 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
 RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
     out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
     out->h = s->h;
-    if (need) out->Xx = s->Xx, out->Xy = s->Xy, out->Xz = s->Xz, out->P = s->P;
+    if (need & RBDI_NEED_V) out->Xx = s->Xx, out->Xy = s->Xy, out->Xz = s->Xz, out->P = s->P;
     if (need & RBDI_NEED_WRENCH) out->f = s->f;
 }
 
@@ -910,10 +911,10 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the first components, n of at most 9, from x on. A block has its own in its last dof.
-   */
-RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, rbd_real *x, int n) {
-    for (const rbdi_run *r = d->run + d->runs - 1; r >= d->run; --r) {
+/* Sums over subtrees of the first components, n of at most 9, from x on, of the runs from root on. A block has
+   its own in its last dof. */
+RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
+    for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[9], *out;
@@ -932,11 +933,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, rbd_real *x, int n) {
         RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
-RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, int need) {
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
-    rbdi_sum_few(d, x, 9);
-    if (need) rbdi_sum_few(d, x + 9 * RBDI_BATCH, 9);
-    if (need) rbdi_sum_few(d, x + 18 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 9 : 3);
+    rbdi_sum_few(d, root, x, 9);
+    if (need & RBDI_NEED_V) rbdi_sum_few(d, root, x + 9 * RBDI_BATCH, 9);
+    if (need & RBDI_NEED_V) rbdi_sum_few(d, root, x + 18 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 9 : 3);
+    if (need == RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
 }
 
 /* I (omega; v) of a subtree. */
@@ -1007,7 +1009,7 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
-    if (base) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
+    if (base && need) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
     if (base && need & RBDI_NEED_WHOLE) {
         d->V.v = rbdi_vec(v[3], v[4], v[5]);
         d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
@@ -1022,8 +1024,9 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
    columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
-                                int need, int whole) {
-    rbdi_common_motion(m, d, base, q, v, a, gravity, need | whole);
+                                int need, int more) {
+    const int own = base && !(more & RBDI_NEED_BEHIND);
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | (more & RBDI_NEED_WHOLE));
     for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
@@ -1031,34 +1034,34 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
         rbdi_own_inertia(c, k, &s);
         if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need) rbdi_own_momentum(V, k, &s);
+        if (need & RBDI_NEED_V) rbdi_own_momentum(V, k, &s);
         if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
         rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
-    rbdi_sum_subtrees(d, need);
-    if (base) rbdi_base_columns(d);
-    for (int b = 0; b < (base ? d->behind : 0); ++b)
+    rbdi_sum_subtrees(d, d->run + (base && !own), need);
+    if (own) rbdi_base_columns(d);
+    for (int b = 0; b < (own ? d->behind : 0); ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need & (RBDI_NEED_V | RBDI_NEED_CORIOLIS));
     for (int b = base ? d->behind : 0; b < d->batches; ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for q alone, for C, for the wrench alone, and else for everything; the last two in the axes of a
-   free base, if own. */
+/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, if
+   own. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
-    const int base = need & RBDI_NEED_OWN ? d->base : 0, whole = need & RBDI_NEED_WHOLE;
-    need &= ~(RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+    const int base = need & RBDI_NEED_OWN ? d->base : 0, more = need & (RBDI_NEED_WHOLE | RBDI_NEED_BEHIND);
+    need &= ~(RBDI_NEED_OWN | more);
     if (!need)
-        rbdi_common_of(m, d, 0, q, v, a, gravity, f_ext, 0, 0);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, RBDI_NEED_BEHIND);
     else if (need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
     else if (need == RBDI_NEED_WRENCH)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, 0);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
     else
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, whole);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
 }
 
 /* ---- entries [entries] ----
@@ -1640,28 +1643,37 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* The same from the first root's, for each run of dofs: place is that of the run before. */
-RBDI_INLINE rbdi_v3 rbdi_offset_of(const rbd_model *m, const rbd_derivatives *d, const rbdi_run *r,
-                                   rbdi_v3 offset) {
-    if (r->parent >= 0 || r == d->run) return offset;
-    return rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
+/* Places, F and wrenches of the other roots' trees from the first root's origin. */
+RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
+    rbdi_v3 offset = rbdi_vec0();
+    int others = 0;
+    for (const rbdi_run *r = d->run + 1; r < d->run + d->runs; ++r) {
+        if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
+        others |= r->parent < 0;
+        for (int k = r->first; others && k < r->end; ++k) {
+            rbd_real *x = RBDI_OF(d, k, x), *in[2];
+            rbdi_store_vec(x, rbdi_add(rbdi_load_vec(x), offset));
+            in[0] = RBDI_OF(d, k, F), in[1] = RBDI_OF(d, k, sum.f);
+            for (int j = 0; j < 2; ++j) {
+                rbdi_force F = rbdi_load_force(in[j], RBDI_BATCH);
+                F.n = rbdi_add(F.n, rbdi_cross(offset, F.f));
+                rbdi_store_force(in[j], RBDI_BATCH, F);
+            }
+        }
+    }
 }
 
-/* The centre of mass from there, of the bodies as described; 0 without mass. The offsets of all dofs stay in
-   E.f. */
-RBDI_PART rbdi_v3 rbdi_common_com(const rbd_model *m, rbd_derivatives *d) {
+/* The centre of mass from there; 0 without mass. With a free base no mass moved past it: h of the whole tree
+   has it. Else it is that of the bodies as described. */
+RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
-    rbdi_v3 offset = rbdi_vec0();
     rbdi_b3 h;
-    rbdi_clear((rbd_real *)&h, 3 * RBDI_BATCH);
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
-        offset = rbdi_offset_of(m, d, r, offset);
-        for (int k = r->first; k < r->end; ++k) rbdi_store_vec(RBDI_OF(d, k, E.f), offset);
-    }
+    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
+    h.x = h.y = h.z = rbdi_b_zero();
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = rbdi_b_add(c->x, c->E.f);
+        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
         h.x = h.x + ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m;
         h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
         h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
@@ -1675,55 +1687,113 @@ RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const 
 }
 
 #ifndef RBD_NO_MOMENTUM
+/* From a free base's axes to the world's, E being its rotation. */
+RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
+    return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
+                      a.x * E.xz + a.y * E.yz + a.z * E.zz);
+}
+
+/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the caller
+   has them, or with mimic joints added. A batch may go over columns before it of the next row, which come
+   later, but not over the end. */
+RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
+    const rbd_model *m = d->model;
+    const rbdi_batch row[3] = {y.x, y.y, y.z};
+    const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
+    if (m->nmimic) {
+        for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
+            const rbdi_entry *e = &d->entry[d->entry[first + j].laid];
+            const rbdi_b3 in = y;
+            rbd_real x[3];
+            rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
+            rbdi_add_column(out + e->user, nv, rbdi_ratio(m, e->source), x, 3);
+        }
+        return;
+    }
+    RBDI_UNROLL_SIX for (int k = 0, at = first; k < 3; ++k, at += nv) {
+        if (at + RBDI_BATCH <= end) {
+            *(rbdi_batch *)&out[at] = row[k];
+        } else {
+            const rbdi_batch in = row[k];
+            rbdi_copy((const rbd_real *)&in, end - at, &out[at]);
+        }
+    }
+}
+
+/* Columns of a free base: of the whole, moments about the centre of mass, forces scaled. A shift has no
+   moment. */
+RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
+                                       rbd_real *out) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    const rbdi_mat E = d->work->block[0].X.E;
+    const ptrdiff_t nv = d->model->nv;
+    rbdi_rbi C;
+    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    C.Sigma.xx = in[0] - com.x * C.h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * C.h.y;
+    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * C.h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * C.h.y;
+    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * C.h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * C.h.z;
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
+        const rbdi_force F = rbdi_rbi_column(C, d->mass, k);
+        const rbdi_v3 n = k < 3 ? rbdi_mul_t(E, F.n) : rbdi_vec0(), f = rbdi_scale(scale, rbdi_mul_t(E, F.f));
+        rbd_real *to = out + k;
+        if (rows > 3) to[0] = n.x, to[nv] = n.y, to[2 * nv] = n.z, to += 3 * nv;
+        to[0] = f.x, to[nv] = f.y, to[2 * nv] = f.z;
+    }
+}
+
+/* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
+   a scale. */
+RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
+                                  rbd_real *out) {
+    const int nv = d->model->nv;
+    rbdi_mat E;
+    if (d->base) E = d->work->block[0].X.E;
+    if (d->model->nmimic) rbdi_clear(out, rows * nv);
+    for (int b = d->batches - 1; b >= d->behind; --b) {
+        rbdi_bforce F = d->columns[b].F;
+        F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
+        if (d->base) F.n = rbdi_b_mul_t(E, F.n), F.f = rbdi_b_mul_t(E, F.f);
+        F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
+        if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
+        rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
+    }
+    if (d->base) rbdi_put_base_momenta(d, com, scale, rows, out);
+}
+
+/* The wrench on all that moves, at a = 0: the sum over the roots. */
+RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
+                                      rbd_real *A_dot_v) {
+    rbdi_force F = rbdi_force0();
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+        const rbd_real *in = RBDI_OF(d, rbdi_last_dof(m, r->link), sum.f);
+        if (r->parent < 0) F = rbdi_force_add(F, rbdi_load_force(in, RBDI_BATCH));
+    }
+    F.n = rbdi_sub(F.n, rbdi_cross(com, F.f));
+    if (d->base) F.n = rbdi_mul_t(d->work->block[0].X.E, F.n), F.f = rbdi_mul_t(d->work->block[0].X.E, F.f);
+    rbdi_store_force(A_dot_v, 1, F);
+}
+
 RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                        const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_force bias = rbdi_force0();
     rbdi_v3 com;
     if (status) return status;
-    if (A_dot_v)
-        rbdi_common(m, d, q, v, d->work->zero, none, NULL, RBDI_NEED_WRENCH);
-    else
-        rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
-    com = rbdi_common_com(m, d);
-    for (const rbdi_run *r = d->run; A_dot_v && r < d->run + d->runs; ++r)
-        if (r->parent < 0) {
-            const rbdi_force F = rbdi_load_force(RBDI_OF(d, r->first, sum.f), RBDI_BATCH);
-            const rbdi_v3 arm = rbdi_sub(rbdi_load_vec(RBDI_OF(d, r->first, E.f)), com);
-            bias.n = rbdi_add(bias.n, rbdi_add(F.n, rbdi_cross(arm, F.f)));
-            bias.f = rbdi_add(bias.f, F.f);
-        }
-    if (A_dot_v) rbdi_store_force(A_dot_v, 1, bias);
-    for (int b = 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_b3 arm = rbdi_b_vec(c->E.f.x - com.x, c->E.f.y - com.y, c->E.f.z - com.z);
-        c->E.n = rbdi_b_cross_add(c->F.n, arm, c->F.f), c->E.f = c->F.f;
-    }
-    if (m->nmimic) rbdi_clear(A, 6 * m->nv);
-    for (int k = 0; k < d->n; ++k) {
-        const rbd_real *F = RBDI_OF(d, k, E);
-        rbd_real *out = A + d->entry[k].user;
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j, out += m->nv)
-            *out =
-                m->nmimic ? *out + rbdi_ratio(m, d->entry[k].source) * F[j * RBDI_BATCH] : F[j * RBDI_BATCH];
-    }
+    rbdi_common(m, d, q, v, d->work->zero, none, NULL,
+                RBDI_NEED_OWN | RBDI_NEED_BEHIND | (A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0));
+    rbdi_join_origins(m, d);
+    com = rbdi_common_com(d);
+    if (A_dot_v) rbdi_put_momentum_bias(m, d, com, A_dot_v);
+    rbdi_put_momenta(d, com, rbdi_set(RBD_C(1)), 6, A);
     return RBD_OK;
 }
 
 RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbd_const share;
     if (status) return status;
-    share = d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0);
-    rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
-    rbdi_clear(J, 3 * m->nv);
-    for (int k = 0; k < d->n; ++k) {
-        rbd_real x[3];
-        rbdi_store(rbdi_load_vec(RBDI_OF(d, k, F.f)), x);
-        rbdi_add_column(J + d->entry[k].user, m->nv, rbdi_ratio(m, d->entry[k].source) * share, x, 3);
-    }
+    rbdi_common(m, d, q, NULL, NULL, none, NULL, RBDI_NEED_OWN | RBDI_NEED_BEHIND);
+    rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
     return RBD_OK;
 }
 #endif
@@ -1872,7 +1942,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
                              rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
                                             rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
         }
-    rbdi_sum_few(d, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_few(d, d->run, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f = rbdi_b_force_add(rbdi_subtree_inertia(&c->sum, &d->constants[b], c->Phi), c->E);
