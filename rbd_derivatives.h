@@ -15,12 +15,12 @@
        rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
-     [memory] [momentum] [coriolis] [inverse dynamics] [forward dynamics] [identification]
+     [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
      [steps] [batch]
      --- stop here if you only use it ---
      [layout]
-     [common frame] [entries] [memory code] [momentum code] [coriolis code] [inverse dynamics code]
-     [forward dynamics code] [identification code] [steps code] [batch code]
+     [common frame] [entries] [memory code] [momentum code] [coriolis code] [free base code]
+     [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
@@ -101,6 +101,7 @@
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
 #define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
+#define rbd_rnea_free_base RBDI_SYMBOL(rbd_rnea_free_base)
 #define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
 #define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
 #define rbd_keep_zeros RBDI_SYMBOL(rbd_keep_zeros)
@@ -143,8 +144,9 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
 RBD_API size_t rbd_derivatives_size(const rbd_model *m);
 
 /* For linkers that keep all functions of a file: RBD_NO_MOMENTUM leaves section [momentum] out,
-   RBD_NO_CORIOLIS [coriolis], RBD_NO_REGRESSOR [identification], RBD_NO_DERIVATIVES the rest. Derivatives of
-   forward dynamics go with rbd_fd_cholesky, those of steps with RBD_NO_MANIFOLD too. */
+   RBD_NO_CORIOLIS [coriolis], RBD_NO_HYBRID [free base], RBD_NO_REGRESSOR [identification],
+   RBD_NO_DERIVATIVES the rest. Derivatives of forward dynamics go with rbd_fd_cholesky, those of steps with
+   RBD_NO_MANIFOLD too. */
 
 /* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
@@ -172,6 +174,18 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
    where v are rates of q. Echeandia and Wensing (2021). */
 RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                 rbd_real *C);
+#endif
+
+/* ---- inverse dynamics with a free base [free base] ---- */
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
+   all joints given but floating ones on the world, of which the torques are, at half its cost.
+   a       in: those of the joints; out: of floating bases too
+   tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
+   Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
+RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
 #endif
 
 /* ---- derivatives of inverse dynamics [inverse dynamics] ----
@@ -675,11 +689,12 @@ RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, con
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
     const rbdi_pose root = {{one, o, o, o, one, o, o, o, one}, {o, o, o}};
+    const int known = base ? 0 : -1; /* the last link that is where the root is */
     rbdi_axes p;
     rbdi_load_axes(&p, &root);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        if (i > 0 && l->parent < 0) {
+        if (l->parent <= known) {
             rbdi_load_axes(&p, &root);
         } else if (l->parent != i - 1) {
             const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
@@ -722,7 +737,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
     for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r) {
         rbdi_motion V = world;
-        if (r->parent >= 0)
+        if (r->parent >= base)
             V = rbdi_motion_add(rbdi_load_motion(Vp + d->entry[r->parent].at),
                                 rbdi_load_motion(dV + d->entry[r->parent].at));
         for (int k = r->first; moves && k < r->origin; ++k)
@@ -744,9 +759,13 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Components of v, or a, to the dofs from k on. */
+/* Components of v, or a, in whose order the lanes are, from k on: 0 or a free base's end. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
-    for (; k < d->n; ++k) out[d->entry[k].at] = v[d->entry[k].source];
+    for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
+    out += d->behind * RBDI_COLUMN * RBDI_BATCH;
+    for (; k + RBDI_BATCH <= d->n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
+        *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
+    for (; k < d->n; ++k) *out++ = v[k];
 }
 
 /* S and U of a free base's dofs, for its own block. */
@@ -763,10 +782,20 @@ RBDI_PART void rbdi_base_columns(rbd_derivatives *d) {
     }
 }
 
-/* V_p, dV, Psi and U. coriolis: U = V x S, without Psi. */
+/* What the layer is asked for beyond F, which needs q only. */
+enum {
+    RBDI_NEED_V = 1,        /* D and T, from v */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
+    RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
+    RBDI_NEED_OWN = 8,      /* in a free base's own axes, at v = 0 and without gravity */
+    RBDI_NEED_WHOLE = 16,   /* the same with both */
+    RBDI_NEED_BEHIND = 32   /* no columns of that base: its last dof has the sums of all */
+};
+
+/* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
-                                 int coriolis) {
-    const int first = base ? d->behind : 0;
+                                 int need) {
+    const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
     rbdi_motion V = rbdi_motion0();
     if (base) V.omega = d->V.omega;
     rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
@@ -779,8 +808,9 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
-        c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
+        if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
     }
+    if (!(need & RBDI_NEED_V)) return;
     for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r)
         for (int k = r->first; r->block && k < r->end; ++k) {
             const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
@@ -809,16 +839,6 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, A, 0);
 }
-
-/* What the layer is asked for beyond F, which needs q only. */
-enum {
-    RBDI_NEED_V = 1,        /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
-    RBDI_NEED_OWN = 8,      /* in a free base's own axes, at v = 0 and without gravity */
-    RBDI_NEED_WHOLE = 16,   /* the same with both */
-    RBDI_NEED_BEHIND = 32   /* no columns of that base: its last dof has the sums of all */
-};
 
 /* Sigma and h of the links. */
 RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
@@ -911,8 +931,8 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the first components, n of at most 9, from x on, of the runs from root on. A block has
-   its own in its last dof. */
+/* Sums over subtrees of the first components, n of at most 9, from x on, for the runs from root on. A block
+   has its own in its last dof. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -941,15 +961,15 @@ RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int
     if (need == RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
 }
 
-/* I (omega; v) of a subtree. */
-RBDI_INLINE rbdi_bforce rbdi_subtree_inertia(const rbdi_sums *s, const rbdi_constants *k, rbdi_bmotion V) {
+/* I (omega; v) of a subtree, or of a link, and its mass. */
+RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
     F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
                      (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
                      (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
     F.n = rbdi_b_cross_add(F.n, s->h, v);
-    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * k->subtree, v.y * k->subtree, v.z * k->subtree), w, s->h);
+    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
     return F;
 }
 /* (G / 2 w, -P x w): B (w; any). */
@@ -984,7 +1004,7 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
                            Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
         const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
         rbdi_bforce E =
-            rbdi_b_force_add(rbdi_b_force_add(rbdi_subtree_inertia(s, &d->constants[b], Phi), B), B);
+            rbdi_b_force_add(rbdi_b_force_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), B), B);
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
         c->Phi = Phi, c->E = E;
@@ -998,11 +1018,11 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
     if (need & RBDI_NEED_V) {
         const rbdi_b3 T = rbdi_subtree_B_t(s, S);
         const rbdi_bforce B = rbdi_subtree_B(s, S.omega),
-                          D = rbdi_b_force_add(rbdi_subtree_inertia(s, k, c->U), B);
+                          D = rbdi_b_force_add(rbdi_inertia_times(s, k->subtree, c->U), B);
         c->T = halved ? T : rbdi_b_add(T, T);
         c->D = halved ? D : rbdi_b_force_add(D, B);
     }
-    c->F = rbdi_subtree_inertia(s, k, S);
+    c->F = rbdi_inertia_times(s, k->subtree, S);
 }
 
 /* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
@@ -1016,17 +1036,13 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     }
     rbdi_poses(m, d, base);
     rbdi_motion_columns(d, base ? d->behind : 0);
-    if (need) rbdi_velocities(m, d, base, v, need & RBDI_NEED_CORIOLIS);
+    if (need) rbdi_velocities(m, d, base, v, need);
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
-   columns of forces. */
-RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
-                                const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
-                                int need, int more) {
-    const int own = base && !(more & RBDI_NEED_BEHIND);
-    rbdi_common_motion(m, d, base, q, v, a, gravity, need | (more & RBDI_NEED_WHOLE));
+/* Masses, momenta and wrenches of the links themselves. */
+RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
+                               int need) {
     for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
@@ -1039,6 +1055,16 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
+}
+
+/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
+   columns of forces. */
+RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
+                                const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
+                                int need, int more) {
+    const int own = base && !(more & RBDI_NEED_BEHIND);
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | (more & RBDI_NEED_WHOLE));
+    rbdi_own_sums(m, d, base, f_ext, need);
     rbdi_sum_subtrees(d, d->run + (base && !own), need);
     if (own) rbdi_base_columns(d);
     for (int b = 0; b < (own ? d->behind : 0); ++b)
@@ -1686,6 +1712,17 @@ RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const 
     for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
 }
 
+/* A free base's composite body: h about its origin, Sigma about the centre of mass. */
+RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    rbdi_rbi C;
+    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    C.Sigma.xx = in[0] - com.x * C.h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * C.h.y;
+    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * C.h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * C.h.y;
+    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * C.h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * C.h.z;
+    return C;
+}
+
 #ifndef RBD_NO_MOMENTUM
 /* From a free base's axes to the world's, E being its rotation. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
@@ -1693,9 +1730,9 @@ RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
                       a.x * E.xz + a.y * E.yz + a.z * E.zz);
 }
 
-/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the caller
-   has them, or with mimic joints added. A batch may go over columns before it of the next row, which come
-   later, but not over the end. */
+/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the
+   caller has them, or with mimic joints added. A batch may go over columns before it of the next row, which
+   come later, but not over the end. */
 RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_batch row[3] = {y.x, y.y, y.z};
@@ -1724,14 +1761,9 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
    moment. */
 RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                        rbd_real *out) {
-    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
     const rbdi_mat E = d->work->block[0].X.E;
+    const rbdi_rbi C = rbdi_whole_body(d, com);
     const ptrdiff_t nv = d->model->nv;
-    rbdi_rbi C;
-    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
-    C.Sigma.xx = in[0] - com.x * C.h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * C.h.y;
-    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * C.h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * C.h.y;
-    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * C.h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * C.h.z;
     RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
         const rbdi_force F = rbdi_rbi_column(C, d->mass, k);
         const rbdi_v3 n = k < 3 ? rbdi_mul_t(E, F.n) : rbdi_vec0(), f = rbdi_scale(scale, rbdi_mul_t(E, F.f));
@@ -1746,13 +1778,12 @@ RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rb
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
     const int nv = d->model->nv;
-    rbdi_mat E;
-    if (d->base) E = d->work->block[0].X.E;
+    const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
     if (d->model->nmimic) rbdi_clear(out, rows * nv);
     for (int b = d->batches - 1; b >= d->behind; --b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
-        if (d->base) F.n = rbdi_b_mul_t(E, F.n), F.f = rbdi_b_mul_t(E, F.f);
+        if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
         if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
         rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
@@ -1808,6 +1839,114 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS | RBDI_NEED_OWN);
     rbdi_put_entries(m, d, NULL, C, NULL, 0);
+    return RBD_OK;
+}
+#endif
+
+/* ---- inverse dynamics with a free base [free base code] ----
+   At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
+   tau - f of the base, into its A: I y = tau - f, by the two laws of the centre of mass c. In the common
+   frame all links accelerate by y: f_i + I_i y are their wrenches, of which the subtrees' sums give the
+   torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
+   rbd_hybrid. */
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* M^-1 x by pivots from the end, as everywhere. */
+RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
+    const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
+                   xy = M.xy - xz * M.yz, y = rbdi_pivot_inverse(M.yy - yz * M.yz, m->dof[1].scale, doubt),
+                   l = xy * y;
+    rbdi_v3 s;
+    x.y = x.y - yz * x.z;
+    x.x = x.x - xz * x.z - l * x.y;
+    s.x = x.x * rbdi_pivot_inverse(M.xx - xz * M.xz - l * xy, m->dof[0].scale, doubt);
+    s.y = x.y * y - l * s.x;
+    s.z = x.z * z - xz * s.x - yz * s.y;
+    return s;
+}
+
+/* Adds n components, from x on, of the links behind the base to its own. */
+RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
+    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN;
+    rbd_real *to = x + d->entry[d->base - 1].at;
+    rbdi_batch sum[9];
+    RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = rbdi_b_zero();
+    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
+        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
+    }
+    RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] = to[j * RBDI_BATCH] + rbdi_b_sum(sum[j]);
+}
+
+/* y, from the wrench that the base lacks. */
+RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
+                                       rbdi_mask *doubt) {
+    const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
+    const rbdi_abi C = rbdi_abi_of_rbi(rbdi_whole_body(d, c), d->mass);
+    rbdi_motion y;
+    y.omega = rbdi_solve_turns(m, C.I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
+    y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
+    return y;
+}
+
+/* What y adds to the wrenches of the links behind the base; then its torques. */
+RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_motion y, const rbd_real *a,
+                                rbd_real *tau) {
+    const rbdi_batch o = rbdi_b_zero();
+    rbdi_bmotion all;
+    all.omega = rbdi_b_vec(o + y.omega.x, o + y.omega.y, o + y.omega.z);
+    all.v = rbdi_b_vec(o + y.v.x, o + y.v.y, o + y.v.z);
+    for (int b = d->behind; b < d->batches; ++b) {
+        rbdi_sums *s = &d->columns[b].sum;
+        s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
+    }
+    rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
+    for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
+        const rbdi_bforce f = d->columns[b].sum.f;
+        const rbdi_bmotion S = d->columns[b].S;
+        const rbdi_batch x = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+                             (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
+    }
+    for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
+}
+
+/* The same by rbd_hybrid, for any model. */
+RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                           const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
+                                           rbd_real *tau) {
+    unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    for (int k = 0; k < m->nv; ++k) given[k] = 1;
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        for (int k = 0; k < 6 && l->parent < 0 && rbdi_link_dofs(m, l) == 6; ++k) given[l->iv + k] = 0;
+    }
+    return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
+}
+
+RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbd_real *f;
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_motion y;
+    if (status) return status;
+    if (!d->base || m->link->flags & RBDI_ARMATURE) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+    rbdi_clear(a, 6);
+    rbdi_common_motion(m, d, d->base, q, v, a, none, RBDI_NEED_WRENCH);
+    rbdi_own_sums(m, d, d->base, f_ext, RBDI_NEED_WRENCH);
+    f = RBDI_OF(d, d->base - 1, sum.f);
+    rbdi_sum_links(d, (rbd_real *)&d->columns->sum, 9);
+    rbdi_sum_links(d, (rbd_real *)&d->columns->sum.f, 6);
+    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), rbdi_load_force(f, RBDI_BATCH)),
+                         &doubt);
+    if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+    rbdi_put_torques(m, d, y, a, tau);
+    y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
+    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_vec(v[3], v[4], v[5])));
+    rbdi_motion_to_array(y, a);
+    d->work->singular = -1;
     return RBD_OK;
 }
 #endif
@@ -1945,7 +2084,8 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_sum_few(d, d->run, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bforce f = rbdi_b_force_add(rbdi_subtree_inertia(&c->sum, &d->constants[b], c->Phi), c->E);
+        const rbdi_bforce f =
+            rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, c->Phi), c->E);
         c->sum.f = rbdi_b_force_add(c->sum.f, f);
         c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
     }

@@ -177,9 +177,9 @@ bool library_is_ours(const struct library *library);
 rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
                          const struct states *s, int first, int count);
 
-/* The parts of its result: HYBRID a and tau; ID_DERIVATIVES d tau/dq and d tau/dv; FD_DERIVATIVES da/dq,
-   da/dv and M^-1; CONSTRAINED a and lambda. Sets their sizes for one state, and returns how many
-   there are. */
+/* The parts of its result: HYBRID and FREE_BASE a and tau; ID_DERIVATIVES d tau/dq and d tau/dv;
+   FD_DERIVATIVES da/dq, da/dv and M^-1; CONSTRAINED a and lambda. Sets their sizes for one state, and returns
+   how many there are. */
 enum { MAX_PARTS = 3 };
 int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]);
 

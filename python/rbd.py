@@ -1113,13 +1113,16 @@ class Model(_Owner):
             tau          nv        torques, read where they are given
             f_ext        nb x 6    wrenches on the bodies; None = none
         """
-        call, dtype, n = "hybrid", self.library.dtype, (self.nv,)
-        flags = _numbers(call, "given", given, n, np.dtype(np.intc)) != 0
-        inputs = [_numbers(call, "q", q, (self.nq,), dtype), _numbers(call, "v", v, n, dtype),
-                  flags.view(np.uint8),
+        call = "hybrid"
+        flags = _numbers(call, "given", given, (self.nv,), np.dtype(np.intc)) != 0
+        return self._hybrid(call, "work", q, v, [flags.view(np.uint8)], a, tau, f_ext)
+
+    def _hybrid(self, call, memory, q, v, given, a, tau, f_ext):
+        dtype, n = self.library.dtype, (self.nv,)
+        inputs = [_numbers(call, "q", q, (self.nq,), dtype), _numbers(call, "v", v, n, dtype), *given,
                   None if f_ext is None else _numbers(call, "f_ext", f_ext, (self.nb, 6), dtype)]
         outputs = {name: _numbers(call, name, x, n, dtype).copy() for name, x in (("a", a), ("tau", tau))}
-        return self._run(call, ["work"], inputs, outputs, _HYBRID._make)
+        return self._run(call, [memory], inputs, outputs, _HYBRID._make)
 
     @_c("work", "Minv", batch=True)
     def minverse(self, q):
@@ -1380,6 +1383,18 @@ class Model(_Owner):
     def coriolis(self, q, v):
         """The matrix C with C v = c - g and dM/dt - 2 C skew, of all such the one without torsion. Echeandia
         and Wensing (2021)."""
+
+    def rnea_free_base(self, q, v, a, tau, f_ext=None):
+        """Inverse dynamics of a robot that stands on nothing: hybrid with the accelerations of all joints given
+        but floating ones on the world, of which the torques are, at half its cost. Gives (a, tau), all of both.
+
+            q            nq        configuration
+            v            nv        velocity
+            a            nv        accelerations, read but for floating bases
+            tau          nv        torques, read for floating bases: 0 in flight
+            f_ext        nb x 6    wrenches on the bodies; None = none
+        """
+        return self._hybrid("rnea_free_base", "derivatives", q, v, [], a, tau, f_ext)
 
     @_c("derivatives", "dtau_dq? dtau_dv? M?", batch=True)
     def rnea_derivatives(self, q, v, a, f_ext=None, *, dtau_dq=True, dtau_dv=True, M=True):

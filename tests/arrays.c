@@ -140,6 +140,7 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
     CLAIM(rbd_gravity_derivatives(m, d, q, by_q) == RBD_OK);
     (void)rbd_fd_derivatives(m, d, q, v, v, f, NULL, by_q, by_v, M); /* may be singular */
     CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);
+    (void)rbd_rnea_free_base(m, d, q, v, f, numbers(nv), numbers(nv)); /* may be singular */
     CLAIM(rbd_momentum_matrix(m, d, q, v, A, x) == RBD_OK);
     CLAIM(rbd_com_jacobian(m, d, q, J) == RBD_OK);
 }

@@ -114,6 +114,7 @@ cp "$scratch/defined" "$scratch/all"
 steps="rbd_integrate_derivatives rbd_difference_derivatives"
 holds MOMENTUM rbd_momentum_matrix rbd_com_jacobian
 holds CORIOLIS rbd_coriolis
+holds HYBRID rbd_hybrid rbd_rnea_free_base
 holds REGRESSOR rbd_regressor rbd_energy_regressors rbd_body_parameters rbd_set_parameters rbd_check_parameters
 # shellcheck disable=SC2086 # words wanted
 holds DERIVATIVES rbd_rnea_derivatives rbd_gravity_derivatives rbd_keep_zeros rbd_fd_derivatives $steps

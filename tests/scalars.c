@@ -379,6 +379,12 @@ static void check_derivatives(void) {
     COMPARE("da/dq", found, dqdd_dq, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
     COMPARE("da/dv", by_v, dqdd_dv, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
     COMPARE("da/dtau", M, Minv, nv * nv, fmax(1e-11, INVERSE(lane_state[lane]->cond_M)));
+    static rbd_real x[MAX_V];
+    for (int k = 0; k < nv; k++) x[k] = a[k];
+    RUN(rbd_rnea(model, work, q, v, a, f_ext, found));
+    RUN(rbd_rnea_free_base(model, d, q, v, f_ext, x, found));
+    COMPARE("free base, a", x, vdot, nv, INVERSE(lane_state[lane]->cond_M));
+    COMPARE("free base, tau", found, tau_rnea_ext, nv, INVERSE(lane_state[lane]->cond_M));
     RUN(rbd_momentum_matrix(model, d, q, NULL, found, NULL));
     COMPARE("momentum matrix", found, A_h, 6 * nv, DIRECT);
     RUN(rbd_coriolis(model, d, q, v, M));

@@ -309,6 +309,79 @@ static void check_coriolis(const robot *r, const state *s, int number) {
 START_TEST(coriolis_matrix_is_one) { for_random_trees(150, check_coriolis); }
 END_TEST
 
+/* Of a, given but on the floating joints of the world, and of the torque of these that goes with it the rest
+   comes back; or the error of rbd_hybrid. */
+static void expect_free_base(const robot *r, const state *s, int number, const double *torque,
+                             double condition) {
+    const int nv = r->nv;
+    double a[MAX_V], tau[MAX_V], x[MAX_V], y[MAX_V];
+    unsigned char given[MAX_V];
+    rbd_derivatives *d = derivatives_of(r);
+    for (int k = 0; k < nv; k++) {
+        const rbd_body *body = &r->bodies[rbd_dof_body(r->m, k)];
+        int parent = body->parent;
+        while (parent >= 0 && r->bodies[parent].type == RBD_FIXED) parent = r->bodies[parent].parent;
+        given[k] = parent >= 0 || body->type != RBD_FLOATING;
+        a[k] = x[k] = given[k] ? s->a[k] : (double)NAN;
+        tau[k] = y[k] = given[k] ? (double)NAN : torque[k];
+    }
+    const rbd_status status = rbd_hybrid(r->m, r->w, s->q, s->v, given, s->f_ext, x, y);
+    const int dof = rbd_singular_dof(r->w);
+    ck_assert_int_eq(rbd_rnea_free_base(r->m, d, s->q, s->v, s->f_ext, a, tau), status);
+    ck_assert_int_eq(rbd_singular_dof(r->w), dof);
+    free(d_memory);
+    if (status != RBD_OK) {
+        ck_assert(largest(a, nv) == 0 && largest(tau, nv) == 0);
+        return;
+    }
+    for (int k = 0; k < nv; k++)
+        ck_assert(given[k] ? memcmp(&a[k], &s->a[k], sizeof *a) == 0
+                           : memcmp(&tau[k], &torque[k], sizeof *a) == 0);
+    expect_close("free base, tau", r, number, tau, torque, nv, 1e-11);
+    RUN(rbd_rnea(r->m, r->w, s->q, s->v, a, s->f_ext, x));
+    expect_close("free base, tau of a", r, number, x, torque, nv, 1e-11);
+    if (condition > 0) expect_close("free base, a", r, number, a, s->a, nv, fmax(1e-11, 1e-15 * condition));
+}
+
+static void check_free_base(const robot *r, const state *s, int number) {
+    double tau[MAX_V];
+    RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, s->f_ext, tau));
+    expect_free_base(r, s, number, tau, 0);
+}
+
+static void check_free_base_reference(const robot *r, const ref_model *model, const ref_state *s,
+                                      int number) {
+    state x;
+    (void)model;
+    memcpy(x.q, s->q, (size_t)r->nq * sizeof *s->q);
+    memcpy(x.v, s->v, (size_t)r->nv * sizeof *s->v);
+    memcpy(x.a, s->vdot, (size_t)r->nv * sizeof *s->vdot);
+    memcpy(x.f_ext, s->f_ext, (size_t)r->nb * 6 * sizeof *s->f_ext);
+    expect_free_base(r, &x, number, s->tau_rnea_ext, s->cond_M);
+}
+
+START_TEST(a_free_base_matches_the_reference) { for_reference_states(check_free_base_reference); }
+END_TEST
+
+START_TEST(a_free_base_gives_way) { for_random_trees(150, check_free_base); }
+END_TEST
+
+/* A point on a stick turns freely about it: the base without a wrench has no acceleration. */
+START_TEST(a_free_base_may_be_singular) {
+    const rbd_body point[2] = {
+        {.parent = -1, .type = RBD_FLOATING, .mass = 1, .com = {0.1, 0.2, 0.3}},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {0.4, 0.5, 0.6}}};
+    robot r = BUILD(point);
+    rbd_derivatives *d = derivatives_of(&r);
+    const double q[8] = {0, 0, 0, 0, 0, 0, 1, 0.3};
+    double v[7] = {0}, a[7] = {1, 1, 1, 1, 1, 1, 1}, tau[7] = {1};
+    ck_assert_int_eq(rbd_rnea_free_base(r.m, d, q, v, NULL, a, tau), RBD_ERR_SINGULAR);
+    ck_assert(largest(a, 7) == 0 && largest(tau, 7) == 0);
+    free(d_memory);
+    robot_free(&r);
+}
+END_TEST
+
 /* Centroidal momentum, body by body, from the textbook's motion. */
 static void textbook_momentum(const robot *r, const double *q, const double *v, double h[6]) {
     static tb_motion motion;
@@ -713,6 +786,11 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, none, v, x, NULL));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, none, x, x));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, v, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, none, v, NULL, x, x + MAX_V));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, none, NULL, x, x + MAX_V));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, v, NULL, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, v, NULL, x, none));
+    EXPECT(RBD_ERR_WORK, rbd_rnea_free_base(o.m, d, q, v, NULL, x, x + MAX_V));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, none, x));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, q, none));
     EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, none, v, v, x));
@@ -835,6 +913,9 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, free_base_may_have_rotors);
     tcase_add_test(c, gravity_derivatives_match_differences);
     tcase_add_test(c, coriolis_matrix_is_one);
+    tcase_add_test(c, a_free_base_matches_the_reference);
+    tcase_add_test(c, a_free_base_gives_way);
+    tcase_add_test(c, a_free_base_may_be_singular);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
     tcase_add_test(c, torques_and_energies_are_linear_in_the_parameters);
     tcase_add_test(c, steps_come_back);

@@ -18,6 +18,7 @@ enum {
     FD,
     FD_CHOLESKY,
     HYBRID,
+    FREE_BASE,
     MINV,
     JACOBIAN,
     MOMENTUM_MATRIX,

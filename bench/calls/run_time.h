@@ -117,6 +117,16 @@ static rbd_status call_hybrid(const void *model, void *work, int n, const void *
     return rbd_hybrid(model, work_of(work), q, v, given, NULL, acceleration, tau);
 }
 
+/* The same by the call that needs no flags; of a robot without a base plain inverse dynamics. */
+static rbd_status call_free_base(const void *model, void *work, int n, const void *q, const void *v,
+                                 const void *a, void *out) {
+    const int nv = rbd_nv(model);
+    rbd_real *acceleration = out, *tau = acceleration + nv;
+    (void)n;
+    for (int i = 0; i < nv; i++) acceleration[i] = ((const rbd_real *)a)[i], tau[i] = 0;
+    return rbd_rnea_free_base(model, derivatives_of(work), q, v, NULL, acceleration, tau);
+}
+
 static rbd_status call_minv(const void *model, void *work, int n, const void *q, const void *v, const void *x,
                             void *Minv) {
     (void)n, (void)v, (void)x;
@@ -188,7 +198,8 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
 #define CAN can
 #define CALLS \
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
-    [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [MINV] = call_minv, \
-    [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, \
-    [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd, \
-    [CONSTRAINED] = call_constrained, [CONSTRAINED_HAND] = call_constrained_hand
+    [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [FREE_BASE] = call_free_base, \
+    [MINV] = call_minv, [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, \
+    [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, \
+    [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
+    [CONSTRAINED_HAND] = call_constrained_hand

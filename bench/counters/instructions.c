@@ -99,6 +99,7 @@ static const struct {
     [FD] = {"fd", tau},
     [FD_CHOLESKY] = {"fd_cholesky", tau},
     [HYBRID] = {"hybrid", a},
+    [FREE_BASE] = {"free_base", a},
     [MINV] = {"minv", tau},
     [JACOBIAN] = {"jacobian", tau},
     [MOMENTUM_MATRIX] = {"momentum_matrix", tau},

@@ -68,6 +68,7 @@ const struct algorithm algorithms[ALGORITHMS] = {
     [FD] = {"fd", "forward dynamics (ABA)", TORQUE},
     [FD_CHOLESKY] = {"fd_cholesky", "forward dynamics (Cholesky)", TORQUE},
     [HYBRID] = {"hybrid", "hybrid dynamics, the base free", ACCELERATION},
+    [FREE_BASE] = {"free_base", "inverse dynamics, the base free", ACCELERATION},
     [MINV] = {"minv", "inverse of the mass matrix", NOTHING},
     [JACOBIAN] = {"jacobian", "kinematics and Jacobian of the last body", NOTHING},
     [MOMENTUM_MATRIX] = {"momentum_matrix", "centroidal momentum matrix", NOTHING},
@@ -131,7 +132,8 @@ int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]) {
     const struct contact_set *contacts = contact_set_of(r->bodies, r->nb, algorithm);
     for (int k = 0; k < MAX_PARTS; k++) size[k] = nv;
     switch (algorithm) {
-    case HYBRID: return 2;
+    case HYBRID:
+    case FREE_BASE: return 2;
     case CONSTRAINED:
     case CONSTRAINED_HAND: size[1] = contacts ? contacts->rows : 0; return 2;
     case ID_DERIVATIVES: size[0] = size[1] = nv * nv; return 2;

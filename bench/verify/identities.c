@@ -96,7 +96,7 @@ static int check_forward(struct check *c, struct states s, double bound) {
 /* Inverse dynamics of the acceleration is the torque. */
 static int check_hybrid(struct check *c, struct states s, double bound) {
     const int nv = c->robot->nv;
-    if (check_run(c, HYBRID, s, c->result) != 0) return -1;
+    if (check_run(c, c->algorithm, s, c->result) != 0) return -1;
     const struct states found = {s.q, s.v, c->result, s.tau};
     if (check_run(c, ID, found, c->x) != 0) return -1;
     return check_accept(c, "torque of the acceleration", relative_error(c->result + nv, c->x, nv), bound);
@@ -283,6 +283,7 @@ int check_sample(struct check *c, struct states s, double condition) {
         [FD] = check_forward,
         [FD_CHOLESKY] = check_forward,
         [HYBRID] = check_hybrid,
+        [FREE_BASE] = check_hybrid,
         [MINV] = check_inverse,
         [JACOBIAN] = check_jacobian,
         [MOMENTUM_MATRIX] = check_momentum,

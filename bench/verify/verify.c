@@ -58,8 +58,8 @@ int check_run_matrix(const struct check *c, struct states s, double *M) {
 }
 
 bool inverts(int algorithm) {
-    return algorithm == FD || algorithm == FD_CHOLESKY || algorithm == HYBRID || algorithm == MINV ||
-           algorithm == FD_DERIVATIVES || algorithm >= CONSTRAINED;
+    return algorithm == FD || algorithm == FD_CHOLESKY || algorithm == HYBRID || algorithm == FREE_BASE ||
+           algorithm == MINV || algorithm == FD_DERIVATIVES || algorithm >= CONSTRAINED;
 }
 
 double bound_for(int algorithm, double condition) {
