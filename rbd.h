@@ -5754,7 +5754,7 @@ RBD_API const char *rbd_status_string(rbd_status status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
     case RBD_ERR_MEMORY:
-        return "the memory given is too small: rbd_model_size or rbd_work_size has the figure";
+        return "the memory given is too small: rbd_model_size, rbd_work_size or another _size has the figure";
     case RBD_ERR_VERSION: return "the built model is of another version or scalar than this rbd.h";
     case RBD_ERR_INDEX: return "no such body";
     case RBD_ERR_ORDER: return "rbd_kinematics must be called first";

@@ -1932,7 +1932,7 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_motion y;
     if (status) return status;
-    if (!d->base || m->link->flags & RBDI_ARMATURE) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+    if (!d->base) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_clear(a, 6);
     rbdi_common_motion(m, d, d->base, q, v, a, none, RBDI_NEED_WRENCH);
     rbdi_own_sums(m, d, d->base, f_ext, RBDI_NEED_WRENCH);
