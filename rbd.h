@@ -4135,15 +4135,15 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
 typedef int32_t rbdi_index __attribute__((may_alias));
 
 typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[t] */
-    const rbd_real *X, *x;
-    const rbdi_index *at;
-    int n, d; /* d: see RBDI_OWN */
+    const rbd_real *X, *Y, *x; /* Y: a second set of rows, or NULL */
+    const rbdi_index *at, *from;
+    int n, d;
 } rbdi_gathered;
 
-/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d.
-   RBDI_SCALED: k y less the sum; RBDI_FRESH: -k times the sum. Written once for T = one scalar and T =
-   a batch of them. */
-enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
+/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d, with
+   RBDI_COLUMN x[from[t]]. RBDI_SCALED: k y less the sum; RBDI_FRESH: -k times the sum. Of two sets the second
+   gives z. Written once for T = one scalar and T = a batch of them. */
+enum { RBDI_PLAIN, RBDI_OWN, RBDI_COLUMN, RBDI_SCALED, RBDI_FRESH };
 #define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
 #define RBDI_BY_BLOCKS(blocks, n, call) \
     switch (n) { \
@@ -4169,45 +4169,58 @@ enum { RBDI_PLAIN, RBDI_OWN, RBDI_SCALED, RBDI_FRESH };
         call; \
     } break;
 #define RBDI_DEFINE_GATHER(name, T) \
-    RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int blocks, int last, \
-                                   rbd_real *y) { \
+    RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int sets, int blocks, int last, \
+                                   rbd_real *y, rbd_real *z) { \
         const T zero = {0}; \
-        T sum[RBDI_ROW]; \
-        RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-            sum[b] = zero; \
-            if (mode != RBDI_FRESH) sum[b] = RBDI_OF_ROW(const T, y); \
-            if (mode == RBDI_SCALED) sum[b] = sum[b] * k; \
+        T sum[2][RBDI_ROW]; \
+        RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            sum[s][b] = zero; \
+            if (mode != RBDI_FRESH) sum[s][b] = RBDI_OF_ROW(const T, s ? z : y); \
+            if (mode == RBDI_SCALED) sum[s][b] = sum[s][b] * k; \
         } \
         RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
-            const rbd_real *row = g.X + g.at[t], x = mode == RBDI_OWN ? g.x[t] * row[g.d] : g.x[t]; \
+            const rbd_real *row = g.X + g.at[t], *other = sets > 1 ? g.Y + g.at[t] : row; \
+            const rbd_real x = mode == RBDI_COLUMN ? g.x[g.from[t]] \
+                               : mode == RBDI_OWN  ? g.x[t] * row[g.d] \
+                                                   : g.x[t]; \
             RBDI_ONE_INDEX(row); \
-            RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) sum[b] = \
-                sum[b] - RBDI_OF_ROW(const T, row) * x; \
+            if (sets > 1) RBDI_ONE_INDEX(other); \
+            RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) \
+                sum[s][b] = sum[s][b] - RBDI_OF_ROW(const T, s ? other : row) * x; \
         } \
-        RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-            if (mode == RBDI_FRESH) sum[b] = sum[b] * k; \
-            RBDI_OF_ROW(T, y) = sum[b]; \
+        RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            if (mode == RBDI_FRESH) sum[s][b] = sum[s][b] * k; \
+            RBDI_OF_ROW(T, s ? z : y) = sum[s][b]; \
         } \
     } \
     RBDI_INLINE void name(rbdi_gathered g, int mode, rbd_real k, int columns, rbd_real *y) { \
         const int width = (int)(sizeof(T) / sizeof *y), last = columns - width; \
-        RBDI_BY_BLOCKS(blocks, (columns + width - 1) / width, name##_blocks(g, mode, k, blocks, last, y)) \
+        RBDI_BY_BLOCKS(blocks, (columns + width - 1) / width, \
+                       name##_blocks(g, mode, k, 1, blocks, last, y, y)) \
     }
 RBDI_DEFINE_GATHER(rbdi_gather_scalars, rbd_real)
 #if RBDI_BATCH > 1
 RBDI_DEFINE_GATHER(rbdi_gather_batches, rbdi_batch)
 #endif
 
-RBDI_INLINE void rbdi_gather_blocks(rbdi_gathered g, int mode, rbd_real k, int wide, int blocks, int last,
-                                    rbd_real *y) {
+RBDI_INLINE void rbdi_gather_sets(rbdi_gathered g, int mode, rbd_real k, int wide, int sets, int blocks,
+                                  int last, rbd_real *y, rbd_real *z) {
 #if RBDI_BATCH > 1
     if (wide) {
-        rbdi_gather_batches_blocks(g, mode, k, blocks, last, y);
+        rbdi_gather_batches_blocks(g, mode, k, sets, blocks, last, y, z);
         return;
     }
 #endif
     (void)wide;
-    rbdi_gather_scalars_blocks(g, mode, k, blocks, last, y);
+    rbdi_gather_scalars_blocks(g, mode, k, sets, blocks, last, y, z);
+}
+/* Both sets at once if there are registers for them. */
+RBDI_INLINE void rbdi_gather_blocks(rbdi_gathered g, int mode, rbd_real k, int wide, int sets, int blocks,
+                                    int last, rbd_real *y, rbd_real *z) {
+    const int split = sets > 1 && 2 * blocks > RBDI_ROW;
+    rbdi_gather_sets(g, mode, k, wide, split ? 1 : sets, blocks, last, y, z);
+    g.X = g.Y;
+    if (split) rbdi_gather_sets(g, mode, k, wide, 1, blocks, last, z, z);
 }
 
 /* The same for the first n columns. */
@@ -4228,25 +4241,24 @@ RBDI_INLINE void rbdi_gather_rows(rbdi_gathered g, int mode, rbd_real k, int n, 
 /* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k
    behind i, which in the solver's order stand together. */
 RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    const int n = m->nv;
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    const rbdi_order *o = m->order + m->nv;
+    const rbdi_order *order = m->order;
+    const rbdi_link *l = m->link + m->nl - 1;
     rbdi_index *at = (rbdi_index *)w->bias; /* rows and inverse pivots, last dof first */
     rbd_real *inverse = w->F;
-    int done = 0;
-    for (int p = m->nl - 1; p >= 0; --p) {
-        const rbdi_link *l = &m->link[p];
-        const int behind = m->nv - l->end;
-        for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
-            const rbdi_dof *dof = &m->dof[(--o)->dof];
-            rbd_real *row = &H[o->row];
-            rbdi_gathered g;
-            g.X = H, g.x = inverse + behind, g.at = at + behind, g.n = done - behind, g.d = dof->depth;
-            if (g.n > 0) rbdi_gather_rows(g, RBDI_OWN, rbdi_zero(), dof->depth + 1, row);
-            at[done] = o->row;
-            w->pivot[o->dof] = row[dof->depth];
-            inverse[done] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
-            ++done;
-        }
+    for (int done = 0; done < n; ++done) {
+        const rbdi_order o = order[n - 1 - done];
+        const rbdi_dof *dof = &m->dof[o.dof];
+        rbd_real *row = &H[o.row];
+        rbdi_gathered g;
+        if (n - 1 - done < l->first) --l;
+        g.X = H, g.x = inverse + n - l->end, g.at = at + n - l->end;
+        g.n = done - (n - l->end), g.d = dof->depth;
+        if (g.n > 0) rbdi_gather_rows(g, RBDI_OWN, rbdi_zero(), g.d + 1, row);
+        at[done] = o.row;
+        w->pivot[o.dof] = row[g.d];
+        inverse[done] = row[g.d] = rbdi_pivot_inverse(row[g.d], dof->scale, &doubt);
     }
     return doubt;
 }
@@ -4260,54 +4272,60 @@ RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, 
     return dof[k].depth;
 }
 
-/* X = sign M^-1 X for count sets of columns, so many blocks each: L' X = X, gathering from the dofs behind,
-   then L X = sign D^-1 X, gathering from those on the path, which the last dofs up to each depth are. */
+/* X = sign M^-1 X for one set of columns or two, so many blocks each: L' X = X, gathering from the dofs
+   behind, then L X = sign D^-1 X, gathering from those on the path, which the last dofs up to each depth
+   are. */
 RBDI_INLINE void rbdi_sweep_blocks(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                   int sign, rbd_real *const *X, int count, int wide, int blocks, int last) {
-    const rbdi_order *o = m->order + m->nv, *end = o;
-    rbdi_index *at = (rbdi_index *)w->bias, *path = (rbdi_index *)w->F; /* at: last dof first */
-    rbd_real *x = w->F;
+                                   int sign, rbd_real *X, rbd_real *Y, int wide, int sets, int blocks,
+                                   int last) {
+    const int n = m->nv;
+    const rbdi_dof *dof = m->dof;
+    const rbdi_order *order = m->order;
+    const rbdi_link *l = m->link + m->nl - 1;
+    rbdi_index *at = (rbdi_index *)w->bias; /* rows of X and of L, last dof first */
+    rbdi_index *from = (rbdi_index *)w->F, *path = from + n;
     rbdi_gathered g;
-    int done = 0;
-    g.x = x, g.d = 0;
-    for (int p = m->nl - 1; p >= 0; --p) {
-        const rbdi_link *l = &m->link[p];
-        const int behind = m->nv - l->end;
-        for (int k = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1; k > 0; --k) {
-            const ptrdiff_t row = (--o)->dof * stride;
-            const rbd_real *column = L + m->dof[o->dof].depth;
-            const rbdi_order *e = end - 1 - behind;
-            g.at = at + behind, g.n = done - behind;
-            for (int t = 0; t < g.n; ++t, --e) x[t] = column[e->row];
-            for (int j = 0; g.n > 0 && j < count; ++j) {
-                g.X = X[j];
-                rbdi_gather_blocks(g, RBDI_PLAIN, rbdi_zero(), wide, blocks, last, X[j] + row);
-            }
-            at[done++] = (rbdi_index)row;
-        }
+    g.X = X, g.Y = Y, g.d = 0;
+    for (int done = 0; done < n; ++done) {
+        const rbdi_order o = order[n - 1 - done];
+        const ptrdiff_t row = o.dof * stride;
+        if (n - 1 - done < l->first) --l;
+        g.x = L + dof[o.dof].depth;
+        g.at = at + n - l->end, g.from = from + n - l->end, g.n = done - (n - l->end);
+        if (g.n > 0)
+            rbdi_gather_blocks(g, RBDI_COLUMN, rbdi_zero(), wide, sets, blocks, last, X + row, Y + row);
+        at[done] = (rbdi_index)row, from[done] = o.row;
     }
-    for (g.at = path; o < end; ++o) {
-        const rbdi_index row = at[--done];
-        rbd_real inverse;
-        g.x = L + o->row, g.n = m->dof[o->dof].depth;
-        path[g.n] = row;
-        inverse = sign < 0 ? -g.x[g.n] : g.x[g.n];
-        for (int j = 0; j < count; ++j) {
-            g.X = X[j];
-            rbdi_gather_blocks(g, RBDI_SCALED, inverse, wide, blocks, last, X[j] + row);
-        }
+    g.at = path;
+    for (int done = n - 1; done >= 0; --done) {
+        const rbdi_order o = order[n - 1 - done];
+        g.x = L + o.row, g.n = dof[o.dof].depth;
+        path[g.n] = at[done];
+        rbdi_gather_blocks(g, RBDI_SCALED, sign < 0 ? -g.x[g.n] : g.x[g.n], wide, sets, blocks, last,
+                           X + at[done], Y + at[done]);
     }
 }
 RBDI_PART void rbdi_sweep_gather(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                 int sign, int n, rbd_real *const *X, int count) {
+                                 int sign, int n, rbd_real *X) {
 #if RBDI_BATCH > 1
     if (n >= RBDI_BATCH) {
         RBDI_BY_BLOCKS(blocks, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                       rbdi_sweep_blocks(m, w, L, stride, sign, X, count, 1, blocks, n - RBDI_BATCH))
+                       rbdi_sweep_blocks(m, w, L, stride, sign, X, X, 1, 1, blocks, n - RBDI_BATCH))
         return;
     }
 #endif
-    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, count, 0, blocks, n - 1))
+    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, X, 0, 1, blocks, n - 1))
+}
+RBDI_PART void rbdi_sweep_both(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int sign,
+                               int n, rbd_real *X, rbd_real *Y) {
+#if RBDI_BATCH > 1
+    if (n >= RBDI_BATCH) {
+        RBDI_BY_BLOCKS(blocks, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                       rbdi_sweep_blocks(m, w, L, stride, sign, X, Y, 1, 2, blocks, n - RBDI_BATCH))
+        return;
+    }
+#endif
+    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, Y, 0, 2, blocks, n - 1))
 }
 
 /* L from U. */
@@ -4354,13 +4372,14 @@ RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_re
 RBDI_PART void rbdi_solve_sides(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                 int sign, int n, rbd_real *const *X, int count) {
 #ifdef RBDI_GATHER
-    const int most = RBDI_ROW * RBDI_BATCH;
     if (!m->nmimic && m->nv * stride <= INT32_MAX) {
-        for (int k = 0, columns; k < n; k += columns) {
-            rbd_real *from[2] = {NULL, NULL};
+        const int most = RBDI_ROW * RBDI_BATCH;
+        for (int k = 0, columns; count > 0 && k < n; k += columns) {
             columns = n - k < most ? n - k : most;
-            for (int j = 0; j < count; ++j) from[j] = X[j] + k;
-            rbdi_sweep_gather(m, w, L, stride, sign, columns, from, count);
+            if (count > 1)
+                rbdi_sweep_both(m, w, L, stride, sign, columns, X[0] + k, X[1] + k);
+            else
+                rbdi_sweep_gather(m, w, L, stride, sign, columns, X[0] + k);
         }
         return;
     }
