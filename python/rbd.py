@@ -1386,7 +1386,7 @@ class Model(_Owner):
 
     def rnea_free_base(self, q, v, a, tau, f_ext=None):
         """Inverse dynamics of a robot that stands on nothing: hybrid with the accelerations of all joints given
-        but floating ones on the world, of which the torques are, at half its cost. Gives (a, tau), all of both.
+        but floating ones on the world, of which the torques are, in less time. Gives (a, tau), all of both.
 
             q            nq        configuration
             v            nv        velocity
