@@ -4174,8 +4174,9 @@ enum { RBDI_PLAIN, RBDI_OWN, RBDI_COLUMN, RBDI_SCALED, RBDI_FRESH };
         const T zero = {0}; \
         T sum[2][RBDI_ROW]; \
         RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            const rbd_real *from = s > 0 ? z : y; \
             sum[s][b] = zero; \
-            if (mode != RBDI_FRESH) sum[s][b] = RBDI_OF_ROW(const T, s ? z : y); \
+            if (mode != RBDI_FRESH) sum[s][b] = RBDI_OF_ROW(const T, from); \
             if (mode == RBDI_SCALED) sum[s][b] = sum[s][b] * k; \
         } \
         RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
@@ -4185,12 +4186,16 @@ enum { RBDI_PLAIN, RBDI_OWN, RBDI_COLUMN, RBDI_SCALED, RBDI_FRESH };
                                                    : g.x[t]; \
             RBDI_ONE_INDEX(row); \
             if (sets > 1) RBDI_ONE_INDEX(other); \
-            RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) \
-                sum[s][b] = sum[s][b] - RBDI_OF_ROW(const T, s ? other : row) * x; \
+            RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) \
+                RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+                const rbd_real *from = s > 0 ? other : row; \
+                sum[s][b] = sum[s][b] - RBDI_OF_ROW(const T, from) * x; \
+            } \
         } \
         RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
+            rbd_real *to = s > 0 ? z : y; \
             if (mode == RBDI_FRESH) sum[s][b] = sum[s][b] * k; \
-            RBDI_OF_ROW(T, s ? z : y) = sum[s][b]; \
+            RBDI_OF_ROW(T, to) = sum[s][b]; \
         } \
     } \
     RBDI_INLINE void name(rbdi_gathered g, int mode, rbd_real k, int columns, rbd_real *y) { \

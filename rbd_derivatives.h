@@ -1617,8 +1617,7 @@ RBDI_PART int rbdi_limbs_alike(const rbd_derivatives *d) {
     for (int k = d->base; alike && k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k], *p = &d->entry[e->parent];
         const int on_base = e->parent < d->base, batch = on_base ? -1 : p->batch - d->behind;
-        alike = batch == rbdi_limbs_parent(d, e->batch - d->behind) &&
-                (on_base || (p->lane == e->lane && p->batch < e->batch));
+        alike = batch == rbdi_limbs_parent(d, e->batch - d->behind) && (on_base || p->lane == e->lane);
     }
     return alike;
 }

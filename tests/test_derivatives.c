@@ -266,6 +266,28 @@ START_TEST(free_base_may_have_rotors) {
 }
 END_TEST
 
+/* Legs of two joints, hips before knees in the description: in batches, or with neighbours' knees exchanged,
+   which a batch cannot take at once. */
+START_TEST(limbs_may_be_alike) {
+    for (int crossed = 0; crossed < 2; crossed++) {
+        static rbd_body bodies[MAX_BODIES];
+        uint64_t seed = 7;
+        state s;
+        memset(bodies, 0, sizeof bodies);
+        for (int i = 0; i < 17; i++) {
+            random_joint(&seed, bodies, i, i ? RBD_REVOLUTE : RBD_FLOATING);
+            random_mass(&seed, &bodies[i]);
+            bodies[i].parent = i == 0 ? -1 : i < 9 ? 0 : 1 + ((i - 9) ^ crossed);
+        }
+        robot r = robot_build("limbs alike", bodies, 17);
+        draw_state(&r, &seed, &s);
+        check_forward(&r, &s, crossed);
+        check_derivatives(&r, &s, crossed);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 static void check_gravity(const robot *r, const state *s, int number) {
     const int nv = r->nv;
     static double by_q[MAX_M], expected[MAX_M], same[MAX_M], by_v[MAX_M], zero[MAX_M];
@@ -911,6 +933,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, forward_derivatives_match_the_reference);
     tcase_add_test(c, forward_derivatives_on_random_trees);
     tcase_add_test(c, free_base_may_have_rotors);
+    tcase_add_test(c, limbs_may_be_alike);
     tcase_add_test(c, gravity_derivatives_match_differences);
     tcase_add_test(c, coriolis_matrix_is_one);
     tcase_add_test(c, a_free_base_matches_the_reference);
