@@ -840,7 +840,6 @@ enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
     RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
-    RBDI_NEED_OWN = 8,      /* in a free base's own axes, at v = 0 and without gravity */
     RBDI_NEED_WHOLE = 16,   /* the same with both */
     RBDI_NEED_BEHIND = 32   /* no columns of that base: its last dof has the sums of all */
 };
@@ -1130,13 +1129,13 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, if
-   own. */
+/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, at
+   v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
-    const int base = need & RBDI_NEED_OWN ? d->base : 0, more = need & (RBDI_NEED_WHOLE | RBDI_NEED_BEHIND);
-    need &= ~(RBDI_NEED_OWN | more);
+    const int base = d->base, more = need & (RBDI_NEED_WHOLE | RBDI_NEED_BEHIND);
+    need &= ~more;
     if (!need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, RBDI_NEED_BEHIND);
     else if (need == coriolis)
@@ -1878,7 +1877,7 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
     rbdi_v3 com;
     if (status) return status;
     rbdi_common(m, d, q, v, d->work->zero, none, NULL,
-                RBDI_NEED_OWN | RBDI_NEED_BEHIND | (A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0));
+                RBDI_NEED_BEHIND | (A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0));
     rbdi_join_origins(m, d);
     com = rbdi_common_com(d);
     if (A_dot_v) rbdi_put_momentum_bias(m, d, com, A_dot_v);
@@ -1890,7 +1889,7 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
-    rbdi_common(m, d, q, NULL, NULL, none, NULL, RBDI_NEED_OWN | RBDI_NEED_BEHIND);
+    rbdi_common(m, d, q, NULL, NULL, none, NULL, RBDI_NEED_BEHIND);
     rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
     return RBD_OK;
 }
@@ -1904,7 +1903,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
-    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS | RBDI_NEED_OWN);
+    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
     rbdi_put_entries(m, d, NULL, C, NULL, 0);
     return RBD_OK;
 }
@@ -2026,8 +2025,7 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
                                         rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
-    rbdi_common(m, d, q, v, a, d->work->gravity, f_ext,
-                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+    rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 0);
     return RBD_OK;
@@ -2038,7 +2036,7 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
     if (status) return status;
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
-                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_OWN | RBDI_NEED_WHOLE);
+                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, 0);
     return RBD_OK;
@@ -2202,7 +2200,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
     if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
-    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need | RBDI_NEED_OWN);
+    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
     if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
     doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
