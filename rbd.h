@@ -4290,7 +4290,7 @@ RBDI_INLINE void rbdi_sweep_blocks(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_index *at = (rbdi_index *)w->bias; /* rows of X and of L, last dof first */
     rbdi_index *from = (rbdi_index *)w->F, *path = from + n;
     rbdi_gathered g;
-    g.X = X, g.Y = Y, g.d = 0;
+    g.X = X, g.Y = Y, g.from = from, g.d = 0;
     for (int done = 0; done < n; ++done) {
         const rbdi_order o = order[n - 1 - done];
         const ptrdiff_t row = o.dof * stride;
