@@ -266,8 +266,7 @@ START_TEST(free_base_may_have_rotors) {
 }
 END_TEST
 
-/* Legs of two joints, hips before knees in the description: in batches, or with neighbours' knees exchanged,
-   which a batch cannot take at once. */
+/* Legs of two joints, hips before knees in the description, in order or with neighbours' knees exchanged. */
 START_TEST(limbs_may_be_alike) {
     for (int crossed = 0; crossed < 2; crossed++) {
         static rbd_body bodies[MAX_BODIES];
