@@ -582,10 +582,35 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     return X;
 }
 
+/* Four scalars that go together, in SIMD registers. */
+#if RBDI_BATCH > 1
+typedef rbd_real rbdi_four
+    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#else
+typedef struct rbdi_four {
+    rbd_real x[4];
+} rbdi_four;
+#endif
+/* Four components of a batch, lane by lane. */
+#if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
+                     b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
+                     c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6),
+                     d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+    y[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5), y[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    y[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), y[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+#else
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    for (int k = 0; k < RBDI_BATCH; ++k)
+        for (int j = 0; j < 4; ++j) ((rbd_real *)&y[k])[j] = ((const rbd_real *)&x[j])[k];
+}
+#endif
+
 /* Axes and origin of a link in the common frame: vectors of three components, in SIMD registers. */
 #if RBDI_BATCH > 1
-typedef rbd_real rbdi_axis
-    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+typedef rbdi_four rbdi_axis;
 RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
     const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */
     *a = axis;
@@ -769,27 +794,12 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
     for (; k < d->n; ++k) *out++ = v[k];
 }
 
-/* S and U of a free base's dofs, for its own block. */
-RBDI_PART void rbdi_base_columns(rbd_derivatives *d) {
-    const rbdi_v3 o = rbdi_vec0(), w = d->V.omega, v = d->V.v, x = rbdi_vec(rbdi_set(RBD_C(1)), o.x, o.x),
-                  e[3] = {x, rbdi_uncycle(x), rbdi_cycle(x)};
-    for (int k = 0; k < 3; ++k) {
-        const rbdi_v3 we = rbdi_cross(w, e[k]);
-        rbdi_store_vec(RBDI_OF(d, k, S.omega), e[k]), rbdi_store_vec(RBDI_OF(d, k, S.v), o);
-        rbdi_store_vec(RBDI_OF(d, 3 + k, S.omega), o), rbdi_store_vec(RBDI_OF(d, 3 + k, S.v), e[k]);
-        rbdi_store_vec(RBDI_OF(d, k, U.omega), we);
-        rbdi_store_vec(RBDI_OF(d, k, U.v), rbdi_cross(e[k], v));
-        rbdi_store_vec(RBDI_OF(d, 3 + k, U.omega), o), rbdi_store_vec(RBDI_OF(d, 3 + k, U.v), we);
-    }
-}
-
 /* What the layer is asked for beyond F, which needs q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
     RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
-    RBDI_NEED_WHOLE = 16,   /* the same with both */
-    RBDI_NEED_BEHIND = 32   /* no columns of that base: its last dof has the sums of all */
+    RBDI_NEED_WHOLE = 16    /* the same with both */
 };
 
 /* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */
@@ -1063,13 +1073,9 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
-    const int own = base && !(more & RBDI_NEED_BEHIND);
-    rbdi_common_motion(m, d, base, q, v, a, gravity, need | (more & RBDI_NEED_WHOLE));
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | more);
     rbdi_own_sums(m, d, base, f_ext, need);
-    rbdi_sum_subtrees(d, d->run + (base && !own), need);
-    if (own) rbdi_base_columns(d);
-    for (int b = 0; b < (own ? d->behind : 0); ++b)
-        rbdi_force_columns(&d->columns[b], &d->constants[b], need & (RBDI_NEED_V | RBDI_NEED_CORIOLIS));
+    rbdi_sum_subtrees(d, d->run + (base > 0), need);
     for (int b = base ? d->behind : 0; b < d->batches; ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
@@ -1079,10 +1085,10 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
-    const int base = d->base, more = need & (RBDI_NEED_WHOLE | RBDI_NEED_BEHIND);
+    const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
     if (!need)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, RBDI_NEED_BEHIND);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
     else if (need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
     else if (need == RBDI_NEED_WRENCH)
@@ -1299,8 +1305,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   (n; f) being F_j; by the base's place nothing changes. Half of all entries of a robot that walks. Of the
-   base with itself the rows go by v, the columns by q. */
+   (n; f) being F_j; by the base's place nothing changes. Half of all entries of a robot that walks. */
 /* a x b, and with c added, of a batch with one vector. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
     return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -1308,50 +1313,134 @@ RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
 RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
     return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
-/* Rows of the base from dof j on, the first or that behind: F, or D or E, of all of them. As in
-   rbdi_put_rows_in_place a batch may go over what the next row begins with, which comes later. */
-RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, int j, const rbd_real *F, rbd_real *out) {
+/* Rows of the base from the dof behind it on: F, or D or E, of all of them. As in rbdi_put_rows_in_place a
+   batch may go over what the next row begins with, which comes later: last batches first. */
+RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F, rbd_real *out) {
     const ptrdiff_t nv = d->model->nv;
-    const rbd_real *behind = F + d->behind * RBDI_COLUMN * RBDI_BATCH;
-    for (int k = 0, n = d->n; k < 6; ++k, behind += RBDI_BATCH) {
-        const rbd_real *in = behind;
-        rbd_real *to = out + k * nv;
-        for (int i = d->base; i < n; i += RBDI_BATCH, in += RBDI_COLUMN * RBDI_BATCH)
-            *(rbdi_batch *)(to + i) = *(const rbdi_batch *)in;
-    }
-    for (; j < d->base; ++j) {
-        const rbd_real *in = F + d->entry[j].at;
+    out += d->base;
+    for (int b = d->batches - 1; b >= d->behind; --b) {
+        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN;
+        rbd_real *to = out + (b - d->behind) * RBDI_BATCH;
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-            out[k * nv + j] = in[k * RBDI_BATCH];
+            *(rbdi_batch *)(to + k * nv) = in[k];
     }
 }
-/* Its columns: of n batches, as the first n entries of as many rows as they have lanes, then zeros up to
-   six. */
-RBDI_INLINE void rbdi_put_base_columns(const rbd_real *in, int n, int lanes, ptrdiff_t nv, rbd_real *out) {
-    for (int k = 0; k < lanes; ++k, ++in, out += nv) RBDI_UNROLL_SIX
-        for (int j = 0; j < 6; ++j) out[j] = j < n ? in[j * RBDI_BATCH] : rbdi_zero();
+/* Four of its columns: components of a batch, to as many rows as it has lanes. */
+RBDI_INLINE void rbdi_put_base_columns(const rbdi_batch *x, int lanes, ptrdiff_t nv, rbd_real *out) {
+    rbdi_four row[RBDI_BATCH];
+    rbdi_fours_of_lanes(x, row);
+    RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k)
+        if (k < lanes) *(rbdi_four *)(out + k * nv) = row[k];
 }
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
     const ptrdiff_t nv = d->model->nv;
-    rbd_real *by_q = out.at[RBDI_BY_Q], *by_v = out.at[RBDI_BY_V], *M = out.at[RBDI_MASS];
-    for (int j = 0, b = d->entry->batch, lane = d->entry->lane; b < d->batches; ++b, lane = 0) {
+    for (int b = d->behind, j = d->base; b < d->batches; ++b, j += RBDI_BATCH) {
         const rbdi_columns *c = &d->columns[b];
-        const int lanes = RBDI_BATCH - lane < d->n - j ? RBDI_BATCH - lane : d->n - j;
         const rbdi_bforce F = c->F;
-        rbdi_b3 x[2];
-        x[0] = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v);
-        x[1] = rbdi_b_cross_vec(F.f, w);
-        if (want & RBDI_WANT_M)
-            rbdi_put_base_columns((const rbd_real *)&c->F + lane, 6, lanes, nv, M + j * nv);
-        if (want & RBDI_WANT_V && j >= d->base)
-            rbdi_put_base_columns((const rbd_real *)x + lane, 6, lanes, nv, by_v + j * nv);
-        if (want & RBDI_WANT_Q) {
-            x[0] = rbdi_b_cross_vec(F.f, up);
-            rbdi_put_base_columns((const rbd_real *)x + lane, 3, lanes, nv, by_q + j * nv);
+        const rbdi_batch o = rbdi_b_zero();
+        const ptrdiff_t row = j * nv;
+        const int lanes = d->n - j;
+        if (want & RBDI_WANT_M) {
+            const rbdi_batch x[6] = {F.n.x, F.n.y, F.n.z, F.f.x, F.f.y, F.f.z};
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_MASS] + row);
+            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_MASS] + row + 2);
         }
-        j += lanes;
+        if (want & RBDI_WANT_V) {
+            const rbdi_b3 n = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v),
+                          f = rbdi_b_cross_vec(F.f, w);
+            const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_V] + row);
+            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_BY_V] + row + 2);
+        }
+        if (want & RBDI_WANT_Q) {
+            const rbdi_b3 n = rbdi_b_cross_vec(F.f, up);
+            const rbdi_batch x[4] = {n.x, n.y, n.z, o}, zero[4] = {o, o, o, o};
+            rbdi_put_base_columns(zero, lanes, nv, out.at[RBDI_BY_Q] + row + 2);
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_Q] + row);
+        }
     }
+}
+
+/* Its own block, h, P, X and the inertia [I, [h]x; -[h]x, m] being the whole's: of turns (n; f)
+
+       dtau/dw = (G + I [w]x - [h]x [v]x; -2 [P]x - [h]x [w]x - m [v]x)
+
+   and of shifts, by v and, with up for w, by theta, ([h]x [w]x; m [w]x). In C B stands for 2 B. */
+RBDI_INLINE rbdi_mat rbdi_rows_mat(rbdi_v3 x, rbdi_v3 y, rbdi_v3 z) {
+    rbdi_mat A;
+    A.xx = x.x, A.xy = x.y, A.xz = x.z;
+    A.yx = y.x, A.yy = y.y, A.yz = y.z;
+    A.zx = z.x, A.zy = z.y, A.zz = z.z;
+    return A;
+}
+/* [a]x, and [a]x [b]x = b a' - (a'b) 1. */
+RBDI_INLINE rbdi_mat rbdi_cross_mat(rbdi_v3 a) {
+    const rbd_real o = rbdi_zero();
+    return rbdi_rows_mat(rbdi_vec(o, -a.z, a.y), rbdi_vec(a.z, o, -a.x), rbdi_vec(-a.y, a.x, o));
+}
+RBDI_INLINE rbdi_mat rbdi_cross_twice(rbdi_v3 a, rbdi_v3 b) {
+    return rbdi_rows_mat(rbdi_vec(-(a.y * b.y + a.z * b.z), b.x * a.y, b.x * a.z),
+                         rbdi_vec(b.y * a.x, -(a.x * b.x + a.z * b.z), b.y * a.z),
+                         rbdi_vec(b.z * a.x, b.z * a.y, -(a.x * b.x + a.y * b.y)));
+}
+RBDI_INLINE rbdi_mat rbdi_mat_sub(rbdi_mat A, rbdi_mat B) {
+    A.xx = A.xx - B.xx, A.xy = A.xy - B.xy, A.xz = A.xz - B.xz;
+    A.yx = A.yx - B.yx, A.yy = A.yy - B.yy, A.yz = A.yz - B.yz;
+    A.zx = A.zx - B.zx, A.zy = A.zy - B.zy, A.zz = A.zz - B.zz;
+    return A;
+}
+RBDI_INLINE void rbdi_put_mat(rbdi_mat A, ptrdiff_t stride, rbd_real *out) {
+    rbdi_store(rbdi_vec(A.xx, A.xy, A.xz), out);
+    rbdi_store(rbdi_vec(A.yx, A.yy, A.yz), out + stride);
+    rbdi_store(rbdi_vec(A.zx, A.zy, A.zz), out + 2 * stride);
+}
+/* Sigma and h of all, about the base's origin. */
+RBDI_INLINE rbdi_rbi rbdi_whole_rbi(const rbd_derivatives *d) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    rbdi_rbi C;
+    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    C.Sigma.xx = in[0], C.Sigma.xy = in[RBDI_BATCH], C.Sigma.xz = in[2 * RBDI_BATCH];
+    C.Sigma.yy = in[3 * RBDI_BATCH], C.Sigma.yz = in[4 * RBDI_BATCH], C.Sigma.zz = in[5 * RBDI_BATCH];
+    return C;
+}
+/* Turns; k: how many B. */
+RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbdi_mat *n, rbdi_mat *f) {
+    const int last = d->base - 1;
+    const rbdi_rbi C = rbdi_whole_rbi(d);
+    const rbdi_v3 w = d->V.omega, v = d->V.v, h = C.h;
+    const rbd_real scale = rbdi_set(k), *in = RBDI_OF(d, last, sum.Xx);
+    const rbdi_v3 x = rbdi_scale(scale, rbdi_load_vec(in)),
+                  y = rbdi_scale(scale, rbdi_load_vec(in + 3 * RBDI_BATCH)),
+                  z = rbdi_scale(scale, rbdi_load_vec(in + 6 * RBDI_BATCH)),
+                  P = rbdi_scale(scale, rbdi_load_vec(RBDI_OF(d, last, sum.P)));
+    const rbdi_mat minus_G = rbdi_rows_mat(rbdi_vec(-(y.y + z.z), x.y, x.z), rbdi_vec(y.x, -(x.x + z.z), y.z),
+                                           rbdi_vec(z.x, z.y, -(x.x + y.y)));
+    *n = rbdi_rows_mat(rbdi_cross(rbdi_rbi_column(C, d->mass, 0).n, w),
+                       rbdi_cross(rbdi_rbi_column(C, d->mass, 1).n, w),
+                       rbdi_cross(rbdi_rbi_column(C, d->mass, 2).n, w));
+    *n = rbdi_mat_sub(rbdi_mat_sub(*n, rbdi_cross_twice(h, v)), minus_G);
+    *f = rbdi_mat_sub(rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v)))),
+                      rbdi_cross_twice(h, w));
+}
+RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_const k, rbdi_wanted out) {
+    const rbd_real mass = rbdi_set(d->mass);
+    const ptrdiff_t nv = d->model->nv, low = 3 * nv;
+    const rbdi_rbi C = rbdi_whole_rbi(d);
+    rbd_real *by_q = out.at[RBDI_BY_Q], *by_v = out.at[RBDI_BY_V], *M = out.at[RBDI_MASS];
+    if (by_q) {
+        rbdi_put_mat(rbdi_cross_twice(C.h, d->up), nv, by_q);
+        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->up)), nv, by_q + low);
+        for (int i = 0; i < 6; ++i) rbdi_store(rbdi_vec0(), by_q + i * nv + 3);
+    }
+    if (by_v) {
+        rbdi_mat n, f;
+        rbdi_base_turns(d, k, &n, &f);
+        rbdi_put_mat(n, nv, by_v), rbdi_put_mat(f, nv, by_v + low);
+        rbdi_put_mat(rbdi_cross_twice(C.h, d->V.omega), nv, by_v + 3);
+        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->V.omega)), nv, by_v + low + 3);
+    }
+    for (int i = 0; M && i < 6; ++i) rbdi_store_force(M + i * nv, 1, rbdi_rbi_column(C, d->mass, i));
 }
 
 /* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
@@ -1361,14 +1450,22 @@ RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
 }
+RBDI_INLINE void rbdi_store_turn(rbdi_v3 n, rbdi_v3 f, ptrdiff_t nv, rbd_real *out) {
+    rbdi_force F;
+    F.n = n, F.f = f;
+    rbdi_store_force(out, nv, F);
+}
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
     ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
+    rbdi_mat n, f;
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
-    for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < 6; ++i) turn[k][i * nv] = RBDI_OF(d, k, D)[i * RBDI_BATCH];
+    rbdi_base_turns(d, RBD_C(2), &n, &f);
+    rbdi_store_turn(rbdi_vec(n.xx, n.yx, n.zx), rbdi_vec(f.xx, f.yx, f.zx), nv, turn[0]);
+    rbdi_store_turn(rbdi_vec(n.xy, n.yy, n.zy), rbdi_vec(f.xy, f.yy, f.zy), nv, turn[1]);
+    rbdi_store_turn(rbdi_vec(n.xz, n.yz, n.zz), rbdi_vec(f.xz, f.yz, f.zz), nv, turn[2]);
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
         const rbd_real *x = (const rbd_real *)&y;
@@ -1414,39 +1511,40 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
 }
 
-RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int sides, rbdi_wanted out) {
+/* What they are: themselves, sides of rbd_fd_derivatives, or C from halved columns. */
+enum { RBDI_ENTRIES, RBDI_SIDES, RBDI_HALVED };
+RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
-    if (d->base && want & RBDI_WANT_Q)
-        rbdi_put_base_rows(d, d->base, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
-    if (d->base && want & RBDI_WANT_V)
-        rbdi_put_base_rows(d, sides ? d->base : 0, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
-    if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, 0, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
+    if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
+    if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
+    if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
     rbdi_put_rows(d, want, zeros, out);
-    if (d->base && sides)
-        rbdi_put_turns(d, out.at[RBDI_BY_Q], out.at[RBDI_BY_V]);
-    else if (d->base)
-        rbdi_put_base(d, want, out);
+    if (d->base && what != RBDI_SIDES) rbdi_put_base(d, want, out);
 }
 
-/* All entries of the matrices that are wanted, as they are or as sides of rbd_fd_derivatives. */
+/* All entries of the matrices that are wanted. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
-                                rbd_real *M, int sides) {
+                                rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int zeros = sides || !d->keep_zeros;
+    const int zeros = what == RBDI_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
     for (int r = 0; r < RBDI_RESULTS; ++r) /* batches go into whole rows */
         if (out.at[r] && (m->nmimic || (RBDI_BATCH == 1 && zeros))) rbdi_clear_matrix(m, out.at[r]);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, sides, out);
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, what, out);
     else if (want == RBDI_WANT_V)
-        rbdi_put_all(d, RBDI_WANT_V, zeros, sides, out);
+        rbdi_put_all(d, RBDI_WANT_V, zeros, what, out);
 #if RBDI_BATCH > 1
     else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, sides, out);
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, what, out);
 #endif
     else
-        rbdi_put_all(d, want, zeros, sides, out);
+        rbdi_put_all(d, want, zeros, what, out);
+    if (d->base && what == RBDI_SIDES)
+        rbdi_put_turns(d, by_q, by_v);
+    else if (d->base)
+        rbdi_put_base_block(d, what == RBDI_HALVED ? RBD_C(1) : RBD_C(2), out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1715,12 +1813,10 @@ RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const 
 
 /* A free base's composite body: h about its origin, Sigma about the centre of mass. */
 RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
-    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
-    rbdi_rbi C;
-    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
-    C.Sigma.xx = in[0] - com.x * C.h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * C.h.y;
-    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * C.h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * C.h.y;
-    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * C.h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * C.h.z;
+    rbdi_rbi C = rbdi_whole_rbi(d);
+    C.Sigma.xx = C.Sigma.xx - com.x * C.h.x, C.Sigma.xy = C.Sigma.xy - com.x * C.h.y;
+    C.Sigma.xz = C.Sigma.xz - com.x * C.h.z, C.Sigma.yy = C.Sigma.yy - com.y * C.h.y;
+    C.Sigma.yz = C.Sigma.yz - com.y * C.h.z, C.Sigma.zz = C.Sigma.zz - com.z * C.h.z;
     return C;
 }
 
@@ -1811,8 +1907,7 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_v3 com;
     if (status) return status;
-    rbdi_common(m, d, q, v, d->work->zero, none, NULL,
-                RBDI_NEED_BEHIND | (A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0));
+    rbdi_common(m, d, q, v, d->work->zero, none, NULL, A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0);
     rbdi_join_origins(m, d);
     com = rbdi_common_com(d);
     if (A_dot_v) rbdi_put_momentum_bias(m, d, com, A_dot_v);
@@ -1824,7 +1919,7 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
-    rbdi_common(m, d, q, NULL, NULL, none, NULL, RBDI_NEED_BEHIND);
+    rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
     rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
     return RBD_OK;
 }
@@ -1839,7 +1934,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
-    rbdi_put_entries(m, d, NULL, C, NULL, 0);
+    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_HALVED);
     return RBD_OK;
 }
 #endif
@@ -1962,7 +2057,7 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 0);
+    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
     return RBD_OK;
 }
 
@@ -1973,7 +2068,7 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
                 RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dg_dq, NULL, NULL, 0);
+    rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
     return RBD_OK;
 }
 
@@ -2004,12 +2099,14 @@ RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
-    for (int i = 0; i < d->n; ++i) { /* a base's own rows are shorter: its later dofs write over */
+    for (int i = 0; i < d->base; ++i) /* its own rows are shorter: the next writes over */
+        rbdi_store_force(H + o[i].row, 1, rbdi_rbi_column(rbdi_whole_rbi(d), d->mass, i));
+    for (int i = d->base; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
         if (d->base) rbdi_store_force(row, 1, F);
-        for (int k = e[i].parent; i >= d->base && k >= d->base; k = e[k].parent)
+        for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
@@ -2050,14 +2147,15 @@ RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *c = m->nmimic ? d->work->tx : x;
-    for (int b = 0; b < d->batches; ++b) {
+    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *to = &d->columns[b];
         const rbdi_bforce f = to->sum.f;
         const rbdi_bmotion S = to->S;
         to->qdd = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
                   (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
     }
-    for (int k = 0; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+    if (d->base) rbdi_store_force(c, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
+    for (int k = d->base; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
@@ -2146,7 +2244,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 1);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
@@ -2165,7 +2263,6 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 /* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
    inertia. */
 #if RBDI_BATCH > 1
-typedef rbdi_axis rbdi_four;
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     const rbdi_four x = {a, b, c, d};
     *y = x;
@@ -2179,9 +2276,6 @@ RBDI_INLINE void rbdi_halve_first(rbdi_four *y) {
     *y = *y * k;
 }
 #else
-typedef struct rbdi_four {
-    rbd_real x[4];
-} rbdi_four;
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
 }
