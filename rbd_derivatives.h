@@ -409,9 +409,9 @@ RBDI_EXTERN_C_END
 
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
-#define RBDI_UNROLL_NINE _Pragma("GCC unroll 9")
+#define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
 #else
-#define RBDI_UNROLL_NINE
+#define RBDI_UNROLL_SUMS
 #endif
 
 /* ---- common frame [common frame] ----
@@ -941,35 +941,41 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of the first components, n of at most 9, from x on, for the runs from root on. A block
-   has its own in its last dof. Not by batches where limbs alike fill them, as HyQ's legs do: 9 % fewer
-   instructions for its derivatives of inverse dynamics, but 6 % more time. */
+/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers for,
+   at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them, as
+   HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
         const rbd_real *last = x + e->at;
-        rbd_real sum[9], *out;
-        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
+        rbd_real sum[14], *out;
+        RBDI_ONE_INDEX(last);
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
         while (e > first) {
             out = x + (--e)->at;
+            RBDI_ONE_INDEX(out);
             if (r->block) {
-                RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
+                RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
                 continue;
             }
-            RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
+            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
         if (r->parent < 0) continue;
         out = x + d->entry[r->parent].at;
-        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+        RBDI_ONE_INDEX(out);
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
-    rbdi_sum_few(d, root, x, 9);
-    if (need & RBDI_NEED_V) rbdi_sum_few(d, root, x + 9 * RBDI_BATCH, 9);
-    if (need & RBDI_NEED_V) rbdi_sum_few(d, root, x + 18 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 9 : 3);
-    if (need == RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
+    if (!(need & RBDI_NEED_V)) {
+        rbdi_sum_few(d, root, x, 9);
+        if (need & RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
+        return;
+    }
+    rbdi_sum_few(d, root, x, 14);
+    rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
 /* I (omega; v) of a subtree, or of a link, and its mass. */
@@ -1966,11 +1972,11 @@ RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN;
     rbd_real *to = x + d->entry[d->base - 1].at;
     rbdi_batch sum[9];
-    RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = rbdi_b_zero();
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_b_zero();
     for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
-        RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
     }
-    RBDI_UNROLL_NINE for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] = to[j * RBDI_BATCH] + rbdi_b_sum(sum[j]);
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] = to[j * RBDI_BATCH] + rbdi_b_sum(sum[j]);
 }
 
 /* y, from the wrench that the base lacks. */
