@@ -500,6 +500,14 @@ typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH
 typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
+RBDI_INLINE rbdi_batch rbdi_b_zero(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
+}
 RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
     rbdi_b3 v;
     v.x = x, v.y = y, v.z = z;
@@ -1011,6 +1019,13 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     a.f = rbdi_b_add(a.f, b.f);
     return a;
 }
+/* a + 2 b. */
+RBDI_INLINE rbdi_bforce rbdi_b_force_add_twice(rbdi_bforce a, rbdi_bforce b) {
+    const rbdi_batch two = rbdi_b_zero() + rbdi_set(RBD_C(2));
+    a.n = rbdi_b_scale_add(a.n, two, b.n);
+    a.f = rbdi_b_scale_add(a.f, two, b.f);
+    return a;
+}
 
 /* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
@@ -1020,8 +1035,7 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         const rbdi_bmotion S = c->S,
                            Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
         const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
-        rbdi_bforce E =
-            rbdi_b_force_add(rbdi_b_force_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), B), B);
+        rbdi_bforce E = rbdi_b_force_add_twice(rbdi_inertia_times(s, d->constants[b].subtree, Phi), B);
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
         c->Phi = Phi, c->E = E;
@@ -1034,10 +1048,9 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
     const int halved = need & RBDI_NEED_CORIOLIS;
     if (need & RBDI_NEED_V) {
         const rbdi_b3 T = rbdi_subtree_B_t(s, S);
-        const rbdi_bforce B = rbdi_subtree_B(s, S.omega),
-                          D = rbdi_b_force_add(rbdi_inertia_times(s, k->subtree, c->U), B);
+        const rbdi_bforce B = rbdi_subtree_B(s, S.omega), D = rbdi_inertia_times(s, k->subtree, c->U);
         c->T = halved ? T : rbdi_b_add(T, T);
-        c->D = halved ? D : rbdi_b_force_add(D, B);
+        c->D = halved ? rbdi_b_force_add(D, B) : rbdi_b_force_add_twice(D, B);
     }
     c->F = rbdi_inertia_times(s, k->subtree, S);
 }
@@ -1127,27 +1140,25 @@ RBDI_INLINE rbd_real rbdi_b_sum(rbdi_batch x) {
     for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + ((const rbd_real *)&x)[j];
     return sum;
 }
-RBDI_INLINE rbdi_batch rbdi_b_zero(void) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return zero;
-#else
-    return rbdi_zero();
-#endif
-}
-/* a' x + b' y, vectors of a batch with those of one dof. */
+/* a' x + b' y, vectors of a batch with those of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
+RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
+    return c + a.x * x.x + a.y * x.y + a.z * x.z;
+}
 RBDI_INLINE rbdi_batch rbdi_b_dots(rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
-    return rbdi_b_dot(a, x) + b.x * y.x + b.y * y.y + b.z * y.z;
+    return rbdi_b_dot_add(rbdi_b_dot(a, x), b, y);
+}
+RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
+    return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
 }
 
 /* Entries of the dof of F and T, with those before it on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q)
-        y[RBDI_BY_Q] = rbdi_b_dots(c->Phi.omega, F.n, c->Phi.v, F.f) + rbdi_b_dot(c->Psi.omega, T);
+        y[RBDI_BY_Q] = rbdi_b_dots_add(rbdi_b_dot(c->Psi.omega, T), c->Phi.omega, F.n, c->Phi.v, F.f);
     if (want & RBDI_WANT_V)
-        y[RBDI_BY_V] = rbdi_b_dots(c->U.omega, F.n, c->U.v, F.f) + rbdi_b_dot(c->S.omega, T);
+        y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
 }
 /* Entries of the dof of S, with those of its subtree. */
@@ -1176,10 +1187,11 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbd
 }
 
 #if RBDI_BATCH > 1
-/* Lists of a dof's relatives: on its path, and from there rbdi_kin_length on of its subtree. */
+/* Lists of a dof's relatives: on its path, and from there rbdi_kin_length on of its subtree. In the order of
+   the lanes, that of rows. */
 RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 1; }
 RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
-    return d->kin + i * 2 * rbdi_kin_length(d);
+    return d->kin + d->entry[i].source * 2 * rbdi_kin_length(d);
 }
 
 /* Puts what is wanted of a batch into a row; also: to what it has in other lanes. */
@@ -1187,7 +1199,7 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, unsigned bits, int also, in
                                 ptrdiff_t at) {
     rbdi_bits lanes;
     for (int k = 0; k < RBDI_BATCH; ++k) lanes[k] = (rbdi_bit)1 << k;
-    lanes = (rbdi_bits)((lanes & (rbdi_bit)bits) == lanes);
+    lanes = (rbdi_bits)((lanes & (rbdi_bit)bits) == lanes); /* not from a table: loads are what takes time */
     RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
         if (want >> r & 1) {
             rbdi_batch *to = (rbdi_batch *)(row.at[r] + at);
@@ -1235,9 +1247,9 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_kin_length(&d);
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p) {
+    const rbdi_relatives *kin = d.kin + d.base * 2 * length;
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += 2 * length) {
         const rbdi_entry *e = d.entry + p->laid;
-        const rbdi_relatives *kin = d.kin + p->laid * 2 * length;
         const int at = e->row + d.base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
@@ -1259,7 +1271,7 @@ RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out
     for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = d->entry + i;
-        const rbdi_relatives *kin = d->kin + i * 2 * length;
+        const rbdi_relatives *kin = rbdi_kin_of(d, i);
         rbdi_put_row(d->columns, e, kin, kin + length, want, row);
         for (int k = e->parent; k >= 0; k = d->entry[k].parent)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
