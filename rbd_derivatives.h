@@ -949,9 +949,9 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
-/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers for,
-   at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them, as
-   HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
+   for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
+   as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
     for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
