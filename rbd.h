@@ -2421,19 +2421,22 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 /* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
    RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at
    a right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an
-   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer). Each form
-   is a copy of the code: on microcontrollers, where there is no SIMD, one for right angles, in which the
-   shifts are tested (the empty assembly keeps clang from concluding that form is flags_, and forgetting the
-   rest); none where arithmetic is a call, for there it saves two per cent. */
+   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer; pass 2 takes
+   these by RBDI_BY_SERIAL_FORM, without what comes of the branch, and that by itself). Each form is a copy of
+   the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are tested
+   (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none where
+   arithmetic is a call, for there it saves two per cent. */
 #define RBDI_CASE(known, form, call) \
     case known: { \
         const int form = known; \
         call; \
     } break;
 #if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0 || defined RBD_SPECIALISE
+#define RBDI_SERIAL_FORMS 0
 #define RBDI_SERIAL_CASES(form, call)
 #define RBDI_BRANCH_CASES(form, call)
 #elif RBDI_SIMD > 0
+#define RBDI_SERIAL_FORMS 1
 #define RBDI_SERIAL_CASES(form, call) \
     RBDI_CASE(RBDI_TWIST_90, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
@@ -2444,6 +2447,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
     RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
 #else
+#define RBDI_SERIAL_FORMS 0
 #define RBDI_SERIAL_CASES(form, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
@@ -2457,9 +2461,9 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
 #define RBDI_BRANCH_CASES(form, call)
 #endif
-#define RBDI_BY_CASES(cases, form, link, call) \
+#define RBDI_BY_CASES(cases, form, flags, call) \
     do { \
-        const int flags_ = (link)->flags; \
+        const int flags_ = flags; \
         switch (flags_) { \
         default: { \
             const int form = flags_; \
@@ -2468,9 +2472,22 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
             cases \
         } \
     } while (0)
-#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, link, call)
+#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, (link)->flags, call)
 #define RBDI_BY_BRANCH_FORM(form, link, call) \
-    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, link, call)
+    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, (link)->flags, call)
+#define RBDI_BY_SERIAL_FORM(form, link, call) \
+    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, rbdi_serial_form(link), call)
+
+/* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
+   a branch; the link's form without it. */
+RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
+    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TIED)) == RBDI_SHIFT_XYZ &&
+           l->kind != RBDI_BLOCK;
+}
+RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {
+    const int place = RBDI_APART | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN;
+    return rbdi_begins_branch(l) ? l->flags & ~place : l->flags;
+}
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
@@ -3574,6 +3591,21 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
 }
 
+/* Pass 2, what is left of the way up of a link that begins a branch. */
+RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_v3 r = rbdi_vec_c(l->r);
+    if (l->flags & RBDI_BRANCH_TURN) {
+        const rbd_real c = rbdi_set(l->cb), s = rbdi_set(l->sb);
+        *IA = rbdi_abi_up_z(0, c, s, *IA);
+        pA->n = rbdi_turn_up_z(0, c, s, pA->n);
+        pA->f = rbdi_turn_up_z(0, c, s, pA->f);
+    }
+    *IA = rbdi_abi_shift(r, *IA);
+    pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
+    rbdi_aba_hand_on(m, w, i, IA, pA);
+}
+
 /* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
@@ -3581,8 +3613,13 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_abi IA = *carried_IA;
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
-    RBDI_UNROLL for (int i = end - 1; i >= first; --i)
-        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+    RBDI_UNROLL for (int i = end - 1; i >= first; --i) {
+        const rbdi_link *l = &m->link[i];
+        const int branch = rbdi_begins_branch(l);
+        if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
+        RBDI_BY_SERIAL_FORM(form, l, rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+        if (branch) rbdi_aba_branch_up(m, w, i, &IA, &pA);
+    }
     *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }
 
