@@ -1422,8 +1422,13 @@ RBDI_INLINE rbdi_rbi rbdi_whole_rbi(const rbd_derivatives *d) {
     C.Sigma.yy = in[3 * RBDI_BATCH], C.Sigma.yz = in[4 * RBDI_BATCH], C.Sigma.zz = in[5 * RBDI_BATCH];
     return C;
 }
-/* Turns; k: how many B. */
-RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbdi_mat *n, rbdi_mat *f) {
+/* Turns, as columns nv apart; k: how many B. */
+RBDI_INLINE void rbdi_store_turns(rbdi_mat A, ptrdiff_t nv, ptrdiff_t row, rbd_real *const turn[3]) {
+    turn[0][row] = A.xx, turn[1][row] = A.xy, turn[2][row] = A.xz, row += nv;
+    turn[0][row] = A.yx, turn[1][row] = A.yy, turn[2][row] = A.yz, row += nv;
+    turn[0][row] = A.zx, turn[1][row] = A.zy, turn[2][row] = A.zz;
+}
+RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbd_real *const turn[3]) {
     const int last = d->base - 1;
     const rbdi_rbi C = rbdi_whole_rbi(d);
     const rbdi_v3 w = d->V.omega, v = d->V.v, h = C.h;
@@ -1434,27 +1439,31 @@ RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbdi_mat *
                   P = rbdi_scale(scale, rbdi_load_vec(RBDI_OF(d, last, sum.P)));
     const rbdi_mat minus_G = rbdi_rows_mat(rbdi_vec(-(y.y + z.z), x.y, x.z), rbdi_vec(y.x, -(x.x + z.z), y.z),
                                            rbdi_vec(z.x, z.y, -(x.x + y.y)));
-    *n = rbdi_rows_mat(rbdi_cross(rbdi_rbi_column(C, d->mass, 0).n, w),
-                       rbdi_cross(rbdi_rbi_column(C, d->mass, 1).n, w),
-                       rbdi_cross(rbdi_rbi_column(C, d->mass, 2).n, w));
-    *n = rbdi_mat_sub(rbdi_mat_sub(*n, rbdi_cross_twice(h, v)), minus_G);
-    *f = rbdi_mat_sub(rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v)))),
-                      rbdi_cross_twice(h, w));
+    const ptrdiff_t nv = d->model->nv;
+    rbdi_mat A = rbdi_rows_mat(rbdi_cross(rbdi_rbi_column(C, d->mass, 0).n, w),
+                               rbdi_cross(rbdi_rbi_column(C, d->mass, 1).n, w),
+                               rbdi_cross(rbdi_rbi_column(C, d->mass, 2).n, w));
+    A = rbdi_mat_sub(rbdi_mat_sub(A, rbdi_cross_twice(h, v)), minus_G);
+    rbdi_store_turns(A, nv, 0, turn);
+    A = rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v))));
+    rbdi_store_turns(rbdi_mat_sub(A, rbdi_cross_twice(h, w)), nv, 3 * nv, turn);
 }
-RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_const k, rbdi_wanted out) {
+RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_const k, rbd_real *by_q, rbd_real *by_v,
+                                   rbd_real *M) {
     const rbd_real mass = rbdi_set(d->mass);
     const ptrdiff_t nv = d->model->nv, low = 3 * nv;
-    const rbdi_rbi C = rbdi_whole_rbi(d);
-    rbd_real *by_q = out.at[RBDI_BY_Q], *by_v = out.at[RBDI_BY_V], *M = out.at[RBDI_MASS];
+    rbdi_rbi C;
+    if (!d->base) return;
+    C = rbdi_whole_rbi(d);
     if (by_q) {
         rbdi_put_mat(rbdi_cross_twice(C.h, d->up), nv, by_q);
         rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->up)), nv, by_q + low);
         for (int i = 0; i < 6; ++i) rbdi_store(rbdi_vec0(), by_q + i * nv + 3);
     }
     if (by_v) {
-        rbdi_mat n, f;
-        rbdi_base_turns(d, k, &n, &f);
-        rbdi_put_mat(n, nv, by_v), rbdi_put_mat(f, nv, by_v + low);
+        rbd_real *turn[3];
+        turn[0] = by_v, turn[1] = by_v + 1, turn[2] = by_v + 2;
+        rbdi_base_turns(d, k, turn);
         rbdi_put_mat(rbdi_cross_twice(C.h, d->V.omega), nv, by_v + 3);
         rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->V.omega)), nv, by_v + low + 3);
     }
@@ -1468,22 +1477,13 @@ RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
 }
-RBDI_INLINE void rbdi_store_turn(rbdi_v3 n, rbdi_v3 f, ptrdiff_t nv, rbd_real *out) {
-    rbdi_force F;
-    F.n = n, F.f = f;
-    rbdi_store_force(out, nv, F);
-}
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
     ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
-    rbdi_mat n, f;
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
-    rbdi_base_turns(d, RBD_C(2), &n, &f);
-    rbdi_store_turn(rbdi_vec(n.xx, n.yx, n.zx), rbdi_vec(f.xx, f.yx, f.zx), nv, turn[0]);
-    rbdi_store_turn(rbdi_vec(n.xy, n.yy, n.zy), rbdi_vec(f.xy, f.yy, f.zy), nv, turn[1]);
-    rbdi_store_turn(rbdi_vec(n.xz, n.yz, n.zz), rbdi_vec(f.xz, f.yz, f.zz), nv, turn[2]);
+    rbdi_base_turns(d, RBD_C(2), turn);
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
         const rbd_real *x = (const rbd_real *)&y;
@@ -1507,7 +1507,7 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
 }
 /* Rotors, on the diagonal of M. */
 RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
-    for (int k = 0; k < d->n; ++k) {
+    for (int k = d->base; k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k];
         const rbd_real g = rbdi_ratio(d->model, e->source);
         M[e->row + e->user] = M[e->row + e->user] + g * g * d->model->dof[e->source].armature;
@@ -1529,8 +1529,8 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
 }
 
-/* What they are: themselves, sides of rbd_fd_derivatives, or C from halved columns. */
-enum { RBDI_ENTRIES, RBDI_SIDES, RBDI_HALVED };
+/* What they are: themselves, or sides of rbd_fd_derivatives. */
+enum { RBDI_ENTRIES, RBDI_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
     if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
@@ -1540,7 +1540,7 @@ RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int
     if (d->base && what != RBDI_SIDES) rbdi_put_base(d, want, out);
 }
 
-/* All entries of the matrices that are wanted. */
+/* All entries of the matrices that are wanted but a base's own. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
@@ -1559,10 +1559,6 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 #endif
     else
         rbdi_put_all(d, want, zeros, what, out);
-    if (d->base && what == RBDI_SIDES)
-        rbdi_put_turns(d, by_q, by_v);
-    else if (d->base)
-        rbdi_put_base_block(d, what == RBDI_HALVED ? RBD_C(1) : RBD_C(2), out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1952,7 +1948,8 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
-    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_HALVED);
+    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
+    rbdi_put_base_block(d, RBD_C(1), NULL, C, NULL);
     return RBD_OK;
 }
 #endif
@@ -2076,6 +2073,7 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
+    rbdi_put_base_block(d, RBD_C(2), dtau_dq, dtau_dv, M);
     return RBD_OK;
 }
 
@@ -2087,6 +2085,7 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
                 RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
+    rbdi_put_base_block(d, RBD_C(2), dg_dq, NULL, NULL);
     return RBD_OK;
 }
 
@@ -2263,6 +2262,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
+    if (d->base) rbdi_put_turns(d, da_dq, da_dv);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
