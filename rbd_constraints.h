@@ -407,9 +407,9 @@ struct rbd_constraints {
    link, HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
-       rbd_aba                4114         48297     9117     17680
-       articulated bodies    11832        152864    21940     33510
-       factor of M           13159        983754    29082     47475
+       rbd_aba                4190         45480     8850     17970
+       articulated bodies    11850        148960    21860     34060
+       factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
