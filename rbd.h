@@ -1581,7 +1581,22 @@ RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
     lane = (rbdi_bits)(lane == (rbdi_bit)k);
     return (rbdi_batch)(((rbdi_bits)b & ~lane) | ((rbdi_bits)all & lane));
 }
+/* The first n scalars of the batch, and zeros. */
+RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch b, int n) {
+    rbdi_batch lane;
+    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
+    return (rbdi_batch)((rbdi_bits)b & (rbdi_bits)(lane < (rbd_real)n));
+}
 #endif
+
+RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
+}
 
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS

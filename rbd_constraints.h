@@ -471,15 +471,6 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 /* ---- kinematics [kinematics] ---- */
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return zero;
-#else
-    return rbdi_zero();
-#endif
-}
-
 /* A place and the motion of what of a link is there, world axes: angular velocity, velocity, their rates. */
 typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;

@@ -500,14 +500,6 @@ typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH
 typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
-RBDI_INLINE rbdi_batch rbdi_b_zero(void) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return zero;
-#else
-    return rbdi_zero();
-#endif
-}
 RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
     rbdi_b3 v;
     v.x = x, v.y = y, v.z = z;
@@ -1021,7 +1013,7 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
 }
 /* a + 2 b. */
 RBDI_INLINE rbdi_bforce rbdi_b_force_add_twice(rbdi_bforce a, rbdi_bforce b) {
-    const rbdi_batch two = rbdi_b_zero() + rbdi_set(RBD_C(2));
+    const rbdi_batch two = rbdi_zero_batch() + rbdi_set(RBD_C(2));
     a.n = rbdi_b_scale_add(a.n, two, b.n);
     a.f = rbdi_b_scale_add(a.f, two, b.f);
     return a;
@@ -1070,10 +1062,37 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
+/* The base's own, in its axes, in which V = (omega; 0). */
+RBDI_INLINE void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
+    const rbdi_link *l = m->link;
+    const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
+                              l->Sigma.zz, l->h.x,      l->h.y,      l->h.z};
+    const int last = d->base - 1;
+    rbd_real *out = RBDI_OF(d, last, sum);
+    const rbdi_v3 w = d->V.omega, h = rbdi_vec_c(l->h);
+    for (int k = 0; k < 9; ++k) out[k * RBDI_BATCH] = rbdi_set(own[k]);
+    if (need & RBDI_NEED_V) {
+        const rbdi_sym S = rbdi_sym_c(l->Sigma);
+        const rbdi_v3 x = rbdi_cross(w, rbdi_vec(S.xx, S.xy, S.xz)),
+                      y = rbdi_cross(w, rbdi_vec(S.xy, S.yy, S.yz)),
+                      z = rbdi_cross(w, rbdi_vec(S.xz, S.yz, S.zz));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xx), rbdi_vec(x.x, y.x, z.x));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xy), rbdi_vec(x.y, y.y, z.y));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xz), rbdi_vec(x.z, y.z, z.z));
+        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(w, h));
+    }
+    if (need & RBDI_NEED_WRENCH) {
+        const rbdi_motion A = rbdi_load_motion(RBDI_OF(d, last, Ap));
+        const rbdi_force f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(w, A.omega), &A.v);
+        rbdi_store_force(RBDI_OF(d, last, sum.f), RBDI_BATCH, f);
+    }
+}
+
 /* Masses, momenta and wrenches of the links themselves. */
 RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
                                int need) {
-    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
+    if (base) rbdi_base_sums(m, d, need);
+    for (int b = base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         rbdi_bmotion V;
@@ -1356,7 +1375,7 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     for (int b = d->behind, j = d->base; b < d->batches; ++b, j += RBDI_BATCH) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_bforce F = c->F;
-        const rbdi_batch o = rbdi_b_zero();
+        const rbdi_batch o = rbdi_zero_batch();
         const ptrdiff_t row = j * nv;
         const int lanes = d->n - j;
         if (want & RBDI_WANT_M) {
@@ -1516,7 +1535,7 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
 
 /* x = 0: rbdi_clear eight batches at a time. */
 RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
-    const rbdi_batch zero = rbdi_b_zero();
+    const rbdi_batch zero = rbdi_zero_batch();
     for (; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)x;
         RBDI_ONE_INDEX(p); /* or the compiler sees through it */
@@ -1808,7 +1827,7 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_b3 h;
     if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
-    h.x = h.y = h.z = rbdi_b_zero();
+    h.x = h.y = h.z = rbdi_zero_batch();
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
@@ -1981,7 +2000,7 @@ RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN;
     rbd_real *to = x + d->entry[d->base - 1].at;
     rbdi_batch sum[9];
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_b_zero();
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_zero_batch();
     for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
     }
@@ -2003,7 +2022,7 @@ RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives
 /* What y adds to the wrenches of the links behind the base; then its torques. */
 RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_motion y, const rbd_real *a,
                                 rbd_real *tau) {
-    const rbdi_batch o = rbdi_b_zero();
+    const rbdi_batch o = rbdi_zero_batch();
     rbdi_bmotion all;
     all.omega = rbdi_b_vec(o + y.omega.x, o + y.omega.y, o + y.omega.z);
     all.v = rbdi_b_vec(o + y.v.x, o + y.v.y, o + y.v.z);
@@ -2129,12 +2148,11 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     }
 }
 
-/* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right after
-   it: one array, of a dof's path by depth, has all that the dof needs. What it has beyond is zero whenever a
-   row is used: rows are used by whole batches, into the next one, but where L ends. */
+/* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right
+   after it: one array, of a dof's path by depth, has all that the dof needs. It is stored as it is loaded, by
+   batches and then by scalars: a batch that was stored by scalars would have to be waited for. */
 RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
-    const int last = m->nh - RBDI_BATCH;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
     for (const rbdi_order *o = m->order + m->nv - 1; o >= m->order; --o) {
@@ -2142,22 +2160,25 @@ RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real
         const rbd_real *l = L + o->row, y = x[o->dof] + path[d];
         int k = 0;
         x[o->dof] = y;
-        for (; k < d && o->row + k <= last; k += RBDI_BATCH)
+#if RBDI_BATCH > 1
+        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
             *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
+        if (o->row + k <= m->nh - RBDI_BATCH) {
+            rbdi_batch *p = (rbdi_batch *)&path[k];
+            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
+            continue;
+        }
+#endif
         for (; k < d; ++k) path[k] = path[k] - l[k] * y;
-        *(rbdi_batch *)&path[d] = rbdi_b_zero();
+        path[d] = rbdi_zero();
     }
     for (const rbdi_order *o = m->order, *end = o + m->nv; o < end; ++o) {
         const int d = dof[o->dof].depth;
         const rbd_real *l = L + o->row;
-        rbd_real sum = x[o->dof] * l[d];
-        rbdi_batch all = rbdi_b_zero();
+        rbd_real a = x[o->dof] * l[d], b = rbdi_zero();
         int k = 0;
-        *(rbdi_batch *)&path[d] = all;
-        for (; k < d && o->row + k <= last; k += RBDI_BATCH)
-            all = all + *(const rbdi_batch *)&path[k] * *(const rbdi_batch *)&l[k];
-        for (; k < d; ++k) sum = sum - path[k] * l[k];
-        path[d] = x[o->dof] = sum - rbdi_b_sum(all);
+        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
+        path[d] = x[o->dof] = k < d ? a - path[k] * l[k] + b : a + b;
     }
 }
 
