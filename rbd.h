@@ -4408,11 +4408,125 @@ RBDI_INLINE rbd_real rbdi_gather_column(rbdi_gathered g) {
     return g.n > 0 ? a + g.x[0] * g.X[g.at[0]] + b : a + b;
 }
 
+#if RBDI_BATCH == 4
+#define RBDI_BANDS
+/* Where the rows of the dofs on the path to dof k are, root first, in a matrix of nv columns: at[path[k]]
+   and behind, dof[k].depth of them; dofs that follow one another without a branch share theirs. Returns 0 if
+   there may be more than most. */
+RBDI_INLINE int rbdi_paths(const rbd_model *m, int most, rbdi_index *path, rbdi_index *at) {
+    const int n = m->nv;
+    int end = 0;
+    for (int s = 0, before = -1; s < n; ++s) {
+        const int k = m->order[s].dof, lambda = m->dof[k].lambda, d = m->dof[k].depth;
+        if (lambda != before) {
+            const int from = d > 0 ? path[lambda] : 0;
+            if (end + d + n - s > most) return 0;
+            for (int t = 0; t < d; ++t) at[end + t] = at[from + t];
+            end += d;
+        }
+        path[k] = end - d;
+        at[end++] = k * n;
+        before = k;
+    }
+    return 1;
+}
+
+/* M^-1 by bands of as many rows as a batch has scalars: what mirrors a band is whole batches too, and nothing
+   is loaded as a batch that was stored by scalars just before. It takes 9 % less time than row by row on
+   Atlas, 7 to 10 on iiwa, 2 on HyQ; with other batches, and in lanes, more.
+   The columns before the band, so many blocks of them: Z_kj = - sum L_ki Z_ij. */
+RBDI_INLINE void rbdi_band_blocks(const rbdi_gathered *band, int from, ptrdiff_t n, int column, int blocks,
+                                  rbd_real *Z) {
+    for (int a = from; a < RBDI_BATCH; ++a) {
+        rbdi_gathered g = band[a];
+        g.X += column;
+        rbdi_gather_sets(g, RBDI_FRESH, g.x[g.n], 1, 1, blocks, (blocks - 1) * RBDI_BATCH, &Z[a * n + column],
+                         NULL);
+    }
+}
+RBDI_INLINE void rbdi_band_rows(const rbdi_gathered *band, int from, ptrdiff_t n, int first, rbd_real *Z) {
+    int left = (first + RBDI_BATCH - 1) / RBDI_BATCH, column = 0;
+    for (; left > RBDI_ROW; left -= RBDI_ROW, column += RBDI_ROW * RBDI_BATCH)
+        rbdi_band_blocks(band, from, n, column, RBDI_ROW, Z);
+    RBDI_BY_BLOCKS(blocks, left, rbdi_band_blocks(band, from, n, column, blocks, Z))
+}
+
+/* The same, mirrored. */
+RBDI_INLINE void rbdi_band_mirror(ptrdiff_t n, int first, const rbd_real *row, rbd_real *column) {
+    for (int j = 0; j < first; ++j, ++row, column += n) {
+        rbdi_batch y = rbdi_zero_batch();
+        RBDI_UNROLL_ROW for (int a = 0; a < RBDI_BATCH; ++a) y[a] = row[a * n];
+        *(rbdi_batch *)column = y;
+    }
+}
+
+/* The band's own block: its part L of the factor has L Z = S + D^-1 L'^-1, S being - sum L_ki Z_ij of the i
+   before the band. */
+RBDI_INLINE void rbdi_band_block(const rbdi_gathered *band, const rbdi_dof *dof, ptrdiff_t n, int first,
+                                 rbd_real *Z) {
+    rbd_real L[RBDI_BATCH][RBDI_BATCH], inverse[RBDI_BATCH];
+    rbdi_batch S[RBDI_BATCH], R[RBDI_BATCH]; /* R = L'^-1 */
+    const rbdi_batch zero = rbdi_zero_batch();
+    for (int a = 0; a < RBDI_BATCH; ++a) {
+        rbdi_gathered g = band[a];
+        inverse[a] = g.x[g.n];
+        *(rbdi_batch *)L[a] = zero;
+        for (int i = dof[first + a].lambda; i >= first; i = dof[i].lambda)
+            L[a][i - first] = g.x[--g.n] * inverse[a];
+        g.X += first;
+        rbdi_gather_sets(g, RBDI_FRESH, inverse[a], 1, 1, 1, 0, (rbd_real *)&S[a], NULL);
+    }
+    RBDI_UNROLL_ROW for (int c = RBDI_BATCH - 1; c >= 0; --c) {
+        R[c] = zero;
+        R[c][c] = 1;
+        RBDI_UNROLL_ROW for (int a = c + 1; a < RBDI_BATCH; ++a) R[c] = R[c] - R[a] * L[a][c];
+    }
+    RBDI_UNROLL_ROW for (int a = 0; a < RBDI_BATCH; ++a) {
+        S[a] = S[a] + R[a] * inverse[a];
+        RBDI_UNROLL_ROW for (int c = 0; c < a; ++c) S[a] = S[a] - S[c] * L[a][c];
+    }
+    RBDI_UNROLL_ROW for (int a = 0; a < RBDI_BATCH; ++a) {
+        rbdi_batch y = S[a];
+        RBDI_UNROLL_ROW for (int c = a + 1; c < RBDI_BATCH; ++c) y[c] = S[c][a];
+        *(rbdi_batch *)&Z[a * n] = y;
+    }
+}
+
+/* Returns 0 if there is no whole band or no memory for the paths. The last band ends with the last row, and
+   makes the own blocks of some rows before it again. */
+RBDI_PART int rbdi_inverse_bands(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
+    const int n = m->nv;
+    rbdi_index *path = (rbdi_index *)w->F, *at = path + n;
+    const int room = (int)(5 * rbdi_stride(m) * (ptrdiff_t)(sizeof(rbd_real) / sizeof *at)) - n;
+    if (n < RBDI_BATCH || !rbdi_paths(m, room, path, at)) return 0;
+    for (int done = 0, first; done < n; done = first + RBDI_BATCH) {
+        rbdi_gathered band[RBDI_BATCH];
+        rbd_real *rows;
+        first = done < n - RBDI_BATCH ? done : n - RBDI_BATCH;
+        rows = &Z[(ptrdiff_t)first * n];
+        for (int a = 0; a < RBDI_BATCH; ++a) {
+            const rbdi_dof *dof = &m->dof[first + a];
+            band[a].X = Z, band[a].x = U + dof->row;
+            band[a].at = at + path[first + a], band[a].n = dof->depth;
+        }
+        if (first > 0) {
+            rbdi_band_rows(band, done - first, n, first, rows);
+            rbdi_band_mirror(n, first, rows, Z + first);
+        }
+        rbdi_band_block(band, m->dof, n, first, rows + first);
+    }
+    return 1;
+}
+#endif
+
 RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
     const int n = m->nv;
     rbdi_index *at = (rbdi_index *)w->bias;
     rbd_real *row = Z;
     rbdi_gathered g;
+#ifdef RBDI_BANDS
+    if (rbdi_inverse_bands(m, w, U, Z)) return;
+#endif
     g.at = at, g.n = g.d = 0;
     for (int k = 0; k < n; ++k, row += n) {
         g.n = rbdi_gather_path(m->dof, k, n, g.n, at);

@@ -122,6 +122,41 @@ static void check_inverse(const robot *r, const state *s, int number) {
 START_TEST(minverse_is_the_inverse_on_random_trees) { for_random_trees(400, check_inverse); }
 END_TEST
 
+/* A trunk with leaves at its end: more degrees of freedom than go in one piece, and longer paths in all than
+   there is memory for. Armatures keep the condition small. */
+static void check_large_inverse(int trunk, int leaves) {
+    rbd_body bodies[MAX_V] = {{0}};
+    double q[MAX_V], M[MAX_M], inverse[MAX_M], error = 0;
+    const int n = trunk + leaves;
+    for (int i = 0; i < n; i++) {
+        rbd_body *b = &bodies[i];
+        b->parent = i < trunk ? i - 1 : trunk - 1;
+        b->type = RBD_REVOLUTE, b->axis[i % 3] = 1, b->armature[0] = 1;
+        b->position[(i + 1) % 3] = b->com[(i + 2) % 3] = 0.1;
+        b->mass = 0.1, b->inertia[0] = b->inertia[3] = b->inertia[5] = 0.01;
+        q[i] = sin(i);
+    }
+    robot r = robot_build_any("large tree", bodies, n);
+    ck_assert_int_eq(rbd_crba(r.m, r.w, q, M), RBD_OK);
+    ck_assert_int_eq(rbd_minverse(r.m, r.w, q, inverse), RBD_OK);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = i == j ? -1 : 0;
+            for (int k = 0; k < n; k++) sum += M[i * n + k] * inverse[k * n + j];
+            error = fmax(error, isfinite(sum) ? fabs(sum) : HUGE_VAL);
+            ck_assert(memcmp(&inverse[i * n + j], &inverse[j * n + i], sizeof(double)) == 0);
+        }
+    expect_small("M minverse - 1", &r, trunk, error, 1e-12);
+    robot_free(&r);
+}
+
+START_TEST(minverse_is_the_inverse_on_large_trees) {
+    check_large_inverse(63, 0);
+    check_large_inverse(32, 31);
+    check_large_inverse(1, 0);
+}
+END_TEST
+
 /* Columns of any number, apart and in place, are those of single solutions; nothing is written behind. */
 static void check_many(const robot *r, const state *s, int number) {
     enum { MOST = 19 };
@@ -192,6 +227,7 @@ Suite *cholesky_suite(void) {
     tcase_add_test(c, packed_and_in_place_variants_agree);
     tcase_add_test(c, only_the_lower_triangle_is_read);
     tcase_add_test(c, minverse_is_the_inverse_on_random_trees);
+    tcase_add_test(c, minverse_is_the_inverse_on_large_trees);
     tcase_add_test(c, many_solutions_are_single_ones_side_by_side);
     tcase_add_test(c, null_arguments_are_refused);
     suite_add_tcase(suite, c);

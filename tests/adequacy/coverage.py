@@ -35,6 +35,8 @@ def programs():
     """(name, sources with the headers' implementation, other sources, flags, libraries). Every build here reaches
     something that those before it do not."""
     out = [("suites", ["rbd.c"], suite_sources(), QUICK, [])]
+    if " avx2 " in Path("/proc/cpuinfo").read_text():
+        out.append(("batches of four", ["rbd.c"], suite_sources(), [*QUICK, "-mavx2", "-mfma"], []))
     out.append(("scalar lanes", ["scalars.c"], ["reference.c", "control.c"], [*QUICK, "-DRBD_LANES=4"], []))
     for name, flags in {"double": [], "scalars": ["-U__SSE2__"]}.items():
         out.append(("sincos " + name, ["test_sincos.c"], [], [*QUICK, *flags], ["-lquadmath"]))
