@@ -454,7 +454,7 @@ typedef enum rbd_status {
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, was made for another model */
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
-    RBD_ERR_GAIN = -26,       /* of a constraint (rbd_constraints.h): not finite or negative */
+    RBD_ERR_GAIN = -26,       /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
@@ -5971,7 +5971,7 @@ RBD_API const char *rbd_status_string(rbd_status status) {
                "missing or mimics too";
     case RBD_ERR_WORK: return "the work was made for another model";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
-    case RBD_ERR_GAIN: return "negative or not finite";
+    case RBD_ERR_GAIN: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:

@@ -224,7 +224,7 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: as rbd_constrained_fd. */
+   Errors: as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1. */
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
@@ -1555,6 +1555,12 @@ static void rbdi_rebound(rbd_constraints *c, const rbdi_constraint *k, rbd_real 
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }
 
+static int rbdi_restitution_fits(rbd_real x) {
+    const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* NaN is not below it */
+    const rbdi_mask above = rbdi_or(rbdi_less(one, x), rbdi_not(rbdi_less(x, two)));
+    return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
+}
+
 static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                        const rbd_real *v, rbd_real restitution, rbd_real *impulse) {
     rbdi_mask doubt;
@@ -1575,6 +1581,7 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
+    if (!rbdi_restitution_fits(restitution)) return RBD_ERR_GAIN;
     if (m->nmimic) {
         status = rbdi_factored_impact(m, c, q, v, restitution, impulse);
     } else {

@@ -1384,6 +1384,9 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_impact(r.m, c, q, NULL, 0, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, 0, NULL, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(other.m, c, q, q, 0, x, lambda), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, -1e-3, x, lambda), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, 1.001, x, lambda), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, NAN, x, lambda), RBD_ERR_GAIN);
     const double bad[7] = {1, 1, 0, 1, 1, 1, 1};
     double near[MAX_Q];
     ck_assert_int_eq(rbd_constrained_id(r.m, c, NULL, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);

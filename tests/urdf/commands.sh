@@ -419,7 +419,7 @@ constraints_row "row 3: column 'z2': 'up' is not a finite number" "pole,0,0,0,$s
 constraints_row "row 2: it has 3 cells, the header 29" "pole,0,0"
 constraints_row "constraint 0, field 'axes': none is held, or one is neither 0 nor 1" \
     "pole,0,0,0,$same,world,0,0,0,$same,000000,0,0"
-constraints_row "constraint 0, field 'kd': negative or not finite" "pole,0,0,0,$same,world,0,0,0,$same,000001,0,-1"
+constraints_row "constraint 0, field 'kd': negative, not finite or out of range" "pole,0,0,0,$same,world,0,0,0,$same,000001,0,-1"
 printf 'body1,x1\npole,0\n' >constraints
 expect 1 "rbd-eval: constraints: row 1: column 'y1' is missing" "$rbd_eval" \
     --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints constraints --layout
