@@ -346,16 +346,14 @@ typedef struct rbdi_entry {
     int32_t row;  /* where the caller's row starts in a square matrix */
 } rbdi_entry;
 
-/* Of a batch the lanes that have relatives of a dof. */
+/* Of a batch the lanes that have relatives of a dof: bits, of those on its path, and from 16 on of its
+   subtree. */
 typedef struct rbdi_relatives {
-    int32_t at;     /* where the batch is, in scalars */
+    int32_t at;     /* where the batch is, in scalars; -1 ends a list */
     int16_t row;    /* and in a row of entries */
-    uint16_t lanes; /* bits, and as below; 0 ends a list */
+    int16_t whole;  /* in a dof's first: there is no other batch behind a free base */
+    uint64_t lanes; /* as wide as a lane of doubles, which they are compared in */
 } rbdi_relatives;
-enum {
-    RBDI_ALSO_BEFORE = 256, /* the list of those on the path has this batch too */
-    RBDI_ALL_BATCHES = 512  /* the two lists have all there are, behind a free base */
-};
 
 struct rbd_derivatives {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
@@ -372,7 +370,7 @@ struct rbd_derivatives {
     rbdi_entry *entry;   /* n */
     rbdi_run *run;       /* runs */
     int16_t *origin;     /* nl: the root link whose tree has its origin in this link, else -1 */
-    rbdi_relatives *kin; /* n x 2 lists: batches that have dofs on a dof's path, and of its subtree */
+    rbdi_relatives *kin; /* n x 3 lists: batches with dofs on a dof's path, with both, of its subtree */
     rbd_const mass;      /* of all bodies that a joint moves */
 };
 
@@ -384,7 +382,7 @@ struct rbd_derivatives {
 #else
 #define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
 #define RBDI_KIN(n, padded) \
-    ((size_t)(n) * ((size_t)(padded) + 2) * sizeof(rbdi_relatives)) /* from 2 lanes on */
+    ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives)) /* from 2 lanes on */
 #endif
 
 /* Bytes for nl links and n dofs, padded. */
@@ -753,45 +751,51 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp, dV or Ap, dA; world: that of the roots' parent, or with base that of its link.
-   Where the frame moves with its origin's link, that is what the velocities before it add up to. */
-RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbd_real *dV,
+/* Sums over ancestors: Vp or Ap, of dV or dA, which begin so far apart; world: that of the roots' parent, or
+   with base that of its link. Where the frame moves with its origin's link, that is what the velocities
+   before it add up to. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
+    const rbdi_entry *entry = d->entry;
     if (base) {
-        rbdi_store_motion(Vp + d->entry[base - 1].at, world);
-        rbdi_store_motion(dV + d->entry[base - 1].at, rbdi_motion0());
+        rbdi_store_motion(Vp + entry[base - 1].at, world);
+        rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
     }
-    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r) {
+    for (const rbdi_run *r = d->run + (base > 0), *last = d->run + d->runs; r < last; ++r) {
         rbdi_motion V = world;
-        if (r->parent >= base)
-            V = rbdi_motion_add(rbdi_load_motion(Vp + d->entry[r->parent].at),
-                                rbdi_load_motion(dV + d->entry[r->parent].at));
+        if (r->parent >= base) {
+            const rbd_real *in = Vp + entry[r->parent].at;
+            V = rbdi_motion_add(rbdi_load_motion(in), rbdi_load_motion(in + apart));
+        }
         for (int k = r->first; moves && k < r->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(dV + d->entry[k].at + 3 * RBDI_BATCH));
+            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH));
         if (r->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = r->first; k < r->end; ++k)
-                all = rbdi_motion_add(all, rbdi_load_motion(dV + d->entry[k].at));
+                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart));
             for (int k = r->first; k < r->end; ++k) {
-                rbdi_store_motion(Vp + d->entry[k].at, V);
-                rbdi_store_motion(dV + d->entry[k].at, all);
+                rbdi_store_motion(Vp + entry[k].at, V);
+                rbdi_store_motion(Vp + entry[k].at + apart, all);
             }
             continue;
         }
         for (int k = r->first; k < r->end; ++k) {
-            rbdi_store_motion(Vp + d->entry[k].at, V);
-            V = rbdi_motion_add(V, rbdi_load_motion(dV + d->entry[k].at));
+            rbd_real *out = Vp + entry[k].at;
+            RBDI_ONE_INDEX(out);
+            rbdi_store_motion(out, V);
+            V = rbdi_motion_add(V, rbdi_load_motion(out + apart));
         }
     }
 }
 
 /* Components of v, or a, in whose order the lanes are, from k on: 0 or a free base's end. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
+    const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
     out += d->behind * RBDI_COLUMN * RBDI_BATCH;
-    for (; k + RBDI_BATCH <= d->n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
         *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
-    for (; k < d->n; ++k) *out++ = v[k];
+    for (; k < n; ++k) *out++ = v[k];
 }
 
 /* What the layer is asked for beyond F, which needs q only. */
@@ -814,7 +818,7 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
         c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
         c->dV.v = rbdi_b_scale(c->qd, c->S.v);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, (rbd_real *)&d->columns->dV, V, 1);
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, V, 1);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
@@ -847,7 +851,7 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
         c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
         c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, (rbd_real *)&d->columns->dA, A, 0);
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
 }
 
 /* Sigma and h of the links. */
@@ -1206,52 +1210,61 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbd
 }
 
 #if RBDI_BATCH > 1
-/* Lists of a dof's relatives: on its path, and from there rbdi_kin_length on of its subtree. In the order of
-   the lanes, that of rows. */
-RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 1; }
+/* Lists of a dof's relatives, one behind the other. */
+RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
 RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
-    return d->kin + d->entry[i].source * 2 * rbdi_kin_length(d);
+    return d->kin + d->entry[i].source * rbdi_kin_length(d);
 }
 
-/* Puts what is wanted of a batch into a row; also: to what it has in other lanes. */
-RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, unsigned bits, int also, int want, rbdi_wanted row,
-                                ptrdiff_t at) {
+/* Mask of the lanes whose bits begin at first. */
+RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     rbdi_bits lanes;
-    for (int k = 0; k < RBDI_BATCH; ++k) lanes[k] = (rbdi_bit)1 << k;
-    lanes = (rbdi_bits)((lanes & (rbdi_bit)bits) == lanes); /* not from a table: loads are what takes time */
+    for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
+    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
+                       lanes); /* not from a table: loads are what takes time */
+}
+/* Puts what is wanted of a batch into a row. */
+RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
+                                ptrdiff_t at) {
     RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-        if (want >> r & 1) {
-            rbdi_batch *to = (rbdi_batch *)(row.at[r] + at);
-            const rbdi_bits x = (rbdi_bits)y[r] & lanes;
-            *to = (rbdi_batch)(also ? x | (rbdi_bits)*to : x);
-        }
+        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
     }
 }
 
 /* Row of the dof at e, from that behind a free base on: the batches of its relatives. */
-RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *before,
-                              const rbdi_relatives *behind, int want, rbdi_wanted row) {
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+                              int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
     const rbdi_batch zero = {0};
-    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero};
-    if (before->lanes) {
+    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
+    if (k->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + before->at), want, F, T, y);
-            rbdi_put_lanes(y, before->lanes, 0, want, row, before->row);
-        } while ((++before)->lanes);
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, 0), want, row, k->row);
+        } while ((++k)->at >= 0);
     }
-    {
+    for (++k; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_bits before = rbdi_lanes_of(k, 0), behind = rbdi_lanes_of(k, 16);
+        rbdi_entries_before(c, want, F, T, y);
+        rbdi_entries_behind(c, want, S, z);
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+        }
+    }
+    if ((++k)->at >= 0) {
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + behind->at), want, S, y);
-            if (behind->lanes & RBDI_ALSO_BEFORE)
-                rbdi_put_lanes(y, behind->lanes, 1, want, row, behind->row);
-            else
-                rbdi_put_lanes(y, behind->lanes, 0, want, row, behind->row);
-        } while ((++behind)->lanes);
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, 16), want, row, k->row);
+        } while ((++k)->at >= 0);
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
@@ -1266,16 +1279,16 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_kin_length(&d);
-    const rbdi_relatives *kin = d.kin + d.base * 2 * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += 2 * length) {
+    const rbdi_relatives *kin = d.kin + d.base * length;
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += length) {
         const rbdi_entry *e = d.entry + p->laid;
         const int at = e->row + d.base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
         }
-        if ((zeros || !fits) && !(kin[length].lanes & RBDI_ALL_BATCHES)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, kin, kin + length, want, row);
+        if (!kin->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
+        rbdi_put_row(d.columns, e, kin, want, row);
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
@@ -1284,14 +1297,13 @@ RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int z
 }
 /* The same with mimic joints, added where the caller has them. */
 RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
-    const ptrdiff_t length = rbdi_kin_length(d), stride = rbdi_stride(d->model);
+    const ptrdiff_t stride = rbdi_stride(d->model);
     const rbd_real *x = d->work->F;
     rbdi_wanted row = out;
     for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = d->entry + i;
-        const rbdi_relatives *kin = rbdi_kin_of(d, i);
-        rbdi_put_row(d->columns, e, kin, kin + length, want, row);
+        rbdi_put_row(d->columns, e, rbdi_kin_of(d, i), want, row);
         for (int k = e->parent; k >= 0; k = d->entry[k].parent)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
         for (int k = i; k < e->end; ++k)
@@ -1566,8 +1578,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     const int zeros = what == RBDI_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    for (int r = 0; r < RBDI_RESULTS; ++r) /* batches go into whole rows */
-        if (out.at[r] && (m->nmimic || (RBDI_BATCH == 1 && zeros))) rbdi_clear_matrix(m, out.at[r]);
+    if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
         rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, what, out);
     else if (want == RBDI_WANT_V)
@@ -1688,33 +1701,37 @@ RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
 }
 
 #if RBDI_BATCH > 1
-/* Adds a dof's lane to a list of relatives that ends at end. */
+/* Adds a dof's lane, its bits beginning at first, to a list of relatives that ends at end. */
 RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *list, rbdi_relatives *end,
-                                      const rbdi_entry *e) {
+                                      const rbdi_entry *e, int first) {
     rbdi_relatives *k = list;
     while (k < end && k->at != e->at - e->lane) ++k;
     if (k == end) {
         k->at = e->at - e->lane, k->row = (int16_t)((e->batch - d->behind) * RBDI_BATCH);
-        (++end)->lanes = 0;
+        (end++)->lanes = 0;
     }
-    k->lanes = (uint16_t)(k->lanes | 1u << e->lane);
+    k->lanes |= (uint64_t)1 << (first + e->lane);
     return end;
 }
 /* Lists of all dofs behind a free base. */
 RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *before = rbdi_kin_of(d, i), *behind = before + rbdi_kin_length(d), *b = before,
-                       *e = behind;
-        int both = 0;
-        before->lanes = behind->lanes = 0;
+        rbdi_relatives *list = rbdi_kin_of(d, i), *both = list, *behind, *end;
         for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
-            b = rbdi_relate(d, before, b, &d->entry[k]);
-        for (int k = i; k < d->entry[i].end; ++k) e = rbdi_relate(d, behind, e, &d->entry[k]);
-        for (rbdi_relatives *k = behind; k < e; ++k)
-            for (const rbdi_relatives *other = before; other < b; ++other)
-                if (other->at == k->at) k->lanes = (uint16_t)(k->lanes | RBDI_ALSO_BEFORE), ++both;
-        if (b - before + e - behind - both == d->batches - d->behind)
-            behind->lanes = (uint16_t)(behind->lanes | RBDI_ALL_BATCHES);
+            both = rbdi_relate(d, list, both, &d->entry[k], 0);
+        behind = end = both;
+        for (int k = i; k < d->entry[i].end; ++k) end = rbdi_relate(d, list, end, &d->entry[k], 16);
+        for (rbdi_relatives *k = list; k < both;) {
+            const rbdi_relatives here = *k;
+            if (here.lanes >> 16)
+                *k = *--both, *both = here;
+            else
+                ++k;
+        }
+        for (rbdi_relatives *k = end; k > behind; --k) k[1] = k[-1];
+        for (rbdi_relatives *k = behind; k > both; --k) k[0] = k[-1];
+        both->at = behind[1].at = end[2].at = -1;
+        list->whole = end - list == d->batches - d->behind;
     }
 }
 #endif
@@ -1751,12 +1768,12 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->behind = (d->base + rbdi_lanes_before(m)) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
+#if RBDI_BATCH > 1
+    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_kin_length(d), sizeof(rbdi_relatives));
+#endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
-#if RBDI_BATCH > 1
-    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * 2 * rbdi_kin_length(d), sizeof(rbdi_relatives));
-#endif
     d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
@@ -2207,7 +2224,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
         c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, (rbd_real *)&d->columns->dA,
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
     for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs;
          ++r) /* of a block the last dof has what it adds */
