@@ -1067,7 +1067,7 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
 }
 
 /* The base's own, in its axes, in which V = (omega; 0). */
-RBDI_INLINE void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
+RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
     const rbdi_link *l = m->link;
     const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
                               l->Sigma.zz, l->h.x,      l->h.y,      l->h.z};
@@ -1196,7 +1196,10 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
 RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     int k = 0;
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    for (; k < n; ++k) y[k] = x[k];
+    if (k > 0 && k < n) /* the last ones as a whole batch again */
+        *(rbdi_batch *)&y[n - RBDI_BATCH] = *(const rbdi_batch *)&x[n - RBDI_BATCH];
+    else
+        for (; k < n; ++k) y[k] = x[k];
 }
 
 /* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
