@@ -1597,6 +1597,15 @@ RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
     return rbdi_zero();
 #endif
 }
+RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
+#if RBDI_BATCH > 1
+    rbd_real sum = x[0];
+    for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
+    return sum;
+#else
+    return x;
+#endif
+}
 
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
@@ -4433,7 +4442,7 @@ RBDI_INLINE int rbdi_paths(const rbd_model *m, int most, rbdi_index *path, rbdi_
 
 /* M^-1 by bands of as many rows as a batch has scalars: what mirrors a band is whole batches too, and nothing
    is loaded as a batch that was stored by scalars just before. It takes 9 % less time than row by row on
-   Atlas, 7 to 10 on iiwa, 2 on HyQ; with other batches, and in lanes, more.
+   Atlas, 7 to 10 on iiwa, 2 on HyQ, but up to 19 % more with batches of other lengths, and in lanes.
    The columns before the band, so many blocks of them: Z_kj = - sum L_ki Z_ij. */
 RBDI_INLINE void rbdi_band_blocks(const rbdi_gathered *band, int from, ptrdiff_t n, int column, int blocks,
                                   rbd_real *Z) {
@@ -4492,8 +4501,9 @@ RBDI_INLINE void rbdi_band_block(const rbdi_gathered *band, const rbdi_dof *dof,
     }
 }
 
-/* Returns 0 if there is no whole band or no memory for the paths. The last band ends with the last row, and
-   makes the own blocks of some rows before it again. */
+/* Returns 0 if there is no whole band or no memory for the paths, which is that of crba's wrenches: six rows
+   of them, less what the first begins behind. The last band ends with the last row, and makes the own blocks
+   of some rows before it again. */
 RBDI_PART int rbdi_inverse_bands(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
     const int n = m->nv;
     rbdi_index *path = (rbdi_index *)w->F, *at = path + n;

@@ -758,16 +758,6 @@ static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const
     rbdi_delta_rows(c, k, n);
 }
 
-RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
-#if RBDI_BATCH > 1
-    rbd_real sum = x[0];
-    for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
-    return sum;
-#else
-    return x;
-#endif
-}
-
 /* sum of x_k y_k */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
     rbdi_batch lanes = rbdi_zero_batch();

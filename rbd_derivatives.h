@@ -346,7 +346,7 @@ typedef struct rbdi_entry {
     int32_t row;  /* where the caller's row starts in a square matrix */
 } rbdi_entry;
 
-/* Of a batch the lanes that have relatives of a dof: bits, of those on its path, and from 16 on of its
+/* Of a batch the lanes that have relatives of a dof: bits of those on its path, and behind them of its
    subtree. */
 typedef struct rbdi_relatives {
     int32_t at;     /* where the batch is, in scalars; -1 ends a list */
@@ -354,6 +354,7 @@ typedef struct rbdi_relatives {
     int16_t whole;  /* in a dof's first: there is no other batch behind a free base */
     uint64_t lanes; /* as wide as a lane of doubles, which they are compared in */
 } rbdi_relatives;
+enum { RBDI_ON_PATH = 0, RBDI_IN_SUBTREE = 16 }; /* their first bits: a batch has at most 16 lanes */
 
 struct rbd_derivatives {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
@@ -480,7 +481,8 @@ typedef struct rbdi_sums {
 
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise */
+    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise; their order counts in
+                                                    rbdi_sum_ancestors */
     rbdi_sums sum;
     rbdi_bforce F, D, E;
     rbdi_b3 T;
@@ -1158,11 +1160,6 @@ typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-RBDI_INLINE rbd_real rbdi_b_sum(rbdi_batch x) {
-    rbd_real sum = rbdi_zero();
-    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + ((const rbd_real *)&x)[j];
-    return sum;
-}
 /* a' x + b' y, vectors of a batch with those of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
@@ -1239,14 +1236,14 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
-    const rbdi_batch zero = {0};
+    const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
     if (k->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
         do {
             rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, 0), want, row, k->row);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
         } while ((++k)->at >= 0);
     }
     for (++k; k->at >= 0; ++k) {
@@ -1254,7 +1251,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
-        const rbdi_bits before = rbdi_lanes_of(k, 0), behind = rbdi_lanes_of(k, 16);
+        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
         rbdi_entries_behind(c, want, S, z);
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
@@ -1266,7 +1263,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
         do {
             rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, 16), want, row, k->row);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
         } while ((++k)->at >= 0);
     }
 }
@@ -1716,17 +1713,19 @@ RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *
     k->lanes |= (uint64_t)1 << (first + e->lane);
     return end;
 }
-/* Lists of all dofs behind a free base. */
+/* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
+   these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
 RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_kin_of(d, i), *both = list, *behind, *end;
         for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
-            both = rbdi_relate(d, list, both, &d->entry[k], 0);
+            both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
         behind = end = both;
-        for (int k = i; k < d->entry[i].end; ++k) end = rbdi_relate(d, list, end, &d->entry[k], 16);
+        for (int k = i; k < d->entry[i].end; ++k)
+            end = rbdi_relate(d, list, end, &d->entry[k], RBDI_IN_SUBTREE);
         for (rbdi_relatives *k = list; k < both;) {
             const rbdi_relatives here = *k;
-            if (here.lanes >> 16)
+            if (here.lanes >> RBDI_IN_SUBTREE)
                 *k = *--both, *both = here;
             else
                 ++k;
@@ -1856,7 +1855,7 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
         h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
         h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
     }
-    return rbdi_scale(share, rbdi_vec(rbdi_b_sum(h.x), rbdi_b_sum(h.y), rbdi_b_sum(h.z)));
+    return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
 }
 
 /* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
@@ -2024,7 +2023,8 @@ RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
     }
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] = to[j * RBDI_BATCH] + rbdi_b_sum(sum[j]);
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
+        to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
 }
 
 /* y, from the wrench that the base lacks. */
