@@ -140,6 +140,7 @@ enum { MAX_LINKS = 5 * TB_MAX_BODIES }; /* placement, at most three motions, see
 typedef struct link {
     int parent; /* link, -1 = world */
     tb_real R[9], p[3];
+    matrix6 X; /* of R and p: motion vectors from the parent to the link */
     int dofs;
     tb_real subspace[6][6]; /* row k: motion of degree of freedom k */
     int iv;                 /* of the first */
@@ -187,6 +188,7 @@ static link *add_link(tree *t, const tb_real R[9], const tb_real p[3]) {
     l->parent = t->links - 1;
     memcpy(l->R, R, sizeof l->R);
     memcpy(l->p, p, sizeof l->p);
+    l->X = motion_transform(R, p);
     l->ratio = 1;
     t->links++;
     return l;
@@ -333,18 +335,17 @@ typedef struct link_motion {
 /* v_i = X v_p + S qd ; a_i = X a_p + S qdd + v_i x S qd ; and the pose in the world */
 static void move_link(const link *l, const link_motion *parent, const double *qd, const double *qdd,
                       link_motion *out) {
-    const matrix6 X = motion_transform(l->R, l->p);
     tb_real joint[6] = {0}, joint_a[6] = {0}, carried[6], p[3];
     for (int k = 0; k < l->dofs; k++)
         for (int i = 0; i < 6; i++) {
             joint[i] += l->subspace[k][i] * l->ratio * qd[l->iv + k];
             joint_a[i] += l->subspace[k][i] * l->ratio * qdd[l->iv + k];
         }
-    apply6(&X, parent->v, out->v);
+    apply6(&l->X, parent->v, out->v);
     for (int i = 0; i < 6; i++) out->v[i] += joint[i];
     const matrix6 vx = motion_cross(out->v);
     apply6(&vx, joint, carried);
-    apply6(&X, parent->a, out->a);
+    apply6(&l->X, parent->a, out->a);
     for (int i = 0; i < 6; i++) out->a[i] += joint_a[i] + carried[i];
     multiply3(parent->R, l->R, out->R);
     apply3(parent->R, l->p, p);
@@ -381,9 +382,8 @@ static void torques(const tree *t, const double *a, tb_real (*f)[6], tb_real *ta
             tau[l->iv + k] += l->ratio * (dot6(l->subspace[k], f[i]) + rotor);
         }
         if (l->parent >= 0) {
-            const matrix6 X = motion_transform(l->R, l->p);
             tb_real up[6];
-            apply6_transposed(&X, f[i], up);
+            apply6_transposed(&l->X, f[i], up);
             for (int k = 0; k < 6; k++) f[l->parent][k] += up[k];
         }
     }
@@ -447,19 +447,24 @@ static void report_motion(const rbd_body *bodies, int nb, const tree *t, const d
     }
 }
 
-void tb_rnea(const rbd_body *bodies, int nb, const double gravity[3], const double *q, const double *v,
-             const double *a, const double *f_ext, tb_real *tau, tb_motion *out) {
-    tree t;
+static void newton_euler(const rbd_body *bodies, int nb, const tree *t, const double gravity[3],
+                         const double *v, const double *a, const double *f_ext, tb_real *tau) {
     link_motion motion[MAX_LINKS];
     tb_real f[MAX_LINKS][6] = {{0}};
-    expand(bodies, nb, q, &t);
-    move_all(&t, gravity, v, a, motion);
+    move_all(t, gravity, v, a, motion);
     for (int i = 0; i < nb; i++) {
-        const int l = t.link_of_body[i];
+        const int l = t->link_of_body[i];
         add_wrench(&bodies[i], &motion[l], f[l]);
         for (int k = 0; f_ext && k < 6; k++) f[l][k] -= f_ext[6 * i + k];
     }
-    torques(&t, a, f, tau);
+    torques(t, a, f, tau);
+}
+
+void tb_rnea(const rbd_body *bodies, int nb, const double gravity[3], const double *q, const double *v,
+             const double *a, const double *f_ext, tb_real *tau, tb_motion *out) {
+    tree t;
+    expand(bodies, nb, q, &t);
+    newton_euler(bodies, nb, &t, gravity, v, a, f_ext, tau);
     if (out) report_motion(bodies, nb, &t, gravity, v, a, out);
 }
 
@@ -476,9 +481,11 @@ void tb_mass_matrix(const rbd_body *bodies, int nb, const double *q, tb_real *M)
     const int nv = count_dofs(bodies, nb);
     double rest[TB_MAX_DOFS] = {0}, a[TB_MAX_DOFS] = {0};
     tb_real column[TB_MAX_DOFS];
+    tree t;
+    expand(bodies, nb, q, &t);
     for (int k = 0; k < nv; k++) {
         a[k] = 1;
-        tb_rnea(bodies, nb, none, q, rest, a, NULL, column, NULL);
+        newton_euler(bodies, nb, &t, none, rest, a, NULL, column);
         a[k] = 0;
         for (int i = 0; i < nv; i++) M[i * nv + k] = column[i];
     }
@@ -551,7 +558,7 @@ typedef struct articulated {
 /* Pass 1, root to leaves: v_i = X v_lambda + S qd and c_i = v_i x S qd. */
 static void aba_velocity(const link *l, const articulated *lambda, const double *qd, articulated *x) {
     tb_real vJ[6] = {0};
-    x->X = motion_transform(l->R, l->p);
+    x->X = l->X;
     apply6(&x->X, lambda->v, x->v);
     for (int k = 0; k < l->dofs; k++)
         for (int i = 0; i < 6; i++) vJ[i] += l->subspace[k][i] * qd[l->iv + k];
