@@ -29,14 +29,16 @@ def suite_sources():
 
 # What the header has when it is optimised, compiled fast: no optimisation and no forced inlining.
 QUICK = ["-O0", "-D__OPTIMIZE__=1", "-Dalways_inline=unused"]
+AVX2 = ["-mavx2", "-mfma"]
+DATA = ["reference.c", "control.c"]
 
 
 def programs():
     """(name, sources with the headers' implementation, other sources, flags, libraries). Every build here reaches
-    something that those before it do not."""
+    something that those before it do not. What is named after a suite runs this one alone."""
     out = [("suites", ["rbd.c"], suite_sources(), QUICK, [])]
-    if " avx2 " in Path("/proc/cpuinfo").read_text():
-        out.append(("batches of four", ["rbd.c"], suite_sources(), [*QUICK, "-mavx2", "-mfma"], []))
+    if " avx2 " in Path("/proc/cpuinfo").read_text():  # batches of four
+        out.append(("cholesky", ["rbd.c"], suite_sources(), [*QUICK, *AVX2], []))
     out.append(("scalar lanes", ["scalars.c"], ["reference.c", "control.c"], [*QUICK, "-DRBD_LANES=4"], []))
     for name, flags in {"double": [], "scalars": ["-U__SSE2__"]}.items():
         out.append(("sincos " + name, ["test_sincos.c"], [], [*QUICK, *flags], ["-lquadmath"]))
@@ -46,6 +48,13 @@ def programs():
     out.append(("spatial", ["test_spatial.c"], ["reference.c"], QUICK, ["-lquadmath"]))
     out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
     return out
+
+
+def plain(source, flags):
+    """The flags of a source without the implementation: those that it would be the same without are left out. The
+    textbook is what takes the time."""
+    level = "-O3" if source == "textbook.c" else "-O1"
+    return level, *(flag for flag in flags if flag not in [*QUICK, *AVX2] and source not in DATA)
 
 
 def tools(compiler):
@@ -75,20 +84,27 @@ class Build:
                       "-o", str(out)])
         return str(out)
 
+    def compile_plain(self, pool):
+        """The sources without the implementation, each once for the programs that have it with the same flags."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        wanted = sorted({(s, plain(s, flags)) for _, _, others, flags, _ in programs() for s in others})
+        out = pool.map(lambda k: self.compile(*wanted[k], self.folder / f"{k}_{wanted[k][0]}.o"), range(len(wanted)))
+        self.plain = dict(zip(wanted, out))
+
     def measure(self, program):
         """Builds and runs one program; what llvm-cov says of the headers in it."""
         name, covered, others, flags, libraries = program
         place = self.folder / name.replace(" ", "_")
         place.mkdir(parents=True, exist_ok=True)
         objects = [self.compile(s, [*flags, *COVER], place / (s + ".o")) for s in covered]
-        plain = ["-O1", *(flag for flag in flags if flag not in QUICK)]
-        objects += [self.compile(s, plain, place / (s + ".o")) for s in others]
+        objects += [self.plain[s, plain(s, flags)] for s in others]
         binary = place / "program"
         compiler = self.compiler.replace("clang", "clang++") if name == "class" else self.compiler
         self.command([compiler, *COVER, *objects, "-o", str(binary), *self.check, *self.paths, *libraries, "-lm"])
         raw = place / "raw.profraw"
+        suite = {"CK_RUN_SUITE": name} if f"test_{name}.c" in others else {}
         result = subprocess.run([str(binary)], cwd=ROOT, capture_output=True, text=True,
-                                env=dict(os.environ, CK_FORK="no", LLVM_PROFILE_FILE=str(raw)))
+                                env=dict(os.environ, CK_FORK="no", LLVM_PROFILE_FILE=str(raw), **suite))
         if result.returncode:
             sys.exit(f"{name}: fails\n{result.stdout[-2000:]}")
         _, profdata, cov = tools(self.compiler)
@@ -168,6 +184,7 @@ def main():
     headers = [(Source(ROOT / name), Counts(ROOT / name)) for name in HEADERS]
     build = Build(options.folder, options.compiler)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        build.compile_plain(pool)
         for export in pool.map(build.measure, programs()):
             for _, counts in headers:
                 counts.add(export)
