@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RBD_STATIC
-#define RBD_IMPLEMENTATION
 #include "rbd.h"
 
 #include "specialised.h"
