@@ -12,6 +12,11 @@ version=$(sed -n 's/^#define RBD_VERSION "\(.*\)"/\1/p' "$root/rbd.h")
 
 quietly() { "$@" >"$scratch/log" 2>&1 || { cat "$scratch/log"; exit 1; }; }
 
+# In a third of the time without forced inlining.
+CFLAGS="${CFLAGS-} -Dalways_inline=unused"
+CXXFLAGS="${CXXFLAGS-} -Dalways_inline=unused"
+export CFLAGS CXXFLAGS
+
 # configure WAY [VERSION]
 configure() {
     cmake -S "$root/packaging/consumer" -B "$scratch/$1$2" -DWAY="$1" -DROOT="$root" -DVERSION="$2" \

@@ -128,7 +128,7 @@ same "common to batches" '' "$(comm -12 "$scratch/one" "$scratch/other" | xargs)
 
 # C++ has the same names.
 if command -v "${CXX:-c++}" >/dev/null 2>&1; then
-    "${CXX:-c++}" -std=c++11 -w -I"$root" -c "$scratch/library.cpp" -o "$scratch/cpp.o"
+    "${CXX:-c++}" -std=c++11 -w -Dalways_inline=unused -I"$root" -c "$scratch/library.cpp" -o "$scratch/cpp.o"
     symbols "$(object_of library double)" >"$scratch/one"
     symbols "$scratch/cpp.o" >"$scratch/other"
     same "C and C++" '' "$(diff "$scratch/one" "$scratch/other" | xargs)"
