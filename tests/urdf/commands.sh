@@ -6,6 +6,7 @@ root=$(realpath "$1") rbd_model=$(realpath "$2") rbd_eval=$(realpath "$3")
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch" || exit 1
+unforced=-Dalways_inline=unused # the header compiles in a quarter of the time without forced inlining
 failed=0
 
 fail() { echo "FAILED: $*"; failed=1; }
@@ -192,7 +193,7 @@ int main(void)
 END
 for standard in c99 c11; do
     # shellcheck disable=SC2086 # CC may be "ccache cc"
-    ${CC:-cc} -std=$standard -pedantic -Wall -Wextra -Werror -O1 -ffp-contract=off -I"$root" -I. program.c \
+    ${CC:-cc} -std=$standard -pedantic -Wall -Wextra -Werror -O1 $unforced -ffp-contract=off -I"$root" -I. program.c \
         -o program -lm || fail "the tables do not compile as $standard"
     ./program || fail "the tables differ: $?"
 done
@@ -268,7 +269,7 @@ int main(void) {
 END
 printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >library.c
 # shellcheck disable=SC2086 # CC may be "ccache cc"
-${CC:-cc} -std=c99 -I"$root" -c library.c -o library.o || fail "the library does not compile"
+${CC:-cc} -std=c99 $unforced -I"$root" -c library.c -o library.o || fail "the library does not compile"
 for language in "-x c -std=c99" "-x c -std=c11" "-x c++ -std=c++11" "-x c++ -std=c++20"; do
     for tables in BOTH DESCRIPTION_FIRST DESCRIPTION; do
         # shellcheck disable=SC2086 # CC may be "ccache cc"; a language is two words
@@ -450,7 +451,7 @@ int main(void) {
 }
 END
 # shellcheck disable=SC2086 # CC may be "ccache cc"
-${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror -I"$root" -I. held.c -o held -lm && ./held || fail "held_model.h"
+${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror $unforced -I"$root" -I. held.c -o held -lm && ./held || fail "held_model.h"
 
 for pair in rnea=id crba=mm aba=fd; do
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair%=*}" --layout >a.txt || fail "--algorithm ${pair%=*}"
