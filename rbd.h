@@ -1607,6 +1607,32 @@ RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #endif
 }
 
+/* Four scalars that go together, in SIMD registers. */
+#if RBDI_BATCH > 1
+typedef rbd_real rbdi_four
+    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#else
+typedef struct rbdi_four {
+    rbd_real x[4];
+} rbdi_four;
+#endif
+/* Four components of a batch, lane by lane. */
+#if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
+                     b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
+                     c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6),
+                     d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+    y[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5), y[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    y[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), y[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+#else
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    for (int k = 0; k < RBDI_BATCH; ++k)
+        for (int j = 0; j < 4; ++j) ((rbd_real *)&y[k])[j] = ((const rbd_real *)&x[j])[k];
+}
+#endif
+
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1

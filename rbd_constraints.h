@@ -318,6 +318,7 @@ typedef struct rbdi_constraint {
     int16_t tip[2];    /* last dof of the path to each body, -1 = none */
     int16_t trunk;     /* number of dofs that both paths begin with */
     int16_t low;       /* first row that a link between the bodies has to do with */
+    int16_t near_low;  /* the same of a limb, else low */
     int16_t strand;    /* its first */
 } rbdi_constraint;
 
@@ -328,7 +329,25 @@ typedef struct rbdi_strand {
     int16_t row, rows; /* the first, and how many */
     int16_t link;      /* of the body, -1 = world */
     int16_t meet;      /* that of the constraint */
+    int16_t open;      /* 0: its limb has taken its rows */
 } rbdi_strand;
+
+/* What the strands at a link share: the dofs whose part of Lambda is summed together, its own being one block
+   or one of up to six axes in a row that the same strands pass. */
+typedef struct rbdi_piece {
+    int16_t strands;  /* that pass the link */
+    int16_t dofs, at; /* of the piece; where among them the link's begin */
+    int16_t carries;  /* whether a constraint's body is behind */
+} rbdi_piece;
+
+/* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
+   in: [articulated]. */
+typedef struct rbdi_limb {
+    int16_t link;      /* that it hangs on */
+    int16_t row, rows; /* the first, and how many */
+    int16_t strand, end;
+    int16_t taken; /* whether its rows have been eliminated there */
+} rbdi_limb;
 
 /* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
 typedef struct rbdi_span {
@@ -339,7 +358,7 @@ struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride; /* stride: of rows, padded */
-    int strands;
+    int strands, limbs;
     int infeasible;              /* row, -1 = none */
     int moving;                  /* whether velocities of links' origins are wanted, but for impacts */
     int used;                    /* whether D has entries outside of what constraints have in common */
@@ -347,8 +366,10 @@ struct rbd_constraints {
     int16_t *at;                 /* rows: where each row of the caller's is */
     rbdi_strand *strand;         /* two for each batch of each constraint */
     int16_t *route;              /* for each link, the last first, the strands that pass it */
-    int16_t *passing;            /* nl: how many */
-    rbd_real *wrench;            /* rows x 8: K where the sides have met, less that of rows before */
+    rbdi_piece *piece;           /* nl */
+    rbdi_limb *limb;             /* n at most, by their links */
+    rbd_real *wrench;            /* rows x 8: K where the sides have met, less that of rows before; of limbs
+                                    also b and 1/d */
     rbdi_span *span;             /* nv */
     int16_t *order;              /* nv: dofs, depth first */
     int32_t *path;               /* nv: of dofs, where their rows of Y start */
@@ -372,8 +393,9 @@ struct rbd_constraints {
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batches, batch) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND(2 * (size_t)(batches) * sizeof(rbdi_strand)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + \
-     RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_piece)) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + \
+     RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 3 + (batch)) + \
                          12 * (size_t)(batches) * (size_t)(batch) + \
@@ -408,7 +430,7 @@ struct rbd_constraints {
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                4190         45480     8850     17970
-       articulated bodies    11850        148960    21860     34060
+       articulated bodies    11380        145650    18450     29590
        factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -425,7 +447,8 @@ struct rbd_constraints {
    part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L
    and its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow
    from the others: else the set is infeasible. lambda of least norm: projected across the null vectors
-   ([least norm]). No branch on data but whether any row was dropped, so that lanes may differ in rank. */
+   ([least norm]). No branch on data but whether a limb takes its rows and whether any row was dropped, so
+   that lanes may differ in rank. */
 
 RBDI_CODE_BEGIN
 
@@ -442,21 +465,30 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
    rounding: levers^2 eps^2 / D. Where any pivot is below RBDI_DOUBT of it,
    rounding may have been magnified before: pivot j and those after it must exceed RBDI_NOISE times the sum
    of n_k^2 Delta_kk too, for n with n' Delta n = d_j (rbdi_combination). What a dependent row asks for may
-   be off by RBDI_FEASIBLE of its terms: that much a set contradicts itself by drift. */
+   be off by RBDI_FEASIBLE of its terms: that much a set contradicts itself by drift.
+   A limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal entry, and they add to
+   no diagonal entry of the link's inertia more than RBDI_ADDED times it: both equations then hold to 2e-13
+   (HyQ and Atlas in 40,000 states, many limbs near the end of their reach; 1e-13 without limbs). */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_RANK 1e-12
+#define RBDI_SOUND 1e-3
+#define RBDI_ADDED 1e2
 #define RBDI_FEASIBLE 1e-6
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
 
 #elif RBDI_KIND(RBD_CONST) == 2
 #define RBDI_RANK 1e-5f
+#define RBDI_SOUND 1e-2f
+#define RBDI_ADDED 1e2f
 #define RBDI_FEASIBLE 1e-2f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
 
 #else
 #define RBDI_RANK RBD_C(1e-26)
+#define RBDI_SOUND RBD_C(1e-3)
+#define RBDI_ADDED RBD_C(1e2)
 #define RBDI_FEASIBLE RBD_C(1e-12)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
@@ -964,11 +996,15 @@ static void rbdi_least_norm(rbd_constraints *c) {
     }
 }
 
+RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
+    for (int r = 0; r < rows; ++r) out[r] = x[at[r]];
+}
+
 /* lambda in the caller's order; what a call returns, status of the pivots being known. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]];
+    if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
@@ -987,7 +1023,13 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c
 
    and from Lambda, K and b of the rows that pass on. Rows that depend on others vanish, K too: of n with
    Lambda n = 0 all Y'n = 0. In pass 3 lambda follows from y where the strands met, then u/D += Y'lambda / D
-   behind it. */
+   behind it.
+
+   Contacts with the world that have a limb to themselves are eliminated where it ends, likewise, on the link
+   that it hangs on: then the feet of a robot do not meet in its base. That is no loss of rank: of n with
+   J'n = 0 the part n_e of a limb leaves its joints without force, Y n_e = 0, and Lambda n_e = 0 makes it 0.
+   But a limb near the end of its reach is a strut, of which Lambda^-1 is large, and so is what it adds to IA:
+   where pivots or IA would lose digits its rows pass on to the world, in all lanes ([tolerances]). */
 
 #if RBDI_BATCH > 1
 #define rbdi_rows_up rbdi_batch_up
@@ -1035,21 +1077,23 @@ RBDI_INLINE void rbdi_take_term(rbd_real *b, rbd_real *demand, rbdi_batch term) 
 
 /* One-axis link i: what its strands have left when the joint has let go, in the parent's axes. */
 RBDI_INLINE void rbdi_strands_axis(const rbd_model *m, rbd_constraints *c, int i, int form,
-                                   const rbdi_cursor *at, int n) {
+                                   const int16_t *route, int n, rbdi_batch *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &c->w->scratch[i];
     const rbdi_trig trig = rbdi_trig_of(m, c->w, i, form);
     const rbdi_strand *strand = c->strand;
-    const int16_t *route = at->route;
-    rbdi_batch *Y = (rbdi_batch *)at->Y;
     rbd_real *b = c->b, *demand = c->demand;
-    for (int s = 0; s < n; ++s) {
+    for (int s = 0; s < n; ++s, Y += stride) {
         const rbdi_strand *on = &strand[route[s]];
         rbdi_batch *K = (rbdi_batch *)on->K, x[6], y, z, term;
+        if (!on->open) {
+            *Y = rbdi_zero_batch();
+            continue;
+        }
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
         y = z = x[2];
         if (form & RBDI_SLIDES) y = x[2] * l->rho + x[5] * l->kappa;
-        Y[s] = y;
+        *Y = y;
         x[0] = x[0] - y * own->U_D.n.x, x[1] = x[1] - y * own->U_D.n.y;
         x[2] = rbdi_zero_batch(); /* U_z/D = 1 */
         if (form & (RBDI_SLIDES | RBDI_ARMATURE)) x[2] = z - y * own->U_D.n.z;
@@ -1092,15 +1136,19 @@ RBDI_INLINE void rbdi_strand_up_block(const rbdi_pose *X, rbdi_batch x[6]) {
 }
 
 /* Block link i. A free base leaves nothing. */
-static void rbdi_strands_block(const rbd_model *m, rbd_constraints *c, int i, const rbdi_cursor *at, int n) {
+static void rbdi_strands_block(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route, int n,
+                               rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &c->w->block[l->block];
     const int free_base = rbdi_free_base(l, b);
-    rbdi_batch *Y = (rbdi_batch *)at->Y;
     for (int s = 0; s < n; ++s, Y += b->n) {
-        const rbdi_strand *on = &c->strand[at->route[s]];
+        const rbdi_strand *on = &c->strand[route[s]];
         rbdi_batch *K = (rbdi_batch *)on->K, x[6], term;
+        if (!on->open) {
+            for (int d = 0; d < b->n; ++d) Y[d] = rbdi_zero_batch();
+            continue;
+        }
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
         if (free_base) {
             term = rbdi_strand_release(bw, 0, 6, 1, x, Y);
@@ -1117,20 +1165,37 @@ static void rbdi_strands_block(const rbd_model *m, rbd_constraints *c, int i, co
     }
 }
 
-/* Lambda += Y D^-1 Y' of a link's n dofs, for a row of a and those of b, which stands before it or is a. */
+/* Lambda += Y D^-1 Y' of a piece's n dofs, for a row of a and those of b, which stands before it or is a. */
 RBDI_INLINE void rbdi_share_row(rbd_real *D, const rbd_real *ya, const rbdi_batch *zb, int n) {
     rbdi_batch sum = *(const rbdi_batch *)D;
     RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) { sum = sum + zb[t] * ya[t * RBDI_BATCH]; }
     *(rbdi_batch *)D = sum;
 }
 
-/* The same of all pairs of strands. Returns where their Y end. */
-RBDI_INLINE rbd_real *rbdi_share_link(const rbd_constraints *c, const rbdi_cursor *at, int strands, int n,
-                                      const rbd_real *inverse) {
+/* 1/D of the n dofs of the piece that begins at link i. */
+RBDI_INLINE void rbdi_piece_inverse(const rbd_model *m, rbd_constraints *c, int i, int n, rbd_real *inverse) {
+    const rbdi_link *l = &m->link[i];
+    const rbd_work *w = c->w;
+    const int block = l->kind == RBDI_BLOCK;
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbd_real give = c->give, size = c->size;
+    RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) {
+        const int k = block ? l->iv + t : l[t].iv;
+        const rbd_real u_D = block ? w->block[l->block].u_D[t] : w->scratch[i + t].u_D;
+        c->D_inverse[k] = inverse[t] = rbdi_reciprocal(w->pivot[k], RBDI_TINY, &none);
+        give = give + inverse[t];
+        size = size + u_D * u_D;
+    }
+    c->give = give, c->size = size;
+}
+
+/* The same of all pairs of strands. */
+RBDI_INLINE void rbdi_share_piece(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route,
+                                  int strands, const rbd_real *Y, int n) {
     const rbdi_strand *strand = c->strand;
-    const int16_t *route = at->route;
     const int stride = c->stride;
-    rbd_real *Y = at->Y, *D = c->D;
+    rbd_real *D = c->D, inverse[6];
+    rbdi_piece_inverse(m, c, i, n, inverse);
     for (int t = 0; t < strands; ++t) {
         const rbdi_strand *b = &strand[route[t]];
         const rbd_real *ya = Y + t * n * RBDI_BATCH;
@@ -1139,36 +1204,40 @@ RBDI_INLINE rbd_real *rbdi_share_link(const rbd_constraints *c, const rbdi_curso
         for (int s = t; s < strands; ++s, ya += n * RBDI_BATCH) {
             const rbdi_strand *a = &strand[route[s]];
             rbd_real *to = &D[a->row * stride + b->row];
-            for (int i = 0, rows = a->rows; i < rows; ++i, to += stride) rbdi_share_row(to, ya + i, z, n);
+            for (int r = 0, rows = a->rows; r < rows; ++r, to += stride) rbdi_share_row(to, ya + r, z, n);
         }
     }
-    return Y + strands * n * RBDI_BATCH;
 }
 
-/* The strands of link i, whose joint has let go. */
-RBDI_INLINE void rbdi_strands_up(const rbd_model *m, rbd_constraints *c, int i, rbdi_cursor *at) {
+/* Whether any strand has rows that wait. */
+RBDI_INLINE int rbdi_any_open(const rbd_constraints *c, const int16_t *route, int n) {
+    for (int s = 0; s < n; ++s)
+        if (c->strand[route[s]].open) return 1;
+    return 0;
+}
+
+/* The strands of the piece that begins at link i, whose joints have let go. */
+RBDI_INLINE void rbdi_piece_up(const rbd_model *m, rbd_constraints *c, int i, rbdi_cursor *at) {
     const rbdi_link *l = &m->link[i];
-    const int n = c->passing[i], dofs = rbdi_link_dofs(m, l);
-    const rbd_real *u_D = l->kind == RBDI_BLOCK ? c->w->block[l->block].u_D : &c->w->scratch[i].u_D;
-    rbd_real *inverse = &c->D_inverse[l->iv];
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    if (n == 0) return;
-    for (int t = 0; t < dofs; ++t) {
-        inverse[t] = rbdi_reciprocal(c->w->pivot[l->iv + t], RBDI_TINY, &none);
-        c->give = c->give + inverse[t];
-        c->size = c->size + u_D[t] * u_D[t];
-    }
-    if (l->kind == RBDI_BLOCK)
-        rbdi_strands_block(m, c, i, at, n);
-    else
-        RBDI_BY_FORM(form, l, rbdi_strands_axis(m, c, i, form, at, n));
-    if (dofs == 1)
-        at->Y = rbdi_share_link(c, at, n, 1, inverse);
-    else if (dofs == 6)
-        at->Y = rbdi_share_link(c, at, n, 6, inverse);
-    else
-        at->Y = rbdi_share_link(c, at, n, 3, inverse);
+    const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
+    const int16_t *route = at->route;
+    rbd_real *Y = at->Y;
     at->route += n;
+    if (!rbdi_any_open(c, route, n)) return;
+    at->Y += n * dofs * RBDI_BATCH;
+    if (l->kind == RBDI_BLOCK) {
+        rbdi_strands_block(m, c, i, route, n, (rbdi_batch *)Y);
+    } else {
+        for (int t = dofs - 1; t >= 0; --t)
+            RBDI_BY_FORM(form, l + t,
+                         rbdi_strands_axis(m, c, i + t, form, route, n, (rbdi_batch *)Y + t, dofs));
+    }
+    if (dofs == 1)
+        rbdi_share_piece(m, c, i, route, n, Y, 1);
+    else if (dofs == 3)
+        rbdi_share_piece(m, c, i, route, n, Y, 3);
+    else
+        rbdi_share_piece(m, c, i, route, n, Y, 6);
 }
 
 /* Y'lambda of a dof of n strands; Y: stride apart. */
@@ -1185,23 +1254,24 @@ RBDI_INLINE rbd_real rbdi_strands_sum(const rbd_constraints *c, const int16_t *r
 /* u/D of the links first .. end - 1, once lambda of their strands is known. */
 RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int first, int end,
                                    rbdi_cursor *at) {
-    for (int i = first; i < end; ++i) {
+    for (int i = first, links; i < end; i += links) {
         const rbdi_link *l = &m->link[i];
-        const int n = c->passing[i];
-        if (n == 0) continue;
+        const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
+        const rbdi_batch *Y;
+        links = l->kind == RBDI_BLOCK ? 1 : dofs;
         at->route -= n;
+        if (!rbdi_any_open(c, at->route, n)) continue;
+        at->Y -= n * dofs * RBDI_BATCH;
+        Y = (const rbdi_batch *)at->Y;
         if (l->kind == RBDI_BLOCK) {
             rbd_real *u_D = c->w->block[l->block].u_D;
-            const int dofs = rbdi_block_of(m, l)->n;
-            at->Y -= n * dofs * RBDI_BATCH;
             for (int t = 0; t < dofs; ++t)
-                u_D[t] = u_D[t] + rbdi_strands_sum(c, at->route, n, (const rbdi_batch *)at->Y + t, dofs) *
-                                      c->D_inverse[l->iv + t];
+                u_D[t] = u_D[t] + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l->iv + t];
         } else {
-            rbd_real *u_D = &c->w->scratch[i].u_D;
-            at->Y -= n * RBDI_BATCH;
-            *u_D =
-                *u_D + rbdi_strands_sum(c, at->route, n, (const rbdi_batch *)at->Y, 1) * c->D_inverse[l->iv];
+            rbdi_scratch *own = &c->w->scratch[i];
+            for (int t = 0; t < dofs; ++t)
+                own[t].u_D =
+                    own[t].u_D + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l[t].iv];
         }
     }
 }
@@ -1209,7 +1279,6 @@ RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int f
 /* The rows of the constraints first .. end - 1, which meet on one link or in the world. */
 static rbdi_rows rbdi_rows_between(const rbd_constraints *c, int first, int end) {
     rbdi_rows g = {0, 0, 0, 0};
-    if (first == end) return g;
     g.carried = c->constraint[first].meet >= 0;
     g.first = g.low = c->constraint[first].row;
     g.end = c->constraint[end - 1].row + c->constraint[end - 1].rows;
@@ -1265,13 +1334,186 @@ static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cu
     }
     *IA = rbdi_abi_from_array(A);
     *pA = rbdi_load_force(P, 1);
-    for (int r = g.end - 1; r >= g.first && c->passing[meet] > 0; --r)
-        rbdi_pass_on(c, r, meet, at->route, c->passing[meet]);
+    for (int r = g.end - 1; r >= g.first && c->piece[meet].strands > 0; --r)
+        rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
+}
+
+/* -- limbs -- */
+
+/* A row K' b, in SIMD registers; and what rows add to the inertia and bias wrench of a link: [IA pA]. */
+#if RBDI_BATCH > 1
+typedef rbdi_four rbdi_row_part;
+#define RBDI_ROW_PARTS 2
+#else
+typedef rbd_real rbdi_row_part;
+#define RBDI_ROW_PARTS 7
+#endif
+#define RBDI_ROW_PART_SIZE ((int)(sizeof(rbdi_row_part) / sizeof(rbd_real)))
+typedef struct rbdi_limb_row {
+    rbdi_row_part x[RBDI_ROW_PARTS];
+} rbdi_limb_row;
+RBDI_INLINE rbd_real rbdi_row_entry(const rbdi_limb_row *row, int j) { return ((const rbd_real *)row->x)[j]; }
+
+/* The rows of a strand, which stand in lanes. */
+RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand *s,
+                                     rbdi_limb_row row[RBDI_BATCH]) {
+    const rbdi_batch *K = (const rbdi_batch *)s->K;
+#if RBDI_BATCH > 1
+    const rbdi_batch rest[4] = {K[4], K[5], *(const rbdi_batch *)&c->b[s->row], rbdi_zero_batch()};
+    rbdi_four x[RBDI_BATCH], y[RBDI_BATCH];
+    rbdi_fours_of_lanes(K, x);
+    rbdi_fours_of_lanes(rest, y);
+    for (int r = 0; r < RBDI_BATCH; ++r) row[r].x[0] = x[r], row[r].x[1] = y[r];
+#else
+    for (int j = 0; j < 6; ++j) row->x[j] = K[j];
+    row->x[6] = c->b[s->row];
+#endif
+}
+
+/* Of a limb's n rows Lambda = L'DL: w = L^-T [K' b], and Lambda^-1 [K' b]. Returns 0 if a pivot is small, in
+   any lane. */
+RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, const rbdi_limb *e, int n, rbdi_limb_row *w,
+                                 rbdi_limb_row *solved) {
+    const rbd_real zero_row = c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
+    const int stride = c->stride;
+    const rbd_real *D = &c->D[e->row * stride + e->row];
+    rbd_real *inverse = &c->inverse[e->row], A[6][6];
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero()), small = none;
+    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
+        const rbd_real *row = D + i * stride;
+        RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
+    }
+    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
+        const rbd_real whole = c->diagonal[e->row + k] + D[k * stride + k] + zero_row;
+        inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
+        small = rbdi_or(small, rbdi_not(rbdi_less(whole * RBDI_SOUND, A[k][k])));
+        RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
+            const rbd_real l = A[k][i] * inverse[k];
+            RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = A[i][j] - l * A[k][j]; }
+            for (int j = 0; j < RBDI_ROW_PARTS; ++j) w[i].x[j] = w[i].x[j] - w[k].x[j] * l;
+        }
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < RBDI_ROW_PARTS; ++j) {
+            rbdi_row_part x = w[i].x[j];
+            RBDI_UNROLL_SIX for (int k = 0; k < i; ++k) { x = x - solved[k].x[j] * A[i][k]; }
+            solved[i].x[j] = x * inverse[i];
+        }
+    }
+    return !rbdi_any(small);
+}
+
+/* Whether what n rows add to a link's inertia, of which most[6] is a multiple, leaves enough digits of it. */
+RBDI_INLINE int rbdi_adds_little(const rbdi_limb_row *w, const rbdi_limb_row *share, int n,
+                                 const rbd_real *most) {
+    rbdi_mask little = rbdi_less(rbdi_zero(), most[0]);
+    rbdi_limb_row added;
+    for (int j = 0; j < RBDI_ROW_PARTS; ++j) {
+        rbdi_row_part x = w[0].x[j] * share[0].x[j];
+        RBDI_UNROLL_SIX for (int r = 1; r < n; ++r) { x = x + w[r].x[j] * share[r].x[j]; }
+        added.x[j] = x;
+    }
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
+        little = rbdi_and(little, rbdi_less(rbdi_row_entry(&added, j), most[j]));
+    }
+    return !rbdi_any(rbdi_not(little));
+}
+
+/* The n rows of a limb, of so many strands, are eliminated where it ends, if they can be. */
+RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int strands, const rbd_real *most,
+                                rbdi_limb_row sum[6]) {
+    const rbdi_strand *s = c->strand + e->strand;
+    rbdi_limb_row *solved = (rbdi_limb_row *)&c->wrench[8 * e->row], w[6], share[6], own[RBDI_BATCH];
+    rbdi_rows_of_strand(c, s, own);
+    RBDI_UNROLL_SIX for (int r = 0, i = 0; r < n; ++r, ++i) {
+        if (strands > 1 && i == s->rows) rbdi_rows_of_strand(c, s += 2, own), i = 0;
+        w[r] = own[i];
+    }
+    e->taken = (int16_t)rbdi_limb_factor(c, e, n, w, solved);
+    RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r].x[j] * c->inverse[e->row + r];
+    }
+    e->taken = e->taken && rbdi_adds_little(w, share, n, most);
+    if (!e->taken) {
+        for (int r = e->row; r < e->row + n; ++r) rbdi_clear(&c->D[r * c->stride], e->row);
+        return;
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
+        for (int j = i / RBDI_ROW_PART_SIZE; j < RBDI_ROW_PARTS; ++j) {
+            rbdi_row_part x = sum[i].x[j];
+            RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
+            sum[i].x[j] = x;
+        }
+    }
+    for (int k = 0; k < strands; ++k) c->strand[e->strand + 2 * k].open = 0;
+}
+
+/* The limbs first .. end - 1, which hang on one link; IA and pA become what it then feels of its children. */
+static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, int end, rbdi_abi *IA,
+                            rbdi_force *pA) {
+    const rbdi_link *l = &m->link[c->limb[first].link];
+    rbdi_abi own = l->slot < 0 ? *IA : rbdi_abi_add(*IA, c->w->slot[l->slot].I);
+    rbdi_limb_row sum[6];
+    rbd_real A[6][6], most[6];
+    own = rbdi_abi_add_link(l, RBDI_MASS_KEPT, own);
+    most[0] = own.I.xx * RBDI_ADDED, most[1] = own.I.yy * RBDI_ADDED, most[2] = own.I.zz * RBDI_ADDED;
+    most[3] = own.M.xx * RBDI_ADDED, most[4] = own.M.yy * RBDI_ADDED, most[5] = own.M.zz * RBDI_ADDED;
+    rbdi_clear((rbd_real *)sum, 6 * RBDI_ROW_PARTS * RBDI_ROW_PART_SIZE);
+    for (rbdi_limb *e = c->limb + first; e < c->limb + end; ++e) {
+        const int strands = (e->end - e->strand) / 2;
+        if (e->rows == 3)
+            rbdi_take_rows(c, e, 3, strands, most, sum);
+        else if (e->rows == 6)
+            rbdi_take_rows(c, e, 6, strands, most, sum);
+        else
+            rbdi_take_rows(c, e, e->rows % 6, strands, most, sum); /* 1 .. 5, as the compiler sees */
+    }
+    for (int i = 0; i < 6; ++i)
+        for (int j = i; j < 6; ++j) A[i][j] = rbdi_row_entry(&sum[i], j);
+    *IA = rbdi_abi_add(*IA, rbdi_abi_from_array(A));
+    pA->n = rbdi_sub(
+        pA->n, rbdi_vec(rbdi_row_entry(&sum[0], 6), rbdi_row_entry(&sum[1], 6), rbdi_row_entry(&sum[2], 6)));
+    pA->f = rbdi_sub(
+        pA->f, rbdi_vec(rbdi_row_entry(&sum[3], 6), rbdi_row_entry(&sum[4], 6), rbdi_row_entry(&sum[5], 6)));
+}
+
+/* lambda of the rows of a limb from the acceleration of the link that it hangs on. */
+static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
+    const rbdi_limb_row *solved = (const rbdi_limb_row *)&c->wrench[8 * e->row];
+    if (!e->taken) return;
+    for (int r = 0; r < e->rows; ++r) {
+        rbd_real x = rbdi_row_entry(&solved[r], 6);
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x = x - rbdi_row_entry(&solved[r], j) * y[j]; }
+        c->lambda[e->row + r] = x;
+    }
+    for (rbdi_strand *s = c->strand + e->strand; s < c->strand + e->end; s += 2) s->open = 1;
+}
+
+/* Of the limbs before `end` the first that hangs where the last does. */
+static int rbdi_limbs_together(const rbd_constraints *c, int end) {
+    int first = end;
+    while (first > 0 && c->limb[first - 1].link == c->limb[end - 1].link) --first;
+    return first;
+}
+
+/* Before other rows are eliminated: those that limbs have taken have nothing to do with them. */
+static void rbdi_skip_limbs(rbd_constraints *c) {
+    for (const rbdi_limb *e = c->limb; e < c->limb + c->limbs; ++e)
+        for (int r = e->row; e->taken && r < e->row + e->rows; ++r) {
+            rbdi_clear(&c->D[r * c->stride], r);
+            c->D[r * c->stride + r] = rbdi_set(RBD_C(1));
+            c->b[r] = rbdi_zero();
+        }
 }
 
 /* The same of those that meet in the world, which accelerates as c->world says. */
 static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
     const rbdi_v3 g = c->world;
+    int open = 0;
+    for (const rbdi_strand *s = c->strand; s < c->strand + c->strands && s->meet < 0; ++s)
+        open |= s->open && s->link >= 0;
+    if (!open) return;
+    rbdi_skip_limbs(c);
     for (const rbdi_strand *s = c->strand; s < c->strand + c->strands && s->meet < 0; ++s) {
         const rbdi_batch *K = (const rbdi_batch *)s->K;
         if (s->link < 0) continue;
@@ -1282,10 +1524,8 @@ static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
 }
 
 /* lambda of rows whose sides meet on a link, from its acceleration. */
-static void rbdi_solve_between(rbd_constraints *c, int first, int end, rbdi_motion y) {
+static void rbdi_solve_between(rbd_constraints *c, int first, int end, const rbd_real Y[6]) {
     const rbdi_rows g = rbdi_rows_between(c, first, end);
-    rbd_real Y[6];
-    rbdi_motion_to_array(y, Y);
     for (int j = 0; j < 6; ++j) c->size = c->size + Y[j] * Y[j];
     for (int r = g.first; r < g.end; ++r)
         for (int j = 0; j < 6; ++j) c->b[r] = c->b[r] - c->wrench[8 * r + j] * Y[j];
@@ -1310,14 +1550,25 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    int link = m->nl, end = c->n;
+    int link = m->nl, end = c->n, limbs = c->limbs;
     for (;;) {
-        const int meet = rbdi_meeting(c, end);
-        rbdi_aba_pass2_links(m, c->w, tau, meet + 1, link, &IA, &pA, &doubt);
-        while (link > meet + 1) rbdi_strands_up(m, c, --link, at);
-        if (meet < 0) break;
-        rbdi_eliminate(c, rbdi_together(c, end), end, at, &IA, &pA);
-        end = rbdi_together(c, end);
+        const int meet = rbdi_meeting(c, end), hang = limbs > 0 ? c->limb[limbs - 1].link : -1,
+                  stop = meet > hang ? meet : hang;
+        rbdi_aba_pass2_links(m, c->w, tau, stop + 1, link, &IA, &pA, &doubt);
+        while (link > stop + 1) {
+            link -= c->piece[link - 1].at + 1;
+            rbdi_piece_up(m, c, link, at);
+        }
+        if (stop < 0) break;
+        if (hang == stop) {
+            const int first = rbdi_limbs_together(c, limbs);
+            rbdi_take_limbs(m, c, first, limbs, &IA, &pA);
+            limbs = first;
+        }
+        if (meet == stop) {
+            rbdi_eliminate(c, rbdi_together(c, end), end, at, &IA, &pA);
+            end = rbdi_together(c, end);
+        }
     }
     rbdi_eliminate_at_world(c, end);
     return doubt;
@@ -1326,27 +1577,33 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
 /* Pass 3, and lambda of what meets on links. */
 static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cursor *at) {
     rbdi_motion world = rbdi_motion0(), y;
-    int link = 0, first = 0;
+    int link = 0, first = 0, limb = 0;
     world.v = c->world;
     y = world;
     while (first < c->n && c->constraint[first].meet < 0) ++first;
     for (;;) {
-        const int next = first < c->n ? c->constraint[first].meet + 1 : m->nl;
+        const int met = first < c->n ? c->constraint[first].meet : m->nl - 1,
+                  hung = limb < c->limbs ? c->limb[limb].link : m->nl - 1, last = hung < met ? hung : met;
+        rbd_real Y[6];
         int end = first;
-        rbdi_strands_down(m, c, link, next, at);
-        y = rbdi_aba_pass3_links(m, c->w, link, next, world, y, c->x);
-        if (first == c->n) break;
-        while (end < c->n && c->constraint[end].meet == next - 1) ++end;
-        rbdi_solve_between(c, first, end, y);
-        link = next, first = end;
+        rbdi_strands_down(m, c, link, last + 1, at);
+        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, c->x);
+        link = last + 1;
+        if (link == m->nl) break;
+        rbdi_motion_to_array(y, Y);
+        for (; limb < c->limbs && c->limb[limb].link == last; ++limb) rbdi_solve_limb(c, &c->limb[limb], Y);
+        while (end < c->n && c->constraint[end].meet == last) ++end;
+        if (end > first) rbdi_solve_between(c, first, end, Y);
+        first = end;
     }
 }
 
-/* Rows of Lambda, of constraint k, from the first column that they know to the diagonal. */
+/* Rows of Lambda, of constraint k, from the first column that they know to the diagonal; of a limb, if it
+   takes them. */
 RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constraint *k) {
     const rbdi_batch zero = rbdi_zero_batch();
-    const int stride = c->stride, n = k->row + k->rows - k->low;
-    rbd_real *D = &c->D[k->row * stride + k->low];
+    const int stride = c->stride, n = k->row + k->rows - k->near_low;
+    rbd_real *D = &c->D[k->row * stride + k->near_low];
     for (int r = k->rows; r > 0; --r, D += stride)
         for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
 }
@@ -1362,6 +1619,7 @@ static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c,
     c->levers = rbdi_levers(c);
     rbdi_clear(c->diagonal, c->rows);
     rbdi_clear(c->lambda, c->stride);
+    for (int s = 0; s < c->strands; ++s) c->strand[s].open = 1;
     if (c->used) rbdi_clear(c->D, c->rows * c->stride);
     for (const rbdi_constraint *k = c->constraint; !c->used && k < c->constraint + c->n; ++k)
         rbdi_clear_lambda(c, k);
@@ -1386,7 +1644,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     for (int i = 0; i < m->nl; ++i)
-        if (c->span[m->link[i].iv].end > 0) rbdi_kin_link(m, w, i, v, moving);
+        if (c->piece[i].carries) rbdi_kin_link(m, w, i, v, moving);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
@@ -1470,10 +1728,11 @@ static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c,
 
 /* r - gamma, by Baumgarte. */
 RBDI_INLINE void rbdi_stabilise(rbd_constraints *c, const rbdi_constraint *k) {
-    for (int r = k->row; r < k->row + k->rows; ++r) {
-        c->target[r] = -c->gamma[r];
-        if (k->kd > 0) c->target[r] = c->target[r] - c->u[r] * k->kd;
-        if (k->kp > 0) c->target[r] = c->target[r] - c->e[r] * k->kp;
+    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
+        rbdi_batch x = rbdi_zero_batch() - *(const rbdi_batch *)&c->gamma[r];
+        if (k->kd > 0) x = x - *(const rbdi_batch *)&c->u[r] * k->kd;
+        if (k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
+        *(rbdi_batch *)&c->target[r] = x;
     }
 }
 
@@ -2316,10 +2575,80 @@ static int rbdi_passes(const rbd_model *m, const rbdi_strand *s, int i) {
     return i > s->meet && i <= s->link && m->link[s->link].first < m->link[i].end;
 }
 
+/* Whether the same strands pass two links. */
+static int rbdi_same_strands(const rbd_model *m, const rbd_constraints *c, int i, int k) {
+    for (int s = 0; s < c->strands; ++s)
+        if (rbdi_passes(m, &c->strand[s], i) != rbdi_passes(m, &c->strand[s], k)) return 0;
+    return 1;
+}
+
+static int rbdi_is_meeting(const rbd_constraints *c, int link) {
+    for (int i = 0; i < c->n; ++i)
+        if (c->constraint[i].meet == link) return 1;
+    return 0;
+}
+
+/* The longest piece of six, three or one dofs that begins at link i. */
+static int rbdi_piece_dofs(const rbd_model *m, const rbd_constraints *c, int i) {
+    int links = 1;
+    if (m->link[i].kind == RBDI_BLOCK) return rbdi_link_dofs(m, &m->link[i]);
+    while (links < 6 && i + links < m->nl && m->link[i + links].kind != RBDI_BLOCK &&
+           m->link[i + links].parent == i + links - 1 && rbdi_same_strands(m, c, i, i + links) &&
+           !rbdi_is_meeting(c, i + links - 1))
+        ++links;
+    return links == 6 ? 6 : links >= 3 ? 3 : 1;
+}
+
+static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
+    for (int i = 0; i < m->nl;) {
+        const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
+        for (int k = 0; k < links; ++k, ++i) {
+            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
+            c->piece[i].carries = c->span[m->link[i].iv].end > 0;
+        }
+    }
+}
+
+/* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
+   order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
+static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, const int16_t *route,
+                          rbdi_limb *e) {
+    const int parent = m->link[i].parent, n = c->piece[i].strands;
+    int dofs = 0;
+    if (n == 0 || parent < 0 || (m->link[parent].kind != RBDI_BLOCK && rbdi_same_strands(m, c, i, parent)))
+        return 0;
+    e->link = (int16_t)parent, e->taken = 0;
+    e->strand = route[0], e->end = (int16_t)(route[n - 1] + 2);
+    e->row = c->strand[e->strand].row, e->rows = 0;
+    for (int s = 0; s < n; ++s) {
+        const rbdi_strand *on = &c->strand[route[s]], *other = &c->strand[route[s] ^ 1];
+        if (route[s] != e->strand + 2 * s || on->meet >= 0 || other->link >= 0) return 0;
+        for (const rbdi_limb *k = c->limb; k < e; ++k)
+            if (k->strand <= route[s] && route[s] < k->end) return 0;
+        e->rows = (int16_t)(e->rows + on->rows);
+    }
+    for (int k = i, behind = 0; k < m->nl; ++k, behind = 0) {
+        for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
+        if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
+    }
+    return e->rows <= 6 && e->rows <= dofs;
+}
+
+/* By the links that they hang on. */
+static void rbdi_sort_limbs(rbdi_limb *list, int n) {
+    for (int i = 1; i < n; ++i) {
+        const rbdi_limb e = list[i];
+        int at = i;
+        for (; at > 0 && list[at - 1].link > e.link; --at) list[at] = list[at - 1];
+        list[at] = e;
+    }
+}
+
 /* The strands of each link; and of constraints that meet in one place the first row that any of them shares a
    link with. */
 static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
     int16_t *route = c->route;
+    rbdi_lay_pieces(m, c);
     for (int i = m->nl - 1; i >= 0; --i) {
         int n = 0;
         for (int s = 0; s < c->strands; ++s)
@@ -2328,13 +2657,18 @@ static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
             for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
                 if (k->meet == c->strand[route[s]].meet && k->low > c->strand[route[0]].row)
                     k->low = c->strand[route[0]].row;
-        c->passing[i] = (int16_t)n;
-        route += n;
+        c->piece[i].strands = (int16_t)n;
+        if (rbdi_ends_limb(m, c, i, route, &c->limb[c->limbs])) ++c->limbs;
+        if (c->piece[i].at == 0) route += n;
     }
+    rbdi_sort_limbs(c->limb, c->limbs);
     for (int end = c->n, first; end > 0; end = first) {
         const rbdi_rows g = rbdi_rows_between(c, first = rbdi_together(c, end), end);
-        for (int k = first; k < end; ++k) c->constraint[k].low = (int16_t)g.low;
+        for (int k = first; k < end; ++k) c->constraint[k].low = c->constraint[k].near_low = (int16_t)g.low;
     }
+    for (const rbdi_limb *e = c->limb; e < c->limb + c->limbs; ++e)
+        for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+            if (k->row >= e->row && k->row < e->row + e->rows) k->near_low = e->row;
 }
 
 RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
@@ -2373,8 +2707,11 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->strand = (rbdi_strand *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)batches * sizeof(rbdi_strand)));
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
     c->order = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)m->nv * ((size_t)batches + 2) + (size_t)rows) * sizeof(int16_t)));
-    c->passing = c->order + m->nv, c->at = c->passing + m->nv, c->route = c->at + rows;
+        &p, 1, RBDI_ROUND(((size_t)m->nv * ((size_t)batches + 1) + (size_t)rows) * sizeof(int16_t)));
+    c->at = c->order + m->nv, c->route = c->at + rows;
+    c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
+    c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
+    c->limbs = 0;
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
                                  sizeof(rbd_real));

@@ -123,11 +123,12 @@ static void plan(void) {
     check(ilqr_start(&s, q, v));
 }
 
-/* Iterations until nothing is to be gained. Returns whether the cost fell in each, of fewer than 60. */
+/* Iterations until nothing is to be gained. Returns whether the cost fell in each, of fewer than 300. The
+   first rollouts are far off: how many follow hangs on roundings, 40 to 130, but not where it ends. */
 static int converge(void) {
     int better = 1, falling = 1, iterations = 0;
     s.tolerance = 1e-4;
-    while (better && iterations < 60) {
+    while (better && iterations < 300) {
         const double before = s.cost;
         check(ilqr_iterate(&s, &better));
         falling = falling && (better ? s.cost < before : s.cost == before);
@@ -287,7 +288,7 @@ int main(int count, char **arguments) {
     const int meets_limits = ilqr_meets_limits(&s, 1000, scratch, scratch + NU);
     unbounded = 0;
     int good = converge();
-    fprintf(stderr, "the cost fell in each iteration, fewer than 60, to %.0f: %s\n", s.cost,
+    fprintf(stderr, "the cost fell in each iteration, fewer than 300, to %.0f: %s\n", s.cost,
             good ? "yes" : "no");
     good = judge_plan() && good;
     for (int i = 0; i < TICKS; i++)
