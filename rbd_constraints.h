@@ -430,7 +430,7 @@ struct rbd_constraints {
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                4190         45480     8850     17970
-       articulated bodies    11380        145650    18450     29590
+       articulated bodies    11370        145640    18650     29610
        factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -1378,7 +1378,7 @@ RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, const rbdi_limb *e, int n, 
     const int stride = c->stride;
     const rbd_real *D = &c->D[e->row * stride + e->row];
     rbd_real *inverse = &c->inverse[e->row], A[6][6];
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero()), small = none;
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero()), weak = none;
     RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
         const rbd_real *row = D + i * stride;
         RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
@@ -1386,7 +1386,7 @@ RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, const rbdi_limb *e, int n, 
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
         const rbd_real whole = c->diagonal[e->row + k] + D[k * stride + k] + zero_row;
         inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
-        small = rbdi_or(small, rbdi_not(rbdi_less(whole * RBDI_SOUND, A[k][k])));
+        weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * RBDI_SOUND, A[k][k])));
         RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
             const rbd_real l = A[k][i] * inverse[k];
             RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = A[i][j] - l * A[k][j]; }
@@ -1400,7 +1400,7 @@ RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, const rbdi_limb *e, int n, 
             solved[i].x[j] = x * inverse[i];
         }
     }
-    return !rbdi_any(small);
+    return !rbdi_any(weak);
 }
 
 /* Whether what n rows add to a link's inertia, of which most[6] is a multiple, leaves enough digits of it. */
