@@ -1426,12 +1426,13 @@ RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int str
     rbdi_limb_row *solved = (rbdi_limb_row *)&c->wrench[8 * e->row], w[6], share[6], own[RBDI_BATCH];
     rbdi_rows_of_strand(c, s, own);
     RBDI_UNROLL_SIX for (int r = 0, i = 0; r < n; ++r, ++i) {
-        if (strands > 1 && i == s->rows) rbdi_rows_of_strand(c, s += 2, own), i = 0;
+        if (i == RBDI_BATCH || (strands > 1 && i == s->rows)) rbdi_rows_of_strand(c, s += 2, own), i = 0;
         w[r] = own[i];
     }
     e->taken = (int16_t)rbdi_limb_factor(c, e, n, w, solved);
-    RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
-        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r].x[j] * c->inverse[e->row + r];
+    RBDI_UNROLL_SIX for (int r = 0; r < 6; ++r) {
+        const rbd_real inverse = c->inverse[e->row + (r < n ? r : 0)];
+        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r < n ? r : 0].x[j] * inverse;
     }
     e->taken = e->taken && rbdi_adds_little(w, share, n, most);
     if (!e->taken) {
