@@ -778,7 +778,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* D and T halved, and U = V x S: B instead of 2 B */
+    RBDI_NEED_CORIOLIS = 4, /* X and P not of 2 V, and U = V x S: B instead of 2 B */
     RBDI_NEED_WHOLE = 16    /* the same with both */
 };
 
@@ -854,7 +854,7 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k
     s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X and P of the links. */
+/* X and P of the links, V being theirs or, for 2 B in place of B, twice that. */
 RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
     const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
@@ -969,13 +969,13 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rb
     F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
     return F;
 }
-/* (G / 2 w, -P x w): B (w; any). */
-RBDI_INLINE rbdi_bforce rbdi_subtree_B(const rbdi_sums *s, rbdi_b3 w) {
+/* F + (G / 2 w, -P x w): F + B (w; any). */
+RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
-    rbdi_bforce F;
-    F.n = rbdi_b_vec((y.y + z.z) * w.x - x.y * w.y - x.z * w.z, (x.x + z.z) * w.y - y.x * w.x - y.z * w.z,
-                     (x.x + y.y) * w.z - z.x * w.x - z.y * w.y);
-    F.f = rbdi_b_cross(w, s->P);
+    F.n = rbdi_b_vec(F.n.x + (y.y + z.z) * w.x - x.y * w.y - x.z * w.z,
+                     F.n.y + (x.x + z.z) * w.y - y.x * w.x - y.z * w.z,
+                     F.n.z + (x.x + y.y) * w.z - z.x * w.x - z.y * w.y);
+    F.f = rbdi_b_cross_add(F.f, w, s->P);
     return F;
 }
 /* Moment of B' S. */
@@ -991,13 +991,6 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     a.f = rbdi_b_add(a.f, b.f);
     return a;
 }
-/* a + 2 b. */
-RBDI_INLINE rbdi_bforce rbdi_b_force_add_twice(rbdi_bforce a, rbdi_bforce b) {
-    const rbdi_batch two = rbdi_zero_batch() + rbdi_set(RBD_C(2));
-    a.n = rbdi_b_scale_add(a.n, two, b.n);
-    a.f = rbdi_b_scale_add(a.f, two, b.f);
-    return a;
-}
 
 /* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
@@ -1006,8 +999,9 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         const rbdi_sums *s = &c->sum;
         const rbdi_bmotion S = c->S,
                            Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
-        const rbdi_bforce B = rbdi_subtree_B(s, c->Psi.omega), f = s->f;
-        rbdi_bforce E = rbdi_b_force_add_twice(rbdi_inertia_times(s, d->constants[b].subtree, Phi), B);
+        const rbdi_bforce f = s->f;
+        rbdi_bforce E =
+            rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, c->Psi.omega);
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
         c->Phi = Phi, c->E = E;
@@ -1017,12 +1011,9 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
 RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
     const rbdi_sums *s = &c->sum;
     const rbdi_bmotion S = c->S;
-    const int halved = need & RBDI_NEED_CORIOLIS;
     if (need & RBDI_NEED_V) {
-        const rbdi_b3 T = rbdi_subtree_B_t(s, S);
-        const rbdi_bforce B = rbdi_subtree_B(s, S.omega), D = rbdi_inertia_times(s, k->subtree, c->U);
-        c->T = halved ? T : rbdi_b_add(T, T);
-        c->D = halved ? rbdi_b_force_add(D, B) : rbdi_b_force_add_twice(D, B);
+        c->T = rbdi_subtree_B_t(s, S);
+        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, k->subtree, c->U), s, S.omega);
     }
     c->F = rbdi_inertia_times(s, k->subtree, S);
 }
@@ -1053,13 +1044,14 @@ RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) 
     for (int k = 0; k < 9; ++k) out[k * RBDI_BATCH] = rbdi_set(own[k]);
     if (need & RBDI_NEED_V) {
         const rbdi_sym S = rbdi_sym_c(l->Sigma);
-        const rbdi_v3 x = rbdi_cross(w, rbdi_vec(S.xx, S.xy, S.xz)),
-                      y = rbdi_cross(w, rbdi_vec(S.xy, S.yy, S.yz)),
-                      z = rbdi_cross(w, rbdi_vec(S.xz, S.yz, S.zz));
+        const rbdi_v3 W = need & RBDI_NEED_CORIOLIS ? w : rbdi_add(w, w),
+                      x = rbdi_cross(W, rbdi_vec(S.xx, S.xy, S.xz)),
+                      y = rbdi_cross(W, rbdi_vec(S.xy, S.yy, S.yz)),
+                      z = rbdi_cross(W, rbdi_vec(S.xz, S.yz, S.zz));
         rbdi_store_vec(RBDI_OF(d, last, sum.Xx), rbdi_vec(x.x, y.x, z.x));
         rbdi_store_vec(RBDI_OF(d, last, sum.Xy), rbdi_vec(x.y, y.y, z.y));
         rbdi_store_vec(RBDI_OF(d, last, sum.Xz), rbdi_vec(x.z, y.z, z.z));
-        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(w, h));
+        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(W, h));
     }
     if (need & RBDI_NEED_WRENCH) {
         const rbdi_motion A = rbdi_load_motion(RBDI_OF(d, last, Ap));
@@ -1079,8 +1071,9 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
         rbdi_own_inertia(c, k, &s);
         if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_V) rbdi_own_momentum(V, k, &s);
         if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
+        if (need & RBDI_NEED_V)
+            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), k, &s);
         rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
@@ -1427,21 +1420,19 @@ RBDI_INLINE rbdi_rbi rbdi_whole_rbi(const rbd_derivatives *d) {
     C.Sigma.yy = in[3 * RBDI_BATCH], C.Sigma.yz = in[4 * RBDI_BATCH], C.Sigma.zz = in[5 * RBDI_BATCH];
     return C;
 }
-/* Turns, as columns nv apart; k: how many B. */
+/* Turns, as columns nv apart. */
 RBDI_INLINE void rbdi_store_turns(rbdi_mat A, ptrdiff_t nv, ptrdiff_t row, rbd_real *const turn[3]) {
     turn[0][row] = A.xx, turn[1][row] = A.xy, turn[2][row] = A.xz, row += nv;
     turn[0][row] = A.yx, turn[1][row] = A.yy, turn[2][row] = A.yz, row += nv;
     turn[0][row] = A.zx, turn[1][row] = A.zy, turn[2][row] = A.zz;
 }
-RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbd_real *const turn[3]) {
+RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_real *const turn[3]) {
     const int last = d->base - 1;
     const rbdi_rbi C = rbdi_whole_rbi(d);
     const rbdi_v3 w = d->V.omega, v = d->V.v, h = C.h;
-    const rbd_real scale = rbdi_set(k), *in = RBDI_OF(d, last, sum.Xx);
-    const rbdi_v3 x = rbdi_scale(scale, rbdi_load_vec(in)),
-                  y = rbdi_scale(scale, rbdi_load_vec(in + 3 * RBDI_BATCH)),
-                  z = rbdi_scale(scale, rbdi_load_vec(in + 6 * RBDI_BATCH)),
-                  P = rbdi_scale(scale, rbdi_load_vec(RBDI_OF(d, last, sum.P)));
+    const rbd_real *in = RBDI_OF(d, last, sum.Xx);
+    const rbdi_v3 x = rbdi_load_vec(in), y = rbdi_load_vec(in + 3 * RBDI_BATCH),
+                  z = rbdi_load_vec(in + 6 * RBDI_BATCH), P = rbdi_load_vec(RBDI_OF(d, last, sum.P));
     const rbdi_mat minus_G = rbdi_rows_mat(rbdi_vec(-(y.y + z.z), x.y, x.z), rbdi_vec(y.x, -(x.x + z.z), y.z),
                                            rbdi_vec(z.x, z.y, -(x.x + y.y)));
     const ptrdiff_t nv = d->model->nv;
@@ -1453,8 +1444,7 @@ RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_const k, rbd_real *
     A = rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v))));
     rbdi_store_turns(rbdi_mat_sub(A, rbdi_cross_twice(h, w)), nv, 3 * nv, turn);
 }
-RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_const k, rbd_real *by_q, rbd_real *by_v,
-                                   rbd_real *M) {
+RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v, rbd_real *M) {
     const rbd_real mass = rbdi_set(d->mass);
     const ptrdiff_t nv = d->model->nv, low = 3 * nv;
     rbdi_rbi C;
@@ -1468,7 +1458,7 @@ RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_const k, rbd_re
     if (by_v) {
         rbd_real *turn[3];
         turn[0] = by_v, turn[1] = by_v + 1, turn[2] = by_v + 2;
-        rbdi_base_turns(d, k, turn);
+        rbdi_base_turns(d, turn);
         rbdi_put_mat(rbdi_cross_twice(C.h, d->V.omega), nv, by_v + 3);
         rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->V.omega)), nv, by_v + low + 3);
     }
@@ -1488,7 +1478,7 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     rbd_real *turn[3];
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
-    rbdi_base_turns(d, RBD_C(2), turn);
+    rbdi_base_turns(d, turn);
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
         const rbd_real *x = (const rbd_real *)&y;
@@ -1961,7 +1951,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
     rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, RBD_C(1), NULL, C, NULL);
+    rbdi_put_base_block(d, NULL, C, NULL);
     return RBD_OK;
 }
 #endif
@@ -2086,7 +2076,7 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
-    rbdi_put_base_block(d, RBD_C(2), dtau_dq, dtau_dv, M);
+    rbdi_put_base_block(d, dtau_dq, dtau_dv, M);
     return RBD_OK;
 }
 
@@ -2098,7 +2088,7 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
                 RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, RBD_C(2), dg_dq, NULL, NULL);
+    rbdi_put_base_block(d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
 
