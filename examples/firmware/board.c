@@ -22,7 +22,8 @@ uint32_t board_now(void) { return BOARD_TICK_MASK - REGISTER(0xe000e018); /* whi
 int board_wait(uint32_t *start, uint32_t period) {
     const uint32_t half = BOARD_TICK_MASK / 2 + 1, end = *start + period;
     const int in_time = ((board_now() - end) & BOARD_TICK_MASK) >= half;
-    while (((board_now() - end) & BOARD_TICK_MASK) >= half) continue;
+    while (((board_now() - end) & BOARD_TICK_MASK) >= half)
+        for (int i = 0; i < 30; i++) __asm__ volatile(""); /* what takes an emulator time is the bus */
     *start = end;
     return in_time;
 }
