@@ -332,15 +332,19 @@ typedef struct link_motion {
     tb_real v[6], a[6], R[9], p[3];
 } link_motion;
 
+/* S x, for x of v's coordinates */
+static void joint_motion(const link *l, const double *x, tb_real out[6]) {
+    memset(out, 0, 6 * sizeof *out);
+    for (int k = 0; k < l->dofs; k++)
+        for (int i = 0; i < 6; i++) out[i] += l->subspace[k][i] * l->ratio * x[l->iv + k];
+}
+
 /* v_i = X v_p + S qd ; a_i = X a_p + S qdd + v_i x S qd ; and the pose in the world */
 static void move_link(const link *l, const link_motion *parent, const double *qd, const double *qdd,
                       link_motion *out) {
-    tb_real joint[6] = {0}, joint_a[6] = {0}, carried[6], p[3];
-    for (int k = 0; k < l->dofs; k++)
-        for (int i = 0; i < 6; i++) {
-            joint[i] += l->subspace[k][i] * l->ratio * qd[l->iv + k];
-            joint_a[i] += l->subspace[k][i] * l->ratio * qdd[l->iv + k];
-        }
+    tb_real joint[6], joint_a[6], carried[6], p[3];
+    joint_motion(l, qd, joint);
+    joint_motion(l, qdd, joint_a);
     apply6(&l->X, parent->v, out->v);
     for (int i = 0; i < 6; i++) out->v[i] += joint[i];
     const matrix6 vx = motion_cross(out->v);
@@ -470,25 +474,34 @@ void tb_rnea(const rbd_body *bodies, int nb, const double gravity[3], const doub
 
 /* ---- mass matrix and forward dynamics ---- */
 
+/* Column k: the torque of the unit acceleration of degree of freedom k, at rest without gravity: f = I a. */
+void tb_mass_matrix(const rbd_body *bodies, int nb, const double *q, tb_real *M) {
+    static const tb_real world[6];
+    matrix6 I[TB_MAX_BODIES];
+    tree t;
+    expand(bodies, nb, q, &t);
+    for (int i = 0; i < nb; i++) I[i] = spatial_inertia(&bodies[i]);
+    for (int k = 0; k < t.nv; k++) {
+        double one[TB_MAX_DOFS] = {0};
+        tb_real a[MAX_LINKS][6], f[MAX_LINKS][6] = {{0}}, column[TB_MAX_DOFS];
+        one[k] = 1;
+        for (int i = 0; i < t.links; i++) {
+            const link *l = &t.link[i];
+            tb_real own[6];
+            joint_motion(l, one, own);
+            apply6(&l->X, l->parent < 0 ? world : a[l->parent], a[i]);
+            for (int j = 0; j < 6; j++) a[i][j] += own[j];
+        }
+        for (int i = 0; i < nb; i++) apply6(&I[i], a[t.link_of_body[i]], f[t.link_of_body[i]]);
+        torques(&t, one, f, column);
+        for (int i = 0; i < t.nv; i++) M[i * t.nv + k] = column[i];
+    }
+}
+
 static int count_dofs(const rbd_body *bodies, int nb) {
     int nv = 0;
     for (int i = 0; i < nb; i++) nv += tb_nv(&bodies[i]);
     return nv;
-}
-
-void tb_mass_matrix(const rbd_body *bodies, int nb, const double *q, tb_real *M) {
-    static const double none[3] = {0, 0, 0};
-    const int nv = count_dofs(bodies, nb);
-    double rest[TB_MAX_DOFS] = {0}, a[TB_MAX_DOFS] = {0};
-    tb_real column[TB_MAX_DOFS];
-    tree t;
-    expand(bodies, nb, q, &t);
-    for (int k = 0; k < nv; k++) {
-        a[k] = 1;
-        newton_euler(bodies, nb, &t, none, rest, a, NULL, column);
-        a[k] = 0;
-        for (int i = 0; i < nv; i++) M[i * nv + k] = column[i];
-    }
 }
 
 /* M = L L'; inverse column by column */
