@@ -2104,6 +2104,10 @@ RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
    F_j a_j, dA_p being the parent's.
 
+   a is solved of by the factor even if M^-1 is wanted. As its product with tau - c it would take 5 % fewer
+   instructions, but its error would not fit M: in chains of 48 links M a is off by 80 times as much, da/dq by
+   20, and where each of 24 links is twice as heavy as its parent da/dq has no digit left instead of six.
+
    With a free base, v and gravity are in its A only, and A is what is solved of: y = (w_dot; v_dot + w x v -
    gravity; those of the others) at v = 0 without gravity. y changes with neither place, attitude nor v of the
    base; from y to a
