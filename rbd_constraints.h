@@ -1545,6 +1545,13 @@ static int rbdi_meeting(const rbd_constraints *c, int end) {
     return end > 0 ? c->constraint[end - 1].meet : -1;
 }
 
+/* Pass 2 of links between two places where rows are eliminated. */
+RBDI_PART rbdi_mask rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
+                                          int end, rbdi_abi *IA, rbdi_force *pA, rbdi_mask doubt) {
+    rbdi_aba_pass2_links(m, w, tau, first, end, IA, pA, &doubt);
+    return doubt;
+}
+
 /* Pass 2 with the strands, and lambda of what meets in the world. */
 static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
                                     rbdi_cursor *at) {
@@ -1555,7 +1562,7 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
     for (;;) {
         const int meet = rbdi_meeting(c, end), hang = limbs > 0 ? c->limb[limbs - 1].link : -1,
                   stop = meet > hang ? meet : hang;
-        rbdi_aba_pass2_links(m, c->w, tau, stop + 1, link, &IA, &pA, &doubt);
+        doubt = rbdi_articulate_links(m, c->w, tau, stop + 1, link, &IA, &pA, doubt);
         while (link > stop + 1) {
             link -= c->piece[link - 1].at + 1;
             rbdi_piece_up(m, c, link, at);
