@@ -25,7 +25,7 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
      [rnea] [crba] [aba] [hybrid] [cholesky] [pivots] [forward dynamics code]
-     [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
+     [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
 
@@ -1136,8 +1136,7 @@ typedef struct rbdi_block_work { /* per block */
 } rbdi_block_work;
 
 typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
-    rbdi_mat R;           /* link vectors into world vectors */
-    rbdi_v3 p;            /* origin in the world */
+    rbdi_pose X;          /* axes and origin in the world */
     rbdi_v3 v;            /* velocity of the origin, link axes */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
@@ -1274,7 +1273,7 @@ RBDI_EXTERN_C_END
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
    rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
    rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and rbdi_verdict;
-   rbdi_kin, rbdi_kin_link, rbdi_body_kin and rbdi_column; [descriptions].
+   [axes]; rbdi_kin, rbdi_kin_links, rbdi_body_kin and rbdi_column; [descriptions].
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
@@ -5098,59 +5097,152 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
 
 RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
+/* ---- axes and origins of links [axes] ---- */
+
+/* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
+#if RBDI_BATCH > 1
+typedef rbdi_four rbdi_axis;
+RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
+    const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */
+    *a = axis;
+}
+RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return rbdi_vec((*a)[0], (*a)[1], (*a)[2]); }
+RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = -*b; }
+RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *b * k; }
+RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *a + *b * k; }
+#else
+typedef rbdi_v3 rbdi_axis;
+RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) { *a = v; }
+RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return *a; }
+RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = rbdi_vec(-b->x, -b->y, -b->z); }
+RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = rbdi_scale(k, *b); }
+RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) {
+    *a = rbdi_add(*a, rbdi_scale(k, *b));
+}
+#endif
+typedef struct rbdi_axes {
+    rbdi_axis x, y, z, origin;
+} rbdi_axes;
+
+RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
+    rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
+    rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
+    rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
+    rbdi_set_axis(&p->origin, X->r);
+}
+RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
+    const rbdi_v3 x = rbdi_axis_vec(&p->x), y = rbdi_axis_vec(&p->y), z = rbdi_axis_vec(&p->z);
+    X->E.xx = x.x, X->E.xy = x.y, X->E.xz = x.z;
+    X->E.yx = y.x, X->E.yy = y.y, X->E.yz = y.z;
+    X->E.zx = z.x, X->E.zy = z.y, X->E.zz = z.z;
+    X->r = rbdi_axis_vec(&p->origin);
+}
+RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
+    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
+    rbdi_set_axis(&p->x, rbdi_vec(one, o, o));
+    rbdi_set_axis(&p->y, rbdi_vec(o, one, o));
+    rbdi_set_axis(&p->z, rbdi_vec(o, o, one));
+    rbdi_set_axis(&p->origin, rbdi_vec(o, o, o));
+}
+
+/* The axes a, b turned in their plane, as in rbdi_turn_z. */
+RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
+    const rbdi_axis from = *a;
+    if (form & RBDI_TWIST_0) return;
+    if (form & RBDI_TWIST_90) {
+        *a = *b;
+        rbdi_negate_axis(b, &from);
+        return;
+    }
+    rbdi_scale_axis(a, c, a);
+    rbdi_add_axis(a, s, b);
+    rbdi_scale_axis(b, c, b);
+    rbdi_add_axis(b, -s, &from);
+}
+
+/* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
+RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int form, rbdi_trig t, rbdi_axes *p) {
+    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
+        rbdi_add_axis(&p->origin, rbdi_set(l->r.x), &p->x);
+        if (form & RBDI_SHIFT_XYZ) {
+            rbdi_add_axis(&p->origin, rbdi_set(l->r.y), &p->y);
+            rbdi_add_axis(&p->origin, rbdi_set(l->r.z), &p->z);
+        }
+    }
+    if (form & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
+    rbdi_turn_axes(form, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
+    rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
+    if ((form & RBDI_SHIFT_Z) && !(form & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
+}
+
+/* The same of a block. */
+RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
+    const rbdi_axis x = p->x, y = p->y, z = p->z;
+    if (!root) rbdi_add_axis(&p->origin, X->r.x, &x);
+    if (!root) rbdi_add_axis(&p->origin, X->r.y, &y);
+    if (!root) rbdi_add_axis(&p->origin, X->r.z, &z);
+    rbdi_scale_axis(&p->x, X->E.xx, &x), rbdi_add_axis(&p->x, X->E.xy, &y);
+    rbdi_scale_axis(&p->y, X->E.yx, &x), rbdi_add_axis(&p->y, X->E.yy, &y);
+    rbdi_scale_axis(&p->z, X->E.zx, &x), rbdi_add_axis(&p->z, X->E.zy, &y);
+    rbdi_add_axis(&p->x, X->E.xz, &z);
+    rbdi_add_axis(&p->y, X->E.yz, &z);
+    rbdi_add_axis(&p->z, X->E.zz, &z);
+}
+
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
-/* A vector of the parent's in the axes of link i; form: -1 = a block. */
-RBDI_INLINE rbdi_v3 rbdi_down_link(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_v3 v) {
-    const rbdi_link *l = &m->link[i];
-    if (form < 0) return rbdi_mul(w->block[l->block].X.E, v);
-    return rbdi_down(l, form, rbdi_trig_of(m, w, i, form), v);
+/* Velocity of what of the parent is at r, both in its axes. */
+RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
+    const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
+    return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity s.omega is known. */
-RBDI_INLINE void rbdi_kin_form(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
-                               int moving) {
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
+   origin of the parent, which become the link's. */
+RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+                               int moving, rbdi_axes *x) {
     const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     rbdi_kin *k = &w->kin[i];
-    rbdi_v3 r = form < 0 ? w->block[l->block].X.r : rbdi_vec_c(l->r), p = r, x, y, z, u = rbdi_vec0();
-    x = rbdi_vec(rbdi_set(RBD_C(1)), rbdi_zero(), rbdi_zero());
-    y = rbdi_cycle(rbdi_cycle(x)), z = rbdi_cycle(x);
-    if (l->parent >= 0) {
-        const rbdi_kin *up = &w->kin[l->parent];
-        x = rbdi_vec(up->R.xx, up->R.xy, up->R.xz);
-        y = rbdi_vec(up->R.yx, up->R.yy, up->R.yz);
-        z = rbdi_vec(up->R.zx, up->R.zy, up->R.zz);
-        p = rbdi_scale(r.x, rbdi_vec(x.x, y.x, z.x));
-        if (form < 0 || (form & RBDI_SHIFT_XYZ)) p = rbdi_mul(up->R, r);
-        p = rbdi_add(up->p, p);
-        if (moving) u = rbdi_down_link(m, w, i, form, rbdi_add(up->v, rbdi_cross(up->state.omega, r)));
+    rbdi_axes_step(l, form & ~RBDI_ROOT, t, x);
+    rbdi_store_axes(&k->X, x);
+    if (!moving) return;
+    k->v = rbdi_down(l, form, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
+    if (form & RBDI_SHIFT_Z) {
+        k->v.x = k->v.x + t.d * k->state.omega.y;
+        k->v.y = k->v.y - t.d * k->state.omega.x;
     }
-    x = rbdi_down_link(m, w, i, form, x); /* rows of R_parent E' */
-    y = rbdi_down_link(m, w, i, form, y);
-    z = rbdi_down_link(m, w, i, form, z);
-    k->R.xx = x.x, k->R.xy = x.y, k->R.xz = x.z;
-    k->R.yx = y.x, k->R.yy = y.y, k->R.yz = y.z;
-    k->R.zx = z.x, k->R.zy = z.y, k->R.zz = z.z;
-    if (form < 0) {
-        u = rbdi_add(u, rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-    } else if (form & (RBDI_SHIFT_Z | RBDI_SLIDES)) {
-        const rbd_real d = rbdi_trig_of(m, w, i, form).d;
-        p = rbdi_add(p, rbdi_scale(d, rbdi_vec(x.z, y.z, z.z)));
-        u.x = u.x + d * k->state.omega.y;
-        u.y = u.y - d * k->state.omega.x;
-        if (form & RBDI_SLIDES) u.z = u.z + v[l->iv] * l->kappa;
-    }
-    k->p = p;
-    if (moving) k->v = u;
+    if (form & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+}
+RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
+                                rbdi_axes *x) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_pose *X = &w->block[l->block].X;
+    rbdi_kin *k = &w->kin[i];
+    rbdi_axes_block(X, 0, x);
+    rbdi_store_axes(&k->X, x);
+    if (moving)
+        k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
+                        rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
 }
 
-static void rbdi_kin_link(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving) {
-    const rbdi_link *l = &m->link[i];
-    if (l->kind == RBDI_BLOCK)
-        rbdi_kin_form(m, w, i, -1, v, moving);
-    else
-        RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_form(m, w, i, form, v, moving));
+/* The same of the links first .. end - 1. */
+static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                           int moving) {
+    rbdi_axes x;
+    rbdi_world_axes(&x);
+    for (int i = first; i < end; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent < 0)
+            rbdi_world_axes(&x);
+        else if (l->parent != i - 1 || i == first)
+            rbdi_load_axes(&x, &w->kin[l->parent].X);
+        if (l->kind == RBDI_BLOCK)
+            rbdi_kin_block(m, w, i, v, moving, &x);
+        else
+            RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+    }
 }
 
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -5166,8 +5258,8 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
         w->kin[i].state = s;
-        rbdi_kin_link(m, w, i, v, 1);
     }
+    rbdi_kin_links(m, w, 0, m->nl, v, 1);
     *w->rotors = rbdi_zero();
     for (int k = 0; k < m->nv + m->nmimic; ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
@@ -5176,7 +5268,9 @@ RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_rea
 }
 
 /* Of the point x, link axes: its place in the world; its velocity and acceleration, link axes. */
-RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) { return rbdi_add(k->p, rbdi_mul(k->R, x)); }
+RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->X.r, rbdi_mul_t(k->X.E, x));
+}
 RBDI_INLINE rbdi_v3 rbdi_point_v(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->v, rbdi_cross(k->state.omega, x));
 }
@@ -5191,14 +5285,14 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_v3 r = rbdi_vec_c(u->r);
     rbdi_kin k;
     if (u->link < 0) {
-        k.R = rbdi_transpose(E);
-        k.p = r;
+        k.X.E = E;
+        k.X.r = r;
         k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
         return k;
     }
     k = w->kin[u->link];
-    k.p = rbdi_point_p(&k, r);
-    k.R = rbdi_mul_mat(k.R, rbdi_transpose(E));
+    k.X.r = rbdi_point_p(&k, r);
+    k.X.E = rbdi_mul_mat(E, k.X.E);
     k.v = rbdi_mul(E, rbdi_point_v(&k, r));
     k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
     k.state.omega = rbdi_mul(E, k.state.omega);
@@ -5220,11 +5314,11 @@ RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body
     if (status) return status;
     k = rbdi_body_kin(m, w, body);
     if (R) {
-        rbdi_store(rbdi_vec(k.R.xx, k.R.xy, k.R.xz), R);
-        rbdi_store(rbdi_vec(k.R.yx, k.R.yy, k.R.yz), R + 3);
-        rbdi_store(rbdi_vec(k.R.zx, k.R.zy, k.R.zz), R + 6);
+        rbdi_store(rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx), R);
+        rbdi_store(rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy), R + 3);
+        rbdi_store(rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz), R + 6);
     }
-    if (p) rbdi_store(k.p, p);
+    if (p) rbdi_store(k.X.r, p);
     return RBD_OK;
 }
 
@@ -5287,8 +5381,8 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
         c = rbdi_vec_c(u->com);
         share = rbdi_set(u->mass);
         p = rbdi_add(p, rbdi_scale(share, rbdi_point_p(&k, c)));
-        v = rbdi_add(v, rbdi_scale(share, rbdi_mul(k.R, rbdi_point_v(&k, c))));
-        a = rbdi_add(a, rbdi_scale(share, rbdi_mul(k.R, rbdi_point_acc(&k, c))));
+        v = rbdi_add(v, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_v(&k, c))));
+        a = rbdi_add(a, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_acc(&k, c))));
     }
     if (position) rbdi_store(rbdi_scale(inverse, p), position);
     if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
@@ -5305,7 +5399,7 @@ static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int bo
     const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
     const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
     const rbdi_sym I = rbdi_sym_c(u->I);
-    const rbdi_v3 g = rbdi_mul_t(k.R, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
+    const rbdi_v3 g = rbdi_mul(k.X.E, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
     rbdi_force F;
     F.f = rbdi_sub(acc, g);
     F.f = rbdi_scale(rbdi_set(u->mass), F.f);
@@ -5394,7 +5488,7 @@ static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body,
 static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
-    return u->link < 0 ? E : rbdi_mul_mat(E, rbdi_transpose(w->kin[u->link].R));
+    return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
 RBDI_INLINE int rbdi_dofs_of(const rbd_model *m, const rbdi_link *l) {
@@ -5408,10 +5502,10 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     const rbdi_kin *s = &w->kin[i];
     const int axis = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
-    c.omega = axis % 3 == 0   ? rbdi_vec(s->R.xx, s->R.yx, s->R.zx)
-              : axis % 3 == 1 ? rbdi_vec(s->R.xy, s->R.yy, s->R.zy)
-                              : rbdi_vec(s->R.xz, s->R.yz, s->R.zz);
-    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->p)) : c.omega;
+    c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
+              : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
+                              : rbdi_vec(s->X.E.zx, s->X.E.zy, s->X.E.zz);
+    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->X.r)) : c.omega;
     if (l->kind == RBDI_SCREW) {
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
         c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
@@ -5540,7 +5634,7 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     if (point) x = rbdi_vec(point[0], point[1], point[2]);
     V.omega = acceleration ? k.state.omega_dot : k.state.omega;
     V.v = acceleration ? rbdi_point_acc(&k, x) : rbdi_point_v(&k, x);
-    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul(k.R, V.omega), V.v = rbdi_mul(k.R, V.v);
+    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
     rbdi_motion_to_array(V, out);
     return RBD_OK;
 }
@@ -5562,7 +5656,7 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
     rbdi_v3 o, c = H.n;
     rbd_const mass = rbd_mass(m);
     if (status) return status;
-    o = m->nl > 0 ? w->kin[0].p : c;
+    o = m->nl > 0 ? w->kin[0].X.r : c;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         const rbdi_mat E = rbdi_mat_c(u->E);
@@ -5574,14 +5668,14 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
         k = &w->kin[u->link];
         r = rbdi_scale(rbdi_set(u->mass), rbdi_sub(rbdi_point_p(k, com), o));
         c = rbdi_add(c, r);
-        f = rbdi_mul(k->R, rbdi_point_v(k, com));
+        f = rbdi_mul_t(k->X.E, rbdi_point_v(k, com));
         n = rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega)));
-        H.n = rbdi_add(H.n, rbdi_add(rbdi_mul(k->R, n), rbdi_cross(r, f)));
+        H.n = rbdi_add(H.n, rbdi_add(rbdi_mul_t(k->X.E, n), rbdi_cross(r, f)));
         H.f = rbdi_add(H.f, rbdi_scale(rbdi_set(u->mass), f));
-        f = rbdi_mul(k->R, rbdi_point_acc(k, com));
+        f = rbdi_mul_t(k->X.E, rbdi_point_acc(k, com));
         n = rbdi_cross(k->state.omega, n);
         n = rbdi_add(n, rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega_dot))));
-        rate.n = rbdi_add(rate.n, rbdi_add(rbdi_mul(k->R, n), rbdi_cross(r, f)));
+        rate.n = rbdi_add(rate.n, rbdi_add(rbdi_mul_t(k->X.E, n), rbdi_cross(r, f)));
         rate.f = rbdi_add(rate.f, rbdi_scale(rbdi_set(u->mass), f));
     }
     c = rbdi_scale(rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0)), c);

@@ -337,7 +337,6 @@ typedef struct rbdi_strand {
 typedef struct rbdi_piece {
     int16_t strands;  /* that pass the link */
     int16_t dofs, at; /* of the piece; where among them the link's begin */
-    int16_t carries;  /* whether a constraint's body is behind */
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
@@ -516,15 +515,15 @@ RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraints *c, int link, r
     s.acc = c->world;
     if (link >= 0) {
         const rbdi_kin *k = &c->w->kin[link];
-        const rbdi_v3 arm = rbdi_sub(p, k->p);
+        const rbdi_v3 arm = rbdi_sub(p, k->X.r);
         rbdi_v3 turn;
-        s.omega = rbdi_mul(k->R, k->state.omega);
+        s.omega = rbdi_mul_t(k->X.E, k->state.omega);
         turn = rbdi_cross(s.omega, arm);
-        s.v = rbdi_add(rbdi_mul(k->R, k->v), turn);
+        s.v = rbdi_add(rbdi_mul_t(k->X.E, k->v), turn);
         s.acc = rbdi_cross(s.omega, turn);
         if (steady) return s;
-        s.omega_dot = rbdi_mul(k->R, k->state.omega_dot);
-        s.acc = rbdi_add(s.acc, rbdi_add(rbdi_mul(k->R, k->state.acc), rbdi_cross(s.omega_dot, arm)));
+        s.omega_dot = rbdi_mul_t(k->X.E, k->state.omega_dot);
+        s.acc = rbdi_add(s.acc, rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm)));
     }
     return s;
 }
@@ -543,7 +542,7 @@ RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_co
 /* Orientation of the frame in the world. */
 static rbdi_mat rbdi_station_axes(const rbd_constraints *c, const rbdi_constraint *on, int side) {
     const rbdi_mat R = rbdi_mat_c(on->R[side]);
-    return on->link[side] < 0 ? R : rbdi_mul_mat(c->w->kin[on->link[side]].R, R);
+    return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
 
 /* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
@@ -592,7 +591,7 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
     for (int r = 0; r < k->rows; ++r) {
         const rbdi_v3 a = rbdi_vec_c(k->held[r]),
-                      e = k->link[1] < 0 ? a : rbdi_mul(c->w->kin[k->link[1]].R, a);
+                      e = k->link[1] < 0 ? a : rbdi_mul_t(c->w->kin[k->link[1]].X.E, a);
         const int first = r < k->angular ? 0 : 3;
         h->x[first][r] = e.x, h->x[first + 1][r] = e.y, h->x[first + 2][r] = e.z;
     }
@@ -659,15 +658,15 @@ RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, 
 RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
-    const rbdi_mat R = c->w->kin[link].R;
-    const rbdi_v3 arm = rbdi_sub(p, c->w->kin[link].p), z = rbdi_vec(R.xz, R.yz, R.zz), o = rbdi_vec0();
+    const rbdi_pose X = c->w->kin[link].X;
+    const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
     if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
         rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
     } else if (l->kind == RBDI_SCREW) {
         const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
-        const rbdi_v3 axis[3] = {rbdi_vec(R.xx, R.yx, R.zx), rbdi_vec(R.xy, R.yy, R.zy), z};
+        const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
         for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s)
             rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
                                    s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
@@ -679,6 +678,16 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
     for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+
+/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+    const rbdi_link *l = m->link;
+    for (int i = 0, first = 0; i <= m->nl; ++i, ++l) {
+        if (i < m->nl && c->span[rbdi_source(m, l->iv)].end > 0) continue;
+        if (i > first) rbdi_kin_links(m, c->w, first, i, v, moving);
+        first = i + 1;
+    }
+}
 
 /* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
    with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
@@ -693,8 +702,8 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
         w->kin[i].state = s;
-        if (c->span[rbdi_source(m, m->link[i].iv)].end > 0) rbdi_kin_link(m, w, i, v, 1);
     }
+    rbdi_kin_of_paths(m, c, v, 1);
 }
 
 /* Before the rows of all constraints. */
@@ -836,7 +845,7 @@ static rbd_real rbdi_levers(const rbd_constraints *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         for (int side = 0; side < 2; ++side)
             if (k->link[side] >= 0)
-                sum = sum + rbdi_dot(c->w->kin[k->link[side]].p, c->w->kin[k->link[side]].p);
+                sum = sum + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
     return sum;
 }
 
@@ -1048,9 +1057,9 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
                                    const rbdi_axes_held *h, rbdi_v3 arm, int side) {
     const rbdi_kin *kin = &c->w->kin[k->link[side]];
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
-    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(kin->R.xx, kin->R.yx, kin->R.zx)),
-                             rbdi_scale(sign, rbdi_vec(kin->R.xy, kin->R.yy, kin->R.zy)),
-                             rbdi_scale(sign, rbdi_vec(kin->R.xz, kin->R.yz, kin->R.zz))};
+    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(kin->X.E.xx, kin->X.E.xy, kin->X.E.xz)),
+                             rbdi_scale(sign, rbdi_vec(kin->X.E.yx, kin->X.E.yy, kin->X.E.yz)),
+                             rbdi_scale(sign, rbdi_vec(kin->X.E.zx, kin->X.E.zy, kin->X.E.zz))};
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
         rbdi_batch f[3], *K = (rbdi_batch *)c->strand[k->strand + 2 * (r / RBDI_BATCH) + side].K;
         for (int j = 0; j < 3; ++j)
@@ -1651,8 +1660,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
     c->world = rbdi_world_state(gravity).acc;
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
-    for (int i = 0; i < m->nl; ++i)
-        if (c->piece[i].carries) rbdi_kin_link(m, w, i, v, moving);
+    rbdi_kin_of_paths(m, c, v, moving);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
@@ -1691,7 +1699,7 @@ static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, 
     if (k->link[0] >= 0) rbdi_start_strand(c, k, &h, rbdi_vec_c(k->p[0]), 0);
     if (k->link[1] >= 0) {
         const rbdi_kin *kin = &c->w->kin[k->link[1]];
-        rbdi_start_strand(c, k, &h, rbdi_mul_t(kin->R, rbdi_sub(p, kin->p)), 1);
+        rbdi_start_strand(c, k, &h, rbdi_mul(kin->X.E, rbdi_sub(p, kin->X.r)), 1);
     }
 }
 
@@ -2612,7 +2620,6 @@ static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
         const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
         for (int k = 0; k < links; ++k, ++i) {
             c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
-            c->piece[i].carries = c->span[m->link[i].iv].end > 0;
         }
     }
 }
