@@ -1077,42 +1077,49 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
     }
 }
 
-/* b -= term */
+/* b -= term, and the sum of such terms' squares. */
 RBDI_INLINE void rbdi_take_term(rbd_real *b, rbd_real *demand, rbdi_batch term) {
     rbdi_batch *to = (rbdi_batch *)b, *sum = (rbdi_batch *)demand;
     *to = *to - term;
     *sum = *sum + term * term;
 }
 
-/* One-axis link i: what its strands have left when the joint has let go, in the parent's axes. */
-RBDI_INLINE void rbdi_strands_axis(const rbd_model *m, rbd_constraints *c, int i, int form,
-                                   const int16_t *route, int n, rbdi_batch *Y, int stride) {
+/* What a sweep up carries of a strand: wrenches K' of its rows, b and its terms' squares. */
+typedef struct rbdi_carried {
+    rbdi_batch x[6], b, demand;
+} rbdi_carried;
+
+/* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y. */
+RBDI_INLINE void rbdi_strand_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *k,
+                                  rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_scratch *own = &c->w->scratch[i];
-    const rbdi_trig trig = rbdi_trig_of(m, c->w, i, form);
-    const rbdi_strand *strand = c->strand;
-    rbd_real *b = c->b, *demand = c->demand;
-    for (int s = 0; s < n; ++s, Y += stride) {
-        const rbdi_strand *on = &strand[route[s]];
-        rbdi_batch *K = (rbdi_batch *)on->K, x[6], y, z, term;
-        if (!on->open) {
-            *Y = rbdi_zero_batch();
-            continue;
-        }
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
-        y = z = x[2];
-        if (form & RBDI_SLIDES) y = x[2] * l->rho + x[5] * l->kappa;
-        *Y = y;
-        x[0] = x[0] - y * own->U_D.n.x, x[1] = x[1] - y * own->U_D.n.y;
-        x[2] = rbdi_zero_batch(); /* U_z/D = 1 */
-        if (form & (RBDI_SLIDES | RBDI_ARMATURE)) x[2] = z - y * own->U_D.n.z;
-        x[3] = x[3] - y * own->U_D.f.x, x[4] = x[4] - y * own->U_D.f.y, x[5] = x[5] - y * own->U_D.f.z;
-        term = y * own->u_D + x[0] * own->c.omega.x + x[1] * own->c.omega.y;
-        term = term + x[3] * own->c.v.x + x[4] * own->c.v.y + x[5] * own->c.v.z;
-        rbdi_take_term(&b[on->row], &demand[on->row], term);
-        rbdi_rows_up(l, form, trig, x);
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
-    }
+    const rbdi_scratch *own = &w->scratch[i];
+    rbdi_batch *x = k->x, y = x[2], z = x[2], term;
+    if (form & RBDI_SLIDES) y = x[2] * l->rho + x[5] * l->kappa;
+    *Y = y;
+    x[0] = x[0] - y * own->U_D.n.x, x[1] = x[1] - y * own->U_D.n.y;
+    x[2] = rbdi_zero_batch(); /* U_z/D = 1 */
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) x[2] = z - y * own->U_D.n.z;
+    x[3] = x[3] - y * own->U_D.f.x, x[4] = x[4] - y * own->U_D.f.y, x[5] = x[5] - y * own->U_D.f.z;
+    term = y * own->u_D + x[0] * own->c.omega.x + x[1] * own->c.omega.y;
+    term = term + x[3] * own->c.v.x + x[4] * own->c.v.y + x[5] * own->c.v.z;
+    k->b = k->b - term;
+    k->demand = k->demand + term * term;
+    rbdi_rows_up(l, form, rbdi_trig_of(m, w, i, form), x);
+}
+
+/* The same of the n links from i on. */
+RBDI_INLINE void rbdi_strand_axes(const rbd_model *m, rbd_constraints *c, int i, int n, const rbdi_strand *on,
+                                  rbdi_batch *Y) {
+    rbdi_batch *K = (rbdi_batch *)on->K, *b = (rbdi_batch *)&c->b[on->row],
+               *demand = (rbdi_batch *)&c->demand[on->row];
+    rbdi_carried k;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { k.x[j] = K[j]; }
+    k.b = *b, k.demand = *demand;
+    for (int t = n - 1; t >= 0; --t)
+        RBDI_BY_FORM(form, &m->link[i + t], rbdi_strand_axis(m, c->w, i + t, form, &k, &Y[t]));
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = k.x[j]; }
+    *b = k.b, *demand = k.demand;
 }
 
 /* The dofs of a block let go; of a free base x keeps what those before have to give. Returns Y u/D. */
@@ -1144,34 +1151,26 @@ RBDI_INLINE void rbdi_strand_up_block(const rbdi_pose *X, rbdi_batch x[6]) {
     x[2] = x[2] + x[4] * r.x - x[3] * r.y;
 }
 
-/* Block link i. A free base leaves nothing. */
-static void rbdi_strands_block(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route, int n,
-                               rbdi_batch *Y) {
+/* The same of block link i. A free base leaves nothing. */
+static void rbdi_strand_block(const rbd_model *m, rbd_constraints *c, int i, const rbdi_strand *on,
+                              rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &c->w->block[l->block];
-    const int free_base = rbdi_free_base(l, b);
-    for (int s = 0; s < n; ++s, Y += b->n) {
-        const rbdi_strand *on = &c->strand[route[s]];
-        rbdi_batch *K = (rbdi_batch *)on->K, x[6], term;
-        if (!on->open) {
-            for (int d = 0; d < b->n; ++d) Y[d] = rbdi_zero_batch();
-            continue;
-        }
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
-        if (free_base) {
-            term = rbdi_strand_release(bw, 0, 6, 1, x, Y);
-            for (int j = 3; j < 6; ++j) x[j] = rbdi_zero_batch();
-        } else {
-            rbd_real C[6];
-            rbdi_motion_to_array(c->w->scratch[i].c, C);
-            term = rbdi_strand_release(bw, b->first, b->n, 0, x, Y);
-            for (int j = 0; j < 6; ++j) term = term + x[j] * C[j];
-            rbdi_strand_up_block(&bw->X, x);
-        }
-        rbdi_take_term(&c->b[on->row], &c->demand[on->row], term);
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
+    rbdi_batch *K = (rbdi_batch *)on->K, x[6], term;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
+    if (rbdi_free_base(l, b)) {
+        term = rbdi_strand_release(bw, 0, 6, 1, x, Y);
+        for (int j = 3; j < 6; ++j) x[j] = rbdi_zero_batch();
+    } else {
+        rbd_real C[6];
+        rbdi_motion_to_array(c->w->scratch[i].c, C);
+        term = rbdi_strand_release(bw, b->first, b->n, 0, x, Y);
+        for (int j = 0; j < 6; ++j) term = term + x[j] * C[j];
+        rbdi_strand_up_block(&bw->X, x);
     }
+    rbdi_take_term(&c->b[on->row], &c->demand[on->row], term);
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
 }
 
 /* Lambda += Y D^-1 Y' of a piece's n dofs, for a row of a and those of b, which stands before it or is a. */
@@ -1234,12 +1233,15 @@ RBDI_INLINE void rbdi_piece_up(const rbd_model *m, rbd_constraints *c, int i, rb
     at->route += n;
     if (!rbdi_any_open(c, route, n)) return;
     at->Y += n * dofs * RBDI_BATCH;
-    if (l->kind == RBDI_BLOCK) {
-        rbdi_strands_block(m, c, i, route, n, (rbdi_batch *)Y);
-    } else {
-        for (int t = dofs - 1; t >= 0; --t)
-            RBDI_BY_FORM(form, l + t,
-                         rbdi_strands_axis(m, c, i + t, form, route, n, (rbdi_batch *)Y + t, dofs));
+    for (int s = 0; s < n; ++s) {
+        const rbdi_strand *on = &c->strand[route[s]];
+        rbdi_batch *own = (rbdi_batch *)Y + s * dofs;
+        if (!on->open)
+            rbdi_clear(Y + s * dofs * RBDI_BATCH, dofs * RBDI_BATCH);
+        else if (l->kind == RBDI_BLOCK)
+            rbdi_strand_block(m, c, i, on, own);
+        else
+            rbdi_strand_axes(m, c, i, dofs, on, own);
     }
     if (dofs == 1)
         rbdi_share_piece(m, c, i, route, n, Y, 1);
