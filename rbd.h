@@ -5100,7 +5100,7 @@ RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
-#if RBDI_BATCH > 1
+#if RBDI_BATCH >= 4
 typedef rbdi_four rbdi_axis;
 RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
     const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */
