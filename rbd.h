@@ -1606,8 +1606,9 @@ RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #endif
 }
 
-/* Four scalars that go together, in SIMD registers. */
-#if RBDI_BATCH > 1
+/* Four scalars that go together, in SIMD registers. GCC takes what is wider than one through memory. */
+#if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
+#define RBDI_FOURS
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #else
@@ -5100,7 +5101,7 @@ RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
-#if RBDI_BATCH >= 4
+#ifdef RBDI_FOURS
 typedef rbdi_four rbdi_axis;
 RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
     const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */

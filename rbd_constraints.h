@@ -1352,7 +1352,7 @@ static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cu
 /* -- limbs -- */
 
 /* A row K' b, in SIMD registers; and what rows add to the inertia and bias wrench of a link: [IA pA]. */
-#if RBDI_BATCH > 1
+#ifdef RBDI_FOURS
 typedef rbdi_four rbdi_row_part;
 #define RBDI_ROW_PARTS 2
 #else
@@ -1369,15 +1369,17 @@ RBDI_INLINE rbd_real rbdi_row_entry(const rbdi_limb_row *row, int j) { return ((
 RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand *s,
                                      rbdi_limb_row row[RBDI_BATCH]) {
     const rbdi_batch *K = (const rbdi_batch *)s->K;
-#if RBDI_BATCH > 1
+#ifdef RBDI_FOURS
     const rbdi_batch rest[4] = {K[4], K[5], *(const rbdi_batch *)&c->b[s->row], rbdi_zero_batch()};
     rbdi_four x[RBDI_BATCH], y[RBDI_BATCH];
     rbdi_fours_of_lanes(K, x);
     rbdi_fours_of_lanes(rest, y);
     for (int r = 0; r < RBDI_BATCH; ++r) row[r].x[0] = x[r], row[r].x[1] = y[r];
 #else
-    for (int j = 0; j < 6; ++j) row->x[j] = K[j];
-    row->x[6] = c->b[s->row];
+    for (int r = 0; r < RBDI_BATCH; ++r) {
+        for (int j = 0; j < 6; ++j) row[r].x[j] = ((const rbd_real *)&K[j])[r];
+        row[r].x[6] = c->b[s->row + r];
+    }
 #endif
 }
 

@@ -2214,7 +2214,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 #ifndef RBD_NO_REGRESSOR
 /* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
    inertia. */
-#if RBDI_BATCH > 1
+#ifdef RBDI_FOURS
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     const rbdi_four x = {a, b, c, d};
     *y = x;
