@@ -541,7 +541,7 @@ RBD_API size_t rbd_work_size(const rbd_model *m);
 
 /* A work on the stack of a function: for straight-line code of one robot, in a file of its own, built with
    -O3 -fno-signed-zeros -ffinite-math-only (both: else x + 0 and x * 0 must be computed) and the
-   machine's -march; GCC gains by it in rnea and crba, clang in all (README, Measured):
+   machine's -march; GCC gains by it in crba and Cholesky, clang in all (README, Measured):
 
        #define RBD_STATIC
        #define RBD_SPECIALISE
@@ -6080,7 +6080,7 @@ RBD_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_INDEX: return "no such body";
     case RBD_ERR_ORDER: return "rbd_kinematics must be called first";
     case RBD_ERR_SINGULAR: return "the mass matrix is singular";
-    case RBD_ERR_COUNT: return "the number of bodies is below 1 or above RBD_MAX_BODIES";
+    case RBD_ERR_COUNT: return "too few or too many bodies (1 .. RBD_MAX_BODIES) or constraints";
     case RBD_ERR_NAME: return "the name stands twice";
     case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
     case RBD_ERR_TYPE: return "unknown joint type, or missing";
@@ -6100,7 +6100,7 @@ RBD_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_MIMIC:
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
-    case RBD_ERR_WORK: return "the work was made for another model";
+    case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_ERR_GAIN: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";

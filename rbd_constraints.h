@@ -140,7 +140,7 @@ extern "C" {
    -1 is the world, and axes. */
 typedef struct rbd_constraint {
     const char *name;    /* for findings; NULL = nameless */
-    int body1, body2;    /* index in the description, -1 = world */
+    int body1, body2;    /* index in the description, -1 = world (and what rbd_body_index says of no name) */
     double rotation1[9]; /* 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity */
     double position1[3]; /* of its origin, m */
     double rotation2[9]; /* the same of frame 2 in body 2 */
@@ -158,7 +158,8 @@ RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const 
 RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
 
 /* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
-   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z. */
+   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
+   refused as rotation1 or rotation2. */
 RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
 RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                       const double point2[3], const double axis2[3]);
@@ -173,7 +174,7 @@ typedef struct rbd_constraints rbd_constraints; /* constraints that hold togethe
    use. Contacts that come and go: a set for each phase; they may share the work.
    list     n rows, not needed later but for their names; n may be 0
    memory   size bytes of any alignment; RBD_CONSTRAINTS_SIZE(nv, rows) always suffices, rows: axes held
-            by all
+            by all; rbd_constraints_size says what this set takes, on a PC a fraction of it
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
@@ -202,8 +203,8 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. What rbd_kinematics left in the work is
-   gone after each of them. Errors: RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
+   an input of the same shape. What rbd_kinematics left in the work is gone after each of them. Errors:
+   RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
@@ -216,7 +217,7 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    lambda   rows; may be NULL
    Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
    RBD_ERR_INFEASIBLE if dependent rows contradict each other: then a and lambda are those of the rows behind
-   the one that rbd_infeasible_row names. */
+   the one that rbd_infeasible_row names, and the first equation holds to some 1e-6 of its terms only. */
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda);
@@ -232,7 +233,8 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
    motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
    lambda^2; if there is none, the one that comes nearest (least squares): tau has there what is missing.
    lambda must be checked by the caller: a foot may be asked to pull.
-   a          nv, wanted; that J a + gamma = 0 is the caller's care
+   a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
+              the task is rows with gains, too
    actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
    Errors: also RBD_ERR_GAIN, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
@@ -262,7 +264,8 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
    tau changes of a, nv x nv, and of lambda, rows x nv. f_ext stays fixed in its bodies' axes.
    d            of the same work
    a, lambda    as rbd_constrained_fd gives them; each may be NULL
-   da_...       each with its dlambda_..., both or neither NULL; no two the same array
+   da_...       each with its dlambda_..., both or neither NULL, also where there are no rows; no two the
+                same array
    Of dependent rows the rank shall stay as it is. da is then unique; dlambda the change of least norm, of all
    that go with da: the solution of least norm changes by that and by a null vector of J'.
    Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
@@ -1197,7 +1200,7 @@ RBDI_INLINE void rbdi_piece_inverse(const rbd_model *m, rbd_constraints *c, int 
     c->give = give, c->size = size;
 }
 
-/* The same of all pairs of strands. */
+/* rbdi_share_row of all pairs of strands. */
 RBDI_INLINE void rbdi_share_piece(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route,
                                   int strands, const rbd_real *Y, int n) {
     const rbdi_strand *strand = c->strand;
@@ -1520,7 +1523,7 @@ static void rbdi_skip_limbs(rbd_constraints *c) {
         }
 }
 
-/* The same of those that meet in the world, which accelerates as c->world says. */
+/* As rbdi_eliminate, of the rows that meet in the world, which accelerates as c->world says. */
 static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
     const rbdi_v3 g = c->world;
     int open = 0;
@@ -1819,7 +1822,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, cons
         rbdi_constraint_rows(m, c, k, want);
 }
 
-/* J of a constraint after an impact, less J v. */
+/* J v of a constraint as wanted after an impact, less J v before. */
 static void rbdi_rebound(rbd_constraints *c, const rbdi_constraint *k, rbd_real restitution) {
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }
@@ -2308,7 +2311,6 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, lambda);
     for (int k = 0; k < nv; ++k) d->a[k] = c->x[k];
     if (da_dq || da_dv) (void)rbd_rnea_derivatives(m, d, q, v, d->a, f_ext, da_dq, da_dv, NULL);
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
@@ -2330,6 +2332,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
         }
         rbdi_caller_order(c, of_lambda[x], nv);
     }
+    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     return solved;
 }
 #endif
@@ -2439,7 +2442,7 @@ RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *li
                                   RBDI_BATCH);
 }
 
-/* The link that carries a body, -1 = world; NULL frames are the world's. */
+/* The link that carries a body, -1 = world. */
 static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
 static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
@@ -2455,6 +2458,8 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
         } \
     } while (0)
     RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
+    RBDI_REQUIRE(k->body1 >= 0 || k->body2 >= 0, RBD_ERR_INDEX, "body1",
+                 RBDI_TEXT("both bodies are -1, the world, or what no name of a body was found as"));
     RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));

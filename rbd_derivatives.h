@@ -221,7 +221,7 @@ RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 /* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
    da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx =
    -M^-1 dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be
-   tau. Also RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
+   v or tau. Also RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
 RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
@@ -2141,9 +2141,9 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_columns_by_q(d);
 }
 
-/* From y and its derivatives to a and its; v: velocity of the base. Outputs may be NULL. */
-RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *a,
-                              rbd_real *by_q, rbd_real *by_v) {
+/* From y, in d->a, and its derivatives to a and its, which may be NULL; v: velocity of the base. */
+RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
+                              rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
     const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
                   up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
@@ -2160,7 +2160,7 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        if (a) a[3 + i] = a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
+        d->a[3 + i] = d->a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
         if (by_q) {
             rbd_real *row = by_q + (3 + i) * nv;
             row[j] = U[k], row[k] = -U[j];
@@ -2193,7 +2193,6 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     else
         rbdi_solve_packed(m, d->work, d->work->H, d->a);
     status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
@@ -2201,7 +2200,8 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
     rbdi_solve_sides(m, d->work, d->work->H, nv, -1, nv - unsolved, sides, count);
-    if (d->base) rbdi_from_base(m, d, v, a, da_dq, da_dv);
+    if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
+    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (status && a) (void)rbdi_verdict(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
         if (result[k]) (void)rbdi_verdict(m, d->work, result[k], nv * nv);

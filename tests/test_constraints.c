@@ -1287,6 +1287,34 @@ START_TEST(floating_joint_of_a_link_has_motors) {
 }
 END_TEST
 
+START_TEST(derivatives_may_have_an_input_for_a) {
+    static slopes apart, same;
+    const ref_control *hyq = control_named("control_hyq");
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const ref_control_state *s = &hyq->states[0];
+    const double point[3] = {0, 0, 0};
+    const rbd_constraint k = rbd_point_contact(r.nb - 1, point, NULL);
+    double a[MAX_V], lambda[MAX_ROWS];
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, a, lambda, &apart), RBD_OK);
+    for (int input = 0; input < 2; input++) {
+        double own[MAX_V];
+        memcpy(own, input ? s->tau : s->v, sizeof own);
+        ck_assert_int_eq(
+            differentiate(&r, &c, s->q, input ? s->v : own, input ? own : s->tau, NULL, own, lambda, &same),
+            RBD_OK);
+        expect_close("a in place of an input", &r, input, own, a, r.nv, 0);
+        for (int x = 0; x < 3; x++) {
+            expect_close("da, a in place of an input", &r, input, same.a[x], apart.a[x], r.nv * r.nv, 0);
+            expect_close("dlambda, a in place of an input", &r, input, same.lambda[x], apart.lambda[x],
+                         c.rows * r.nv, 0);
+        }
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(derivatives_by_v_alone_are_those_of_all) {
     static slopes all;
     const ref_control *hyq = control_named("control_hyq");
@@ -1362,7 +1390,7 @@ START_TEST(bad_rows_are_refused_by_name) {
     REFUSE(bad.body2 = 7, RBD_ERR_INDEX, "body2");
     REFUSE(bad.body2 = -2, RBD_ERR_INDEX, "body2");
     REFUSE(bad.body2 = 6, RBD_ERR_INDEX, "body2");
-    REFUSE(bad.body1 = -1, RBD_ERR_INDEX, "body2");
+    REFUSE(bad.body1 = -1, RBD_ERR_INDEX, "body1");
     REFUSE(bad.rotation1[1] = 0.1, RBD_ERR_ROTATION, "rotation1");
     REFUSE(bad.rotation2[8] = -1, RBD_ERR_ROTATION, "rotation2");
     REFUSE(bad.rotation2[0] = NAN, RBD_ERR_ROTATION, "rotation2");
@@ -1540,6 +1568,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, constructors_hold_what_they_say);
     tcase_add_test(c, flat_contact_carries_a_box);
     tcase_add_test(c, floating_joint_of_a_link_has_motors);
+    tcase_add_test(c, derivatives_may_have_an_input_for_a);
     tcase_add_test(c, derivatives_by_v_alone_are_those_of_all);
     tcase_add_test(c, text_of_a_finding);
     tcase_add_test(c, bad_rows_are_refused_by_name);

@@ -200,8 +200,8 @@ static void check_derivatives(const robot *r, const state *s, int number) {
 START_TEST(derivatives_match_differences_on_random_trees) { for_random_trees(150, check_derivatives); }
 END_TEST
 
-/* M da/dx = -dtau/dx at the a of aba; each alone gives what it gives with the others, and a may be tau. Where
-   the system is singular, all is zero. */
+/* M da/dx = -dtau/dx at the a of aba; each alone gives what it gives with the others, and a may be tau or v.
+   Where the system is singular, all is zero. */
 static void check_forward(const robot *r, const state *s, int number) {
     const int nv = r->nv;
     static double x[3][MAX_M], by[2][MAX_M], product[MAX_M], M[MAX_M], alone[MAX_M];
@@ -223,6 +223,12 @@ static void check_forward(const robot *r, const state *s, int number) {
     }
     ck_assert_int_eq(rbd_fd_derivatives(r->m, d, s->q, s->v, own, s->f_ext, own, NULL, NULL, NULL), status);
     expect_close("fd_derivatives, a = tau", r, number, own, a, nv, 0);
+    memcpy(own, s->v, sizeof own);
+    ck_assert_int_eq(rbd_fd_derivatives(r->m, d, s->q, own, s->tau, s->f_ext, own, by[0], by[1], NULL),
+                     status);
+    expect_close("fd_derivatives, a = v", r, number, own, a, nv, 0);
+    expect_close("da/dq, a = v", r, number, by[0], x[0], nv * nv, 0);
+    expect_close("da/dv, a = v", r, number, by[1], x[1], nv * nv, 0);
     if (regular) {
         const double bound = inverse_bound((double)condition);
         RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, aba));

@@ -46,7 +46,7 @@ set bmargin at screen first - 0.17
 set tmargin at screen first - 0.17 + 0.15
 set yrange [0:1.1]
 set ytics 0.5
-set ylabel "over its limit"
+set ylabel "torque / limit"
 plot csv index 0 every ::1::40 using 1:6 with steps lw 2 title "largest torque"
 
 set bmargin at screen first - 0.34

@@ -61,7 +61,7 @@ set bmargin at screen first - 0.46
 set tmargin at screen first - 0.46 + height
 set format x "%g"
 set xlabel "time, s"
-set ylabel "torque over 150 N m"
+set ylabel "torque / 150 N m"
 set yrange [-1.1:1.1]
 set key at graph 0.445, 0.95
 kinds = "'hips, sideways' 'hips, fore and aft' knees"

@@ -15,7 +15,7 @@ set yrange [0.05:2000]
 plot csv using 1:2 with lines lw 2 lc "black" notitle
 unset logscale y
 set xlabel "time, s"
-set ylabel "torque over its limit"
+set ylabel "torque / limit"
 set yrange [-1.1:1.5]
 set key top center horizontal
 plot for [c = 3:9] csv using 1:c with lines lw 2 title sprintf("joint %d", c - 2)
