@@ -5492,10 +5492,6 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-RBDI_INLINE int rbdi_dofs_of(const rbd_model *m, const rbdi_link *l) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
-}
-
 /* Motion, world axes, of the place r, were it fixed in link i, for unit velocity of the link's dof k: of its
    axis a through the origin p it is (a; a x (r - p)), or (0; a). */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
@@ -5520,7 +5516,7 @@ static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int e
                              const rbdi_mat *E, rbd_const sign, rbd_real *J) {
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < rbdi_dofs_of(m, l); ++k) {
+        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
             const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
             rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
             rbdi_motion c = rbdi_column(m, w, i, k, r);
@@ -5588,7 +5584,7 @@ RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w,
     rbdi_clear(tau, m->nv);
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < rbdi_dofs_of(m, l); ++k) {
+        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
             const rbdi_motion c = rbdi_column(m, w, i, k, r);
             rbd_real *to = &tau[rbdi_source(m, l->iv + k)];
             *to = *to + (rbdi_dot(c.omega, F.n) + rbdi_dot(c.v, F.f)) * rbdi_ratio(m, l->iv + k);
@@ -6080,7 +6076,7 @@ RBD_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_INDEX: return "no such body";
     case RBD_ERR_ORDER: return "rbd_kinematics must be called first";
     case RBD_ERR_SINGULAR: return "the mass matrix is singular";
-    case RBD_ERR_COUNT: return "too few or too many bodies (1 .. RBD_MAX_BODIES) or constraints";
+    case RBD_ERR_COUNT: return "the number of bodies, or of constraints, is out of range";
     case RBD_ERR_NAME: return "the name stands twice";
     case RBD_ERR_PARENT: return "not the index of an earlier body, nor -1 for the world";
     case RBD_ERR_TYPE: return "unknown joint type, or missing";

@@ -20,8 +20,8 @@
      [description] [set] [calls] [derivatives] [batch]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [articulated] [call code] [weights]
-     [assembly] [derivatives code] [set code] [batch code]
+     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [articulated] [limbs] [passes]
+     [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -322,7 +322,7 @@ typedef struct rbdi_constraint {
     int16_t trunk;     /* number of dofs that both paths begin with */
     int16_t low;       /* first row that a link between the bodies has to do with */
     int16_t near_low;  /* the same of a limb, else low */
-    int16_t strand;    /* its first */
+    int16_t strand;    /* its first strand */
 } rbdi_constraint;
 
 /* A batch of a constraint's rows, from one of its bodies to where the two sides meet: [articulated]. Side 2
@@ -343,7 +343,7 @@ typedef struct rbdi_piece {
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
-   in: [articulated]. */
+   in: [limbs]. */
 typedef struct rbdi_limb {
     int16_t link;      /* that it hangs on */
     int16_t row, rows; /* the first, and how many */
@@ -363,7 +363,7 @@ struct rbd_constraints {
     int strands, limbs;
     int infeasible;              /* row, -1 = none */
     int moving;                  /* whether velocities of links' origins are wanted, but for impacts */
-    int used;                    /* whether D has entries outside of what constraints have in common */
+    int used;                    /* D may be filled everywhere: by the factor of M, or never cleared */
     rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
     int16_t *at;                 /* rows: where each row of the caller's is */
     rbdi_strand *strand;         /* two for each batch of each constraint */
@@ -431,8 +431,8 @@ struct rbd_constraints {
    link, HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
-       rbd_aba                4190         45480     8850     17970
-       articulated bodies    11370        145640    18650     29610
+       rbd_aba                3940         45231     8600     17723
+       articulated bodies    10959        139486    17615     28066
        factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -1037,11 +1037,9 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c
    Lambda n = 0 all Y'n = 0. In pass 3 lambda follows from y where the strands met, then u/D += Y'lambda / D
    behind it.
 
-   Contacts with the world that have a limb to themselves are eliminated where it ends, likewise, on the link
-   that it hangs on: then the feet of a robot do not meet in its base. That is no loss of rank: of n with
-   J'n = 0 the part n_e of a limb leaves its joints without force, Y n_e = 0, and Lambda n_e = 0 makes it 0.
-   But a limb near the end of its reach is a strut, of which Lambda^-1 is large, and so is what it adds to IA:
-   where pivots or IA would lose digits its rows pass on to the world, in all lanes ([tolerances]). */
+   HyQ on four points, batches of four: each contact has a strand of three rows, that of body 1, and an empty
+   one, the world's. A leg's three joints are a piece, which one strand passes; the base is another, which all
+   four do: its route. Each leg is a limb, [limbs]. */
 
 #if RBDI_BATCH > 1
 #define rbdi_rows_up rbdi_batch_up
@@ -1352,7 +1350,12 @@ static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cu
         rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
 }
 
-/* -- limbs -- */
+/* ---- limbs [limbs] ----
+   Contacts with the world that have a limb to themselves are eliminated where it ends, on the link that it
+   hangs on: then the feet of a robot do not meet in its base. That is no loss of rank: of n with
+   J'n = 0 the part n_e of a limb leaves its joints without force, Y n_e = 0, and Lambda n_e = 0 makes it 0.
+   But a limb near the end of its reach is a strut, of which Lambda^-1 is large, and so is what it adds to IA:
+   where pivots or IA would lose digits its rows pass on to the world, in all lanes ([tolerances]). */
 
 /* A row K' b, in SIMD registers; and what rows add to the inertia and bias wrench of a link: [IA pA]. */
 #ifdef RBDI_FOURS
@@ -1512,6 +1515,8 @@ static int rbdi_limbs_together(const rbd_constraints *c, int end) {
     while (first > 0 && c->limb[first - 1].link == c->limb[end - 1].link) --first;
     return first;
 }
+
+/* ---- passes [passes] ---- */
 
 /* Before other rows are eliminated: those that limbs have taken have nothing to do with them. */
 static void rbdi_skip_limbs(rbd_constraints *c) {

@@ -704,7 +704,7 @@ enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
     RBDI_NEED_CORIOLIS = 4, /* X and P not of 2 V, and U = V x S: B instead of 2 B */
-    RBDI_NEED_WHOLE = 16    /* the same with both */
+    RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
 };
 
 /* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */

@@ -1299,7 +1299,7 @@ START_TEST(derivatives_may_have_an_input_for_a) {
     ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, a, lambda, &apart), RBD_OK);
     for (int input = 0; input < 2; input++) {
         double own[MAX_V];
-        memcpy(own, input ? s->tau : s->v, sizeof own);
+        memcpy(own, input ? s->tau : s->v, (size_t)r.nv * sizeof *own);
         ck_assert_int_eq(
             differentiate(&r, &c, s->q, input ? s->v : own, input ? own : s->tau, NULL, own, lambda, &same),
             RBD_OK);
