@@ -435,7 +435,7 @@ typedef enum rbd_status {
     RBD_ERR_INDEX = -4,    /* no such body */
     RBD_ERR_ORDER = -5,    /* rbd_kinematics must be called first */
     RBD_ERR_SINGULAR = -6, /* the mass matrix is singular: rbd_singular_dof says where */
-    RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES */
+    RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES, or that of constraints */
     RBD_ERR_NAME = -8,     /* a name stands twice */
     RBD_ERR_PARENT = -9,   /* parent is not an earlier body or -1 */
     RBD_ERR_TYPE = -10,    /* unknown joint type, or missing: fixed, but with an axis */
@@ -452,7 +452,7 @@ typedef enum rbd_status {
     RBD_ERR_FRICTION = -21,
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
-    RBD_ERR_WORK = -24,       /* the work, or batch, was made for another model */
+    RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
     RBD_ERR_GAIN = -26,       /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */

@@ -345,10 +345,10 @@ typedef struct rbdi_piece {
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
    in: [limbs]. */
 typedef struct rbdi_limb {
-    int16_t link;      /* that it hangs on */
-    int16_t row, rows; /* the first, and how many */
-    int16_t strand, end;
-    int16_t taken; /* whether its rows have been eliminated there */
+    int16_t link;        /* that it hangs on */
+    int16_t row, rows;   /* the first, and how many */
+    int16_t strand, end; /* strands, of side 1 every other: first, and behind the last */
+    int16_t taken;       /* whether its rows have been eliminated there */
 } rbdi_limb;
 
 /* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
@@ -1090,7 +1090,7 @@ typedef struct rbdi_carried {
     rbdi_batch x[6], b, demand;
 } rbdi_carried;
 
-/* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y. */
+/* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y = S' K. */
 RBDI_INLINE void rbdi_strand_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *k,
                                   rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
