@@ -20,7 +20,7 @@
      [description] [set] [calls] [derivatives] [batch]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [articulated] [limbs] [passes]
+     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [articulated] [limbs] [loops] [passes]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
@@ -306,11 +306,21 @@ RBDI_EXTERN_C_CLOSE
 
 /* ---- layout [layout] ---- */
 
+#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
+#define RBDI_ROW_SURPLUS 0
+#define RBDI_ROW_BATCH 1
+#else
+#define RBDI_ROW_SURPLUS (3 * RBDI_CHUNK - 3) /* rows are padded by two batches, and to whole ones */
+#define RBDI_ROW_BATCH RBDI_CHUNK
+#endif
+
+#define RBDI_SIX_ROWS (RBDI_ROW_BATCH > 6 ? RBDI_ROW_BATCH : 6) /* a constraint's rows, padded to batches */
+
 /* A constraint between two links. */
 typedef struct rbdi_constraint {
     rbd_const R[2][9]; /* frame vectors into link axes, row-major */
     rbdi_c3 p[2];
-    rbdi_c3 held[6]; /* of each row, the axis that it holds: a column of R[1] */
+    rbd_const held[3][RBDI_SIX_ROWS]; /* the axis that each row holds, a column of R[1], by component */
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
     int16_t index;     /* in the caller's list */
@@ -323,12 +333,14 @@ typedef struct rbdi_constraint {
     int16_t low;       /* first row that a link between the bodies has to do with */
     int16_t near_low;  /* the same of a limb, else low */
     int16_t strand;    /* its first strand */
+    int16_t loop;      /* links between its bodies if it has these to itself, [loops], else 0 */
+    int16_t taken;     /* whether its rows have been eliminated as a limb's are */
 } rbdi_constraint;
 
 /* A batch of a constraint's rows, from one of its bodies to where the two sides meet: [articulated]. Side 2
    stands after side 1. */
 typedef struct rbdi_strand {
-    rbd_real *K;       /* 6 x batch: wrench of each row on the link at hand */
+    rbd_real *K; /* 6 x batch: wrench of each row on the link at hand; of side 2 of a loop: p, [loops] */
     int16_t row, rows; /* the first, and how many */
     int16_t link;      /* of the body, -1 = world */
     int16_t meet;      /* that of the constraint */
@@ -340,6 +352,7 @@ typedef struct rbdi_strand {
 typedef struct rbdi_piece {
     int16_t strands;  /* that pass the link */
     int16_t dofs, at; /* of the piece; where among them the link's begin */
+    int16_t posed;    /* whether strands begin on the link or behind it */
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
@@ -361,9 +374,10 @@ struct rbd_constraints {
     rbd_work *w;
     int n, rows, stride; /* stride: of rows, padded */
     int strands, limbs;
-    int infeasible;              /* row, -1 = none */
-    int moving;                  /* whether velocities of links' origins are wanted, but for impacts */
-    int used;                    /* D may be filled everywhere: by the factor of M, or never cleared */
+    int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
+    int infeasible; /* row, -1 = none */
+    int moving;     /* whether velocities of links' origins are wanted, but for impacts */
+    int used;       /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
     rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
     int16_t *at;                 /* rows: where each row of the caller's is */
     rbdi_strand *strand;         /* two for each batch of each constraint */
@@ -403,14 +417,6 @@ struct rbd_constraints {
                          12 * (size_t)(batches) * (size_t)(batch) + \
                          (size_t)(rows) * ((size_t)(stride) + 10) + 7 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
-#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
-#define RBDI_ROW_SURPLUS 0
-#define RBDI_ROW_BATCH 1
-#else
-#define RBDI_ROW_SURPLUS (3 * RBDI_CHUNK - 3) /* rows are padded by two batches, and to whole ones */
-#define RBDI_ROW_BATCH RBDI_CHUNK
-#endif
-
 /* Bytes that suffice for any set that holds this many axes. */
 #define RBD_CONSTRAINTS_SIZE(nv, rows) \
     RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_ROW_SURPLUS + 1, rows, RBDI_ROW_BATCH)
@@ -432,7 +438,7 @@ struct rbd_constraints {
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                3940         45231     8600     17723
-       articulated bodies    10959        139486    17615     28066
+       articulated bodies     8564         98873    17615     28066
        factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -580,8 +586,6 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-#define RBDI_SIX_ROWS (RBDI_BATCH > 8 ? RBDI_BATCH : 8) /* the rows of a constraint, padded to batches */
-
 /* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear
    ones. */
 typedef struct rbdi_axes_held {
@@ -593,7 +597,7 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *
     for (int r = 0; r < k->rows; r += RBDI_BATCH)
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
     for (int r = 0; r < k->rows; ++r) {
-        const rbdi_v3 a = rbdi_vec_c(k->held[r]),
+        const rbdi_v3 a = rbdi_vec(rbdi_set(k->held[0][r]), rbdi_set(k->held[1][r]), rbdi_set(k->held[2][r])),
                       e = k->link[1] < 0 ? a : rbdi_mul_t(c->w->kin[k->link[1]].X.E, a);
         const int first = r < k->angular ? 0 : 3;
         h->x[first][r] = e.x, h->x[first + 1][r] = e.y, h->x[first + 2][r] = e.z;
@@ -682,11 +686,14 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+/* Poses of the links on a path, all or those of strands, and, if moving, velocities of their origins; all
+   turn as is known. */
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving,
+                              int all) {
     const rbdi_link *l = m->link;
-    for (int i = 0, first = 0; i <= m->nl; ++i, ++l) {
-        if (i < m->nl && c->span[rbdi_source(m, l->iv)].end > 0) continue;
+    const int end = all ? m->nl : c->posed;
+    for (int i = 0, first = 0; i <= end; ++i, ++l) {
+        if (i < end && (all ? c->span[rbdi_source(m, l->iv)].end : c->piece[i].posed) > 0) continue;
         if (i > first) rbdi_kin_links(m, c->w, first, i, v, moving);
         first = i + 1;
     }
@@ -706,7 +713,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
         s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
         w->kin[i].state = s;
     }
-    rbdi_kin_of_paths(m, c, v, 1);
+    rbdi_kin_of_paths(m, c, v, 1, 1);
 }
 
 /* Before the rows of all constraints. */
@@ -842,14 +849,11 @@ static rbdi_rows rbdi_all_rows(const rbd_constraints *c) {
     return g;
 }
 
-/* Sum of the squares of the rows' levers, from above. */
-static rbd_real rbdi_levers(const rbd_constraints *c) {
-    rbd_real sum = rbdi_set(RBD_C(1));
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        for (int side = 0; side < 2; ++side)
-            if (k->link[side] >= 0)
-                sum = sum + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
-    return sum;
+/* Adds the squares of a constraint's levers, from above. */
+RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
+    for (int side = 0; side < 2; ++side)
+        if (k->link[side] >= 0)
+            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
 }
 
 /* 1/d of row k; judged, once any has been so small that it must be. */
@@ -956,15 +960,23 @@ static rbdi_mask rbdi_dropped(const rbd_constraints *c, int j) {
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* What J v, gamma and e of a constraint are differences of: the bodies' own motion, the same for both maybe.
-   */
+/* What J v, gamma and e of a constraint are differences of: turns and the velocities and accelerations that
+   come with them, of places at the distance p. */
 static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
-    const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
-                   v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v);
-    const rbd_real a = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot) + rbdi_sum_abs(one.acc) +
-                       rbdi_sum_abs(two.acc);
-    const rbd_real p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+    rbd_real w = rbdi_zero(), v = w, a = w, p = rbdi_sqrt(c->levers);
+    if (k->loop && !c->used) {
+        for (int i = k->link[0]; i > k->link[0] - k->loop; --i)
+            w = w + rbdi_sum_abs(c->w->kin[i].state.omega);
+        if (k->link[1] >= 0) w = w + rbdi_sum_abs(c->w->kin[k->link[1]].state.omega);
+        v = w * p, a = w * v;
+    } else { /* the bodies' own motion, the same for both maybe */
+        const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
+        w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega);
+        v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v);
+        a = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot) + rbdi_sum_abs(one.acc) +
+            rbdi_sum_abs(two.acc);
+        p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+    }
     return a + p * rbdi_sqrt(c->size) + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
@@ -1047,11 +1059,21 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c
 #define rbdi_rows_up rbdi_array_up
 #endif
 
+static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
+
 /* Where a sweep is: in the strands' order, and in Y, which here has each dof of a link by strand. */
 typedef struct rbdi_cursor {
     const int16_t *route;
     rbd_real *Y;
 } rbdi_cursor;
+
+/* Wrenches of forces that are `arm` from a link's origin, its axes. */
+RBDI_INLINE void rbdi_set_wrenches(const rbdi_batch f[3], rbdi_v3 arm, rbdi_batch K[6]) {
+    for (int j = 0; j < 3; ++j) K[3 + j] = f[j];
+    K[0] = f[2] * arm.y - f[1] * arm.z;
+    K[1] = f[0] * arm.z - f[2] * arm.x;
+    K[2] = f[1] * arm.x - f[0] * arm.y;
+}
 
 /* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
 RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constraint *k,
@@ -1067,10 +1089,7 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
             f[j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
                    *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
                    *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
-        for (int j = 0; j < 3; ++j) K[3 + j] = f[j];
-        K[0] = f[2] * arm.y - f[1] * arm.z;
-        K[1] = f[0] * arm.z - f[2] * arm.x;
-        K[2] = f[1] * arm.x - f[0] * arm.y;
+        rbdi_set_wrenches(f, arm, K);
         for (int j = 0; k->angular && j < 3; ++j)
             K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
                    *(const rbdi_batch *)&h->x[1][r] * axis[j].y +
@@ -1291,7 +1310,7 @@ RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int f
 /* The rows of the constraints first .. end - 1, which meet on one link or in the world. */
 static rbdi_rows rbdi_rows_between(const rbd_constraints *c, int first, int end) {
     rbdi_rows g = {0, 0, 0, 0};
-    g.carried = c->constraint[first].meet >= 0;
+    g.carried = c->constraint[first].meet >= 0 || c->constraint[first].loop > 0;
     g.first = g.low = c->constraint[first].row;
     g.end = c->constraint[end - 1].row + c->constraint[end - 1].rows;
     for (int k = first; k < end; ++k)
@@ -1320,18 +1339,17 @@ static void rbdi_pass_on(rbd_constraints *c, int r, int meet, const int16_t *rou
     }
 }
 
-/* Eliminates rows whose sides meet on a link; IA and pA become what it then feels of its children, like the
-   strands that pass on. */
-static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cursor *at, rbdi_abi *IA,
-                           rbdi_force *pA) {
+/* Eliminates rows whose sides meet on a link; IA and pA become what it then feels of its children. */
+static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
     const rbdi_rows g = rbdi_rows_between(c, first, end);
-    const int meet = c->constraint[first].meet;
     const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
+    const int loop = c->constraint[first].loop;
     rbd_real A[6][6], P[6];
     for (const rbdi_strand *s = c->strand + c->constraint[first].strand; s < stop; s += 2)
         for (int r = 0; r < s->rows; ++r)
             for (int j = 0; j < 6; ++j)
-                c->wrench[8 * (s->row + r) + j] = s[0].K[j * RBDI_BATCH + r] + s[1].K[j * RBDI_BATCH + r];
+                c->wrench[8 * (s->row + r) + j] =
+                    s[0].K[j * RBDI_BATCH + r] + (loop ? rbdi_zero() : s[1].K[j * RBDI_BATCH + r]);
     rbdi_delta_factor(c, g);
     rbdi_abi_to_array(*IA, A);
     rbdi_store_force(P, 1, *pA);
@@ -1346,6 +1364,14 @@ static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cu
     }
     *IA = rbdi_abi_from_array(A);
     *pA = rbdi_load_force(P, 1);
+}
+
+/* So, and the strands that pass on lose what these rows take. */
+static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cursor *at, rbdi_abi *IA,
+                           rbdi_force *pA) {
+    const rbdi_rows g = rbdi_rows_between(c, first, end);
+    const int meet = c->constraint[first].meet;
+    rbdi_eliminate_rows(c, first, end, IA, pA);
     for (int r = g.end - 1; r >= g.first && c->piece[meet].strands > 0; --r)
         rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
 }
@@ -1389,23 +1415,23 @@ RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand
 #endif
 }
 
-/* Of a limb's n rows Lambda = L'DL: w = L^-T [K' b], and Lambda^-1 [K' b]. Returns 0 if a pivot is small, in
-   any lane. */
-RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, const rbdi_limb *e, int n, rbdi_limb_row *w,
+/* Of n rows from `first` on Lambda = L'DL: w = L^-T [K' b], and Lambda^-1 [K' b]. Returns 0 if a pivot is not
+   above `sound` of its diagonal entry, in any lane. */
+RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const sound, rbdi_limb_row *w,
                                  rbdi_limb_row *solved) {
     const rbd_real zero_row = c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
     const int stride = c->stride;
-    const rbd_real *D = &c->D[e->row * stride + e->row];
-    rbd_real *inverse = &c->inverse[e->row], A[6][6];
+    const rbd_real *D = &c->D[first * stride + first];
+    rbd_real *inverse = &c->inverse[first], A[6][6];
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero()), weak = none;
     RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
         const rbd_real *row = D + i * stride;
         RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
     }
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
-        const rbd_real whole = c->diagonal[e->row + k] + D[k * stride + k] + zero_row;
+        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + zero_row;
         inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
-        weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * RBDI_SOUND, A[k][k])));
+        weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * sound, A[k][k])));
         RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
             const rbd_real l = A[k][i] * inverse[k];
             RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = A[i][j] - l * A[k][j]; }
@@ -1438,6 +1464,31 @@ RBDI_INLINE int rbdi_adds_little(const rbdi_limb_row *w, const rbdi_limb_row *sh
     return !rbdi_any(rbdi_not(little));
 }
 
+/* [IA pA] of n rows, w' share; or, if there are some already, added to them. */
+RBDI_INLINE void rbdi_limb_sum(const rbdi_limb_row *w, const rbdi_limb_row *share, int n, int some,
+                               rbdi_limb_row sum[6]) {
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
+        for (int j = i / RBDI_ROW_PART_SIZE; j < RBDI_ROW_PARTS; ++j) {
+            rbdi_row_part x = w[0].x[j] * rbdi_row_entry(&share[0], i);
+            if (some) x = x + sum[i].x[j];
+            RBDI_UNROLL_SIX for (int r = 1; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
+            sum[i].x[j] = x;
+        }
+    }
+}
+
+/* What is summed there goes to a link. */
+RBDI_INLINE void rbdi_add_sum(const rbdi_limb_row sum[6], rbdi_abi *IA, rbdi_force *pA) {
+    rbd_real A[6][6];
+    for (int i = 0; i < 6; ++i)
+        for (int j = i; j < 6; ++j) A[i][j] = rbdi_row_entry(&sum[i], j);
+    *IA = rbdi_abi_add(*IA, rbdi_abi_from_array(A));
+    pA->n = rbdi_sub(
+        pA->n, rbdi_vec(rbdi_row_entry(&sum[0], 6), rbdi_row_entry(&sum[1], 6), rbdi_row_entry(&sum[2], 6)));
+    pA->f = rbdi_sub(
+        pA->f, rbdi_vec(rbdi_row_entry(&sum[3], 6), rbdi_row_entry(&sum[4], 6), rbdi_row_entry(&sum[5], 6)));
+}
+
 /* The n rows of a limb, of so many strands, are eliminated where it ends, if they can be. */
 RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int strands, const rbd_real *most,
                                 rbdi_limb_row sum[6]) {
@@ -1448,7 +1499,7 @@ RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int str
         if (i == RBDI_BATCH || (strands > 1 && i == s->rows)) rbdi_rows_of_strand(c, s += 2, own), i = 0;
         w[r] = own[i];
     }
-    e->taken = (int16_t)rbdi_limb_factor(c, e, n, w, solved);
+    e->taken = (int16_t)rbdi_limb_factor(c, e->row, n, RBDI_SOUND, w, solved);
     RBDI_UNROLL_SIX for (int r = 0; r < 6; ++r) {
         const rbd_real inverse = c->inverse[e->row + (r < n ? r : 0)];
         for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r < n ? r : 0].x[j] * inverse;
@@ -1458,13 +1509,7 @@ RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int str
         for (int r = e->row; r < e->row + n; ++r) rbdi_clear(&c->D[r * c->stride], e->row);
         return;
     }
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-        for (int j = i / RBDI_ROW_PART_SIZE; j < RBDI_ROW_PARTS; ++j) {
-            rbdi_row_part x = sum[i].x[j];
-            RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
-            sum[i].x[j] = x;
-        }
-    }
+    rbdi_limb_sum(w, share, n, 1, sum);
     for (int k = 0; k < strands; ++k) c->strand[e->strand + 2 * k].open = 0;
 }
 
@@ -1474,7 +1519,7 @@ static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, i
     const rbdi_link *l = &m->link[c->limb[first].link];
     rbdi_abi own = l->slot < 0 ? *IA : rbdi_abi_add(*IA, c->w->slot[l->slot].I);
     rbdi_limb_row sum[6];
-    rbd_real A[6][6], most[6];
+    rbd_real most[6];
     own = rbdi_abi_add_link(l, RBDI_MASS_KEPT, own);
     most[0] = own.I.xx * RBDI_ADDED, most[1] = own.I.yy * RBDI_ADDED, most[2] = own.I.zz * RBDI_ADDED;
     most[3] = own.M.xx * RBDI_ADDED, most[4] = own.M.yy * RBDI_ADDED, most[5] = own.M.zz * RBDI_ADDED;
@@ -1488,24 +1533,23 @@ static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, i
         else
             rbdi_take_rows(c, e, e->rows % 6, strands, most, sum); /* 1 .. 5, as the compiler sees */
     }
-    for (int i = 0; i < 6; ++i)
-        for (int j = i; j < 6; ++j) A[i][j] = rbdi_row_entry(&sum[i], j);
-    *IA = rbdi_abi_add(*IA, rbdi_abi_from_array(A));
-    pA->n = rbdi_sub(
-        pA->n, rbdi_vec(rbdi_row_entry(&sum[0], 6), rbdi_row_entry(&sum[1], 6), rbdi_row_entry(&sum[2], 6)));
-    pA->f = rbdi_sub(
-        pA->f, rbdi_vec(rbdi_row_entry(&sum[3], 6), rbdi_row_entry(&sum[4], 6), rbdi_row_entry(&sum[5], 6)));
+    rbdi_add_sum(sum, IA, pA);
 }
 
-/* lambda of the rows of a limb from the acceleration of the link that it hangs on. */
-static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
-    const rbdi_limb_row *solved = (const rbdi_limb_row *)&c->wrench[8 * e->row];
-    if (!e->taken) return;
-    for (int r = 0; r < e->rows; ++r) {
+/* lambda of n rows from the acceleration of the link where they were eliminated. */
+RBDI_INLINE void rbdi_rows_lambda(rbd_constraints *c, int first, int n, const rbd_real y[6]) {
+    const rbdi_limb_row *solved = (const rbdi_limb_row *)&c->wrench[8 * first];
+    for (int r = 0; r < n; ++r) {
         rbd_real x = rbdi_row_entry(&solved[r], 6);
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x = x - rbdi_row_entry(&solved[r], j) * y[j]; }
-        c->lambda[e->row + r] = x;
+        c->lambda[first + r] = x;
     }
+}
+
+/* The same of a limb. */
+static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
+    if (!e->taken) return;
+    rbdi_rows_lambda(c, e->row, e->rows, y);
     for (rbdi_strand *s = c->strand + e->strand; s < c->strand + e->end; s += 2) s->open = 1;
 }
 
@@ -1514,6 +1558,208 @@ static int rbdi_limbs_together(const rbd_constraints *c, int end) {
     int first = end;
     while (first > 0 && c->limb[first - 1].link == c->limb[end - 1].link) --first;
     return first;
+}
+
+/* ---- loops [loops] ----
+   A constraint of linear rows whose body 2, or the world, carries body 1 by revolute joints, links one behind
+   the other that no other rows pass: a chain that a ball joint closes. All that it needs is found between
+   its bodies. From body 1 to body 2 go p, the origin of frame 1, and u = dp/dt as the link sees them,
+
+       p_p = E' p + r,   u_p = E' (u + z x p qd)
+
+   the other way the axes that are held; and with p and u in the axes of body 2, p_1 in those of body 1,
+
+       gamma = [w_1 x (w_1 x p_1)] - [w_2 x (w_2 x p + 2 u)]
+
+   Its rows are eliminated where they meet, as a limb's are if all pivots are sound, else as others. So the
+   links before have no poses to find, and no other rows to heed. */
+
+/* A point and its velocity as a link sees them. */
+typedef struct rbdi_sight {
+    rbdi_v3 p, u;
+} rbdi_sight;
+
+/* Vector, link axes to parent axes, of a one-axis joint. */
+RBDI_INLINE rbdi_v3 rbdi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
+    v = rbdi_cycle(rbdi_turn_up_z(0, t.c, t.s, v));
+    v = rbdi_uncycle(rbdi_turn_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), v));
+    return form & RBDI_BRANCH_TURN ? rbdi_turn_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v) : v;
+}
+
+/* As the parent of link i sees them. */
+RBDI_INLINE rbdi_sight rbdi_sight_up(const rbd_model *m, const rbd_work *w, int i, int form, rbd_real qd,
+                                     rbdi_sight x) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    if (form & RBDI_SHIFT_Z) x.p.z = x.p.z + t.d;
+    x.u.x = x.u.x - x.p.y * qd, x.u.y = x.u.y + x.p.x * qd;
+    x.p = rbdi_up(l, form, t, x.p), x.u = rbdi_up(l, form, t, x.u);
+    if (form & RBDI_SHIFT_R) x.p.x = x.p.x + l->r.x;
+    if (form & RBDI_SHIFT_XYZ) x.p.y = x.p.y + l->r.y, x.p.z = x.p.z + l->r.z;
+    return x;
+}
+
+/* rbdi_down of a batch of vectors. */
+RBDI_INLINE void rbdi_turn_lanes(int form, rbd_real c, rbd_real s, rbdi_batch *x, rbdi_batch *y) {
+    const rbdi_batch x0 = *x, y0 = *y;
+    if (form & RBDI_TWIST_0) return;
+    *x = y0, *y = -x0;
+    if (form & RBDI_TWIST_90) return;
+    *x = x0 * c + y0 * s, *y = y0 * c - x0 * s;
+}
+RBDI_INLINE void rbdi_lanes_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_batch f[3]) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    if (form & RBDI_BRANCH_TURN) rbdi_turn_lanes(0, rbdi_set(l->cb), rbdi_set(l->sb), &f[0], &f[1]);
+    rbdi_turn_lanes(form, rbdi_set(l->ca), rbdi_set(l->sa), &f[1], &f[2]);
+    rbdi_turn_lanes(0, t.c, t.s, &f[0], &f[1]);
+}
+
+/* Components of x along a batch of vectors. */
+RBDI_INLINE rbdi_batch rbdi_along(const rbdi_batch f[3], rbdi_v3 x) {
+    return f[0] * x.x + f[1] * x.y + f[2] * x.z;
+}
+
+/* A batch of constants. */
+RBDI_INLINE rbdi_batch rbdi_batch_of(const rbd_const *x) {
+#if RBDI_BATCH > 1
+    return *(const rbdi_batch *)x;
+#else
+    return rbdi_set(*x);
+#endif
+}
+
+/* gamma of a loop, links steady, and what else is wanted; its strands begin, on side 2 with p. */
+static void rbdi_start_loop(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                            const rbd_real *v, int want) {
+    const rbd_work *w = c->w;
+    const int tip = k->link[0], end = tip - k->loop;
+    const rbdi_v3 arm = rbdi_vec_c(k->p[0]), omega = w->kin[tip].state.omega,
+                  acc = rbdi_cross(omega, rbdi_cross(omega, arm));
+    rbdi_v3 rest = rbdi_vec0();
+    rbdi_sight x;
+    x.p = arm, x.u = rest;
+    for (int i = tip; i > end; --i)
+        RBDI_BY_BRANCH_FORM(form, &m->link[i], x = rbdi_sight_up(m, w, i, form, v[m->link[i].iv], x));
+    if (k->link[1] >= 0) {
+        const rbdi_v3 w2 = w->kin[k->link[1]].state.omega;
+        rest = rbdi_cross(rbdi_add(rbdi_cross(w2, x.p), rbdi_add(x.u, x.u)), w2);
+    }
+    c->levers = c->levers + rbdi_dot(x.p, x.p);
+    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
+        const rbdi_strand *s = &c->strand[k->strand + 2 * (r / RBDI_BATCH)];
+        rbdi_batch f[3], gamma;
+        for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]);
+        gamma = rbdi_along(f, rest);
+        for (int i = end + 1; i <= tip; ++i)
+            RBDI_BY_FORM(form, &m->link[i], rbdi_lanes_down(m, w, i, form, f));
+        rbdi_set_wrenches(f, arm, (rbdi_batch *)s[0].K);
+        s[1].K[0] = x.p.x, s[1].K[1] = x.p.y, s[1].K[2] = x.p.z;
+        *(rbdi_batch *)&c->gamma[k->row + r] = gamma + rbdi_along(f, acc);
+    }
+    for (int r = 0; want && r < k->rows; r += RBDI_BATCH) {
+        rbdi_batch f[3];
+        for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]);
+        *(rbdi_batch *)&c->u[k->row + r] = rbdi_along(f, x.u);
+        *(rbdi_batch *)&c->e[k->row + r] = rbdi_along(f, rbdi_sub(x.p, rbdi_vec_c(k->p[1])));
+    }
+}
+
+/* Side 1 has come to where side 2 begins, with p: K becomes what both put on the link. */
+RBDI_INLINE void rbdi_join_sides(const rbdi_constraint *k, const rbdi_strand *on, int r) {
+    rbdi_batch *K = (rbdi_batch *)on[0].K, f[3];
+    const rbdi_v3 p = rbdi_vec(on[1].K[0], on[1].K[1], on[1].K[2]);
+    for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]), K[3 + j] = K[3 + j] - f[j];
+    K[0] = K[0] - f[2] * p.y + f[1] * p.z;
+    K[1] = K[1] - f[0] * p.z + f[2] * p.x;
+    K[2] = K[2] - f[1] * p.x + f[0] * p.y;
+}
+
+/* Lambda = Y D^-1 Y' of n dofs: entries of rows of one strand and those of another, from D on. */
+RBDI_INLINE void rbdi_share_loop(const rbd_real *inverse, int n, const rbd_real *ya, const rbdi_batch *yb,
+                                 int rows, rbd_real *D, int stride) {
+    rbdi_batch sum[3];
+    RBDI_UNROLL_SIX for (int r = 0; r < 3; ++r) { sum[r] = rbdi_zero_batch(); }
+    for (int t = 0; t < n; ++t) {
+        const rbdi_batch z = yb[t] * inverse[t];
+        RBDI_UNROLL_SIX for (int r = 0; r < rows; ++r) { sum[r] = sum[r] + z * ya[t * RBDI_BATCH + r]; }
+    }
+    RBDI_UNROLL_SIX for (int r = 0; r < rows; ++r) { *(rbdi_batch *)&D[r * stride] = sum[r]; }
+}
+
+/* The n rows of a loop are eliminated, if no pivot is in doubt: as by rbdi_eliminate_rows. */
+RBDI_INLINE int rbdi_take_loop(rbd_constraints *c, const rbdi_constraint *k, int n, rbdi_abi *IA,
+                               rbdi_force *pA) {
+    const rbdi_strand *s = c->strand + k->strand;
+    rbdi_limb_row *solved = (rbdi_limb_row *)&c->wrench[8 * k->row], w[3], share[3], own[RBDI_BATCH], sum[6];
+    RBDI_UNROLL_SIX for (int r = 0, i = RBDI_BATCH; r < n; ++r, ++i) {
+        if (i == RBDI_BATCH) rbdi_rows_of_strand(c, s, own), s += 2, i = 0;
+        w[r] = own[i];
+    }
+    if (!rbdi_limb_factor(c, k->row, n, RBDI_DOUBT, w, solved)) return 0;
+    RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+        const rbd_real inverse = c->inverse[k->row + r];
+        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r].x[j] * inverse;
+    }
+    rbdi_limb_sum(w, share, n, 0, sum);
+    rbdi_add_sum(sum, IA, pA);
+    return 1;
+}
+
+/* The rows of a loop, whose joints have let go, are eliminated. */
+static void rbdi_eliminate_loop(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k, rbdi_cursor *at,
+                                rbdi_abi *IA, rbdi_force *pA) {
+    const int n = k->loop, i = k->link[0] - n + 1, batches = rbdi_whole_batches(k->rows) / RBDI_BATCH;
+    rbdi_batch *Y = (rbdi_batch *)at->Y;
+    at->Y += batches * n * RBDI_BATCH;
+    rbdi_piece_inverse(m, c, i, n, c->stack);
+    for (int a = 0; a < batches; ++a) {
+        const rbdi_strand *on = &c->strand[k->strand + 2 * a];
+        rbd_real *D = &c->D[on->row * c->stride + k->row];
+        rbdi_strand_axes(m, c, i, n, on, Y + a * n);
+        rbdi_join_sides(k, on, a * RBDI_BATCH);
+        for (int b = 0; b <= a; ++b, D += RBDI_BATCH) {
+            if (RBDI_BATCH > 2 && on->rows == 3)
+                rbdi_share_loop(c->stack, n, (rbd_real *)(Y + a * n), Y + b * n, 3, D, c->stride);
+            else
+                rbdi_share_loop(c->stack, n, (rbd_real *)(Y + a * n), Y + b * n, 1 + (on->rows == 2), D,
+                                c->stride);
+        }
+    }
+    if (k->rows == 3)
+        k->taken = (int16_t)rbdi_take_loop(c, k, 3, IA, pA);
+    else
+        k->taken = (int16_t)rbdi_take_loop(c, k, 1 + (k->rows == 2), IA, pA);
+    if (!k->taken) rbdi_eliminate_rows(c, (int)(k - c->constraint), (int)(k - c->constraint) + 1, IA, pA);
+}
+
+/* lambda of rows whose sides meet on a link, from its acceleration. */
+static void rbdi_solve_between(rbd_constraints *c, int first, int end, const rbd_real Y[6]) {
+    const rbdi_rows g = rbdi_rows_between(c, first, end);
+    for (int j = 0; j < 6; ++j) c->size = c->size + Y[j] * Y[j];
+    for (int r = g.first; r < g.end; ++r)
+        for (int j = 0; j < 6; ++j) c->b[r] = c->b[r] - c->wrench[8 * r + j] * Y[j];
+    rbdi_delta_solve(c, g);
+}
+
+/* lambda of a loop from the acceleration y of the link where it was eliminated, and u/D behind that. */
+static void rbdi_solve_loop(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_cursor *at,
+                            const rbd_real y[6]) {
+    const int n = k->loop, i = k->link[0] - n + 1, self = (int)(k - c->constraint),
+              batches = rbdi_whole_batches(k->rows) / RBDI_BATCH;
+    const rbdi_batch *lambda = (const rbdi_batch *)&c->lambda[k->row], *Y;
+    if (k->taken)
+        rbdi_rows_lambda(c, k->row, k->rows, y);
+    else
+        rbdi_solve_between(c, self, self + 1, y);
+    at->Y -= batches * n * RBDI_BATCH;
+    Y = (const rbdi_batch *)at->Y;
+    for (int t = 0; t < n; ++t, ++Y) {
+        rbdi_batch sum = *Y * *lambda;
+        for (int s = 1; s < batches; ++s) sum = sum + Y[s * n] * lambda[s];
+        c->w->scratch[i + t].u_D =
+            c->w->scratch[i + t].u_D + rbdi_sum_lanes(sum) * c->D_inverse[m->link[i + t].iv];
+    }
 }
 
 /* ---- passes [passes] ---- */
@@ -1531,12 +1777,12 @@ static void rbdi_skip_limbs(rbd_constraints *c) {
 /* As rbdi_eliminate, of the rows that meet in the world, which accelerates as c->world says. */
 static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
     const rbdi_v3 g = c->world;
+    const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
     int open = 0;
-    for (const rbdi_strand *s = c->strand; s < c->strand + c->strands && s->meet < 0; ++s)
-        open |= s->open && s->link >= 0;
+    for (const rbdi_strand *s = c->strand; s < stop; ++s) open |= s->open && s->link >= 0;
     if (!open) return;
     rbdi_skip_limbs(c);
-    for (const rbdi_strand *s = c->strand; s < c->strand + c->strands && s->meet < 0; ++s) {
+    for (const rbdi_strand *s = c->strand; s < stop; ++s) {
         const rbdi_batch *K = (const rbdi_batch *)s->K;
         if (s->link < 0) continue;
         rbdi_take_term(&c->b[s->row], &c->demand[s->row], K[3] * g.x + K[4] * g.y + K[5] * g.z);
@@ -1545,18 +1791,11 @@ static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
     rbdi_delta_solve(c, rbdi_rows_between(c, 0, end));
 }
 
-/* lambda of rows whose sides meet on a link, from its acceleration. */
-static void rbdi_solve_between(rbd_constraints *c, int first, int end, const rbd_real Y[6]) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    for (int j = 0; j < 6; ++j) c->size = c->size + Y[j] * Y[j];
-    for (int r = g.first; r < g.end; ++r)
-        for (int j = 0; j < 6; ++j) c->b[r] = c->b[r] - c->wrench[8 * r + j] * Y[j];
-    rbdi_delta_solve(c, g);
-}
-
-/* Of the constraints before `end` the first that meets where the last does. */
+/* Of the constraints before `end` the first that is eliminated with the last: which meets there, too; a loop
+   is alone. */
 static int rbdi_together(const rbd_constraints *c, int end) {
-    int first = end;
+    int first = end - 1;
+    if (c->constraint[first].loop) return first;
     while (first > 0 && c->constraint[first - 1].meet == c->constraint[end - 1].meet) --first;
     return first;
 }
@@ -1595,33 +1834,42 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
             limbs = first;
         }
         if (meet == stop) {
-            rbdi_eliminate(c, rbdi_together(c, end), end, at, &IA, &pA);
-            end = rbdi_together(c, end);
+            const int first = rbdi_together(c, end);
+            if (c->constraint[first].loop)
+                rbdi_eliminate_loop(m, c, &c->constraint[first], at, &IA, &pA);
+            else
+                rbdi_eliminate(c, first, end, at, &IA, &pA);
+            end = first;
         }
     }
+    for (; end > 0 && c->constraint[end - 1].loop; --end)
+        rbdi_eliminate_loop(m, c, &c->constraint[end - 1], at, &IA, &pA);
     rbdi_eliminate_at_world(c, end);
     return doubt;
 }
 
 /* Pass 3, and lambda of what meets on links. */
-static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cursor *at) {
+static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cursor *at, rbd_real *x) {
     rbdi_motion world = rbdi_motion0(), y;
+    rbd_real Y[6];
     int link = 0, first = 0, limb = 0;
     world.v = c->world;
     y = world;
-    while (first < c->n && c->constraint[first].meet < 0) ++first;
+    rbdi_motion_to_array(y, Y);
+    for (; first < c->n && c->constraint[first].meet < 0; ++first)
+        if (c->constraint[first].loop) rbdi_solve_loop(m, c, &c->constraint[first], at, Y);
     for (;;) {
         const int met = first < c->n ? c->constraint[first].meet : m->nl - 1,
                   hung = limb < c->limbs ? c->limb[limb].link : m->nl - 1, last = hung < met ? hung : met;
-        rbd_real Y[6];
         int end = first;
         rbdi_strands_down(m, c, link, last + 1, at);
-        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, c->x);
+        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
         link = last + 1;
         if (link == m->nl) break;
         rbdi_motion_to_array(y, Y);
         for (; limb < c->limbs && c->limb[limb].link == last; ++limb) rbdi_solve_limb(c, &c->limb[limb], Y);
-        while (end < c->n && c->constraint[end].meet == last) ++end;
+        for (; end < c->n && c->constraint[end].meet == last; ++end)
+            if (c->constraint[end].loop) rbdi_solve_loop(m, c, &c->constraint[first++], at, Y);
         if (end > first) rbdi_solve_between(c, first, end, Y);
         first = end;
     }
@@ -1637,30 +1885,29 @@ RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constrai
         for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
 }
 
-/* x and lambda from the joints' torques, bias wrenches and b = target. */
+/* x, which may be tau, and lambda from the joints' torques, bias wrenches and b = target. */
 static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
-                                         rbd_real *lambda) {
+                                         rbd_real *x, rbd_real *lambda) {
     rbdi_cursor at;
     rbdi_mask doubt;
     rbd_status status;
     at.route = c->route, at.Y = c->Y;
     c->size = rbdi_dot(c->world, c->world), c->give = rbdi_zero();
-    c->levers = rbdi_levers(c);
     rbdi_clear(c->diagonal, c->rows);
     rbdi_clear(c->lambda, c->stride);
     for (int s = 0; s < c->strands; ++s) c->strand[s].open = 1;
     if (c->used) rbdi_clear(c->D, c->rows * c->stride);
     for (const rbdi_constraint *k = c->constraint; !c->used && k < c->constraint + c->n; ++k)
-        rbdi_clear_lambda(c, k);
+        if (!k->loop) rbdi_clear_lambda(c, k);
     c->used = 0;
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
         *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
     }
     doubt = rbdi_articulate_up(m, c, tau, &at);
-    rbdi_articulate_down(m, c, &at);
+    rbdi_articulate_down(m, c, &at, x);
     rbdi_least_norm(c);
-    status = rbdi_status_of(m, c->w, doubt, 1, NULL, c->x, m->nv);
+    status = rbdi_status_of(m, c->w, doubt, 1, NULL, x, m->nv);
     return rbdi_constrained_status(m, c, status, lambda);
 }
 
@@ -1672,7 +1919,8 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
     c->world = rbdi_world_state(gravity).acc;
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
-    rbdi_kin_of_paths(m, c, v, moving);
+    rbdi_kin_of_paths(m, c, v, moving, 0);
+    c->levers = rbdi_set(RBD_C(1));
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
@@ -1693,9 +1941,15 @@ static void rbdi_articulated_contact(rbd_constraints *c, const rbdi_constraint *
 }
 
 /* gamma of a constraint, links steady, and what else is wanted; its strands begin. */
-static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
+static void rbdi_articulated_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                  const rbd_real *v, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
+    if (k->loop) {
+        rbdi_start_loop(m, c, k, v, want);
+        return;
+    }
+    rbdi_add_levers(c, k);
     for (int side = 0; side < 2; ++side)
         if (k->link[side] >= 0) {
             rbdi_state *s = &c->w->kin[k->link[side]].state;
@@ -1730,14 +1984,15 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
     rbdi_clear(c->diagonal, c->rows);
     rbdi_clear(c->lambda, c->stride);
     c->size = c->give = rbdi_zero();
-    c->levers = rbdi_levers(c);
+    c->levers = rbdi_set(RBD_C(1));
+    for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
     rbdi_delta_factor(c, all);
     rbdi_delta_solve(c, all);
     rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
+    c->used = 1;
     rbdi_least_norm(c);
     rbdi_sweep_down(m, c, L);
-    c->used = 1;
 }
 
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
@@ -1797,16 +2052,16 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
     if (status) return status;
     if (m->nmimic) {
         status = rbdi_factored_fd(m, c, q, v, tau, f_ext, lambda);
+        for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
     } else {
         rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
         rbdi_external(m, c->w, f_ext);
         for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-            rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
+            rbdi_articulated_rows(m, c, k, v, rbdi_stabilisation(k));
             rbdi_stabilise(c, k);
         }
-        status = rbdi_articulated_solve(m, c, tau, lambda);
+        status = rbdi_articulated_solve(m, c, tau, a, lambda);
     }
-    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
     return status;
 }
 
@@ -1866,10 +2121,10 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
         for (int i = 0; i < m->nl; ++i)
             c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
         for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-            rbdi_articulated_rows(c, k, RBDI_HELD_RATES);
+            rbdi_articulated_rows(m, c, k, v, RBDI_HELD_RATES);
             rbdi_rebound(c, k, restitution);
         }
-        status = rbdi_articulated_solve(m, c, c->w->zero, impulse);
+        status = rbdi_articulated_solve(m, c, c->w->zero, c->x, impulse);
     }
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
     if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
@@ -2422,8 +2677,6 @@ static int rbdi_held_axes(const rbd_constraint *k) {
     return n;
 }
 
-static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
-
 /* Rows from one dof to the next: two batches may begin at any row. */
 static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + 2 * RBDI_BATCH - 1); }
 
@@ -2520,13 +2773,43 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
     to->rows = to->angular = 0;
+    for (int r = 0; r < RBDI_SIX_ROWS; ++r) to->held[0][r] = to->held[1][r] = to->held[2][r] = 0;
     for (int j = 0; j < 6; ++j) {
         if (!from->axes[j]) continue;
-        to->held[to->rows].x = to->R[1][j % 3], to->held[to->rows].y = to->R[1][3 + j % 3];
-        to->held[to->rows].z = to->R[1][6 + j % 3];
+        for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->R[1][3 * i + j % 3];
         to->axis[to->rows++] = (int16_t)j;
         to->angular = (int16_t)(to->angular + (j < 3));
     }
+}
+
+/* Whether the part of a path behind `meet`, to `tip`, has link i. */
+static int rbdi_is_between(const rbd_model *m, int meet, int tip, int i) {
+    return i > meet && i <= tip && m->link[tip].first < m->link[i].end;
+}
+
+/* The links of a loop that has them to itself, [loops]; else 0. */
+static int rbdi_loop_links(const rbd_model *m, const rbdi_constraint *list, int n, const rbdi_constraint *k) {
+    int i = k->link[0];
+    if (m->nmimic || k->angular || k->link[1] != k->meet) return 0;
+    for (;; --i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_BLOCK || (l->flags & RBDI_SLIDES)) return 0;
+        for (const rbdi_constraint *other = list; other < list + n; ++other)
+            for (int side = 0; side < 2; ++side)
+                if (other != k && other->link[side] >= 0 &&
+                    rbdi_is_between(m, other->meet, other->link[side], i))
+                    return 0;
+        if (l->parent == k->meet) return k->link[0] - i + 1;
+        if (l->parent != i - 1) return 0;
+    }
+}
+
+/* Of the constraints that meet on a link all are loops or none. */
+static void rbdi_find_loops(const rbd_model *m, rbdi_constraint *list, int n) {
+    for (rbdi_constraint *k = list; k < list + n; ++k) k->loop = (int16_t)rbdi_loop_links(m, list, n, k);
+    for (rbdi_constraint *k = list; k < list + n; ++k)
+        for (const rbdi_constraint *other = list; other < list + n; ++other)
+            if (other->meet == k->meet && !other->loop) k->loop = 0;
 }
 
 /* What meets behind goes behind, and so is eliminated before; else the caller's order stays. */
@@ -2590,19 +2873,20 @@ static void rbdi_number_rows(rbd_constraints *c, rbd_real *K) {
                 s->K = K;
                 s->row = (int16_t)(row + r);
                 s->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                s->link = k->link[side], s->meet = k->meet;
+                s->link = k->loop ? -1 : k->link[side], s->meet = k->meet;
             }
         row += k->rows;
     }
     c->strands = (int)(s - c->strand);
     c->moving = 0;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        c->moving |= k->kd > 0 || k->kp > 0 || k->link[1] >= 0; /* else: rbdi_articulated_contact */
+        c->moving |=
+            !k->loop && (k->kd > 0 || k->kp > 0 || k->link[1] >= 0); /* else: rbdi_articulated_contact */
 }
 
 /* Whether a strand passes the joint of link i. */
 static int rbdi_passes(const rbd_model *m, const rbdi_strand *s, int i) {
-    return i > s->meet && i <= s->link && m->link[s->link].first < m->link[i].end;
+    return rbdi_is_between(m, s->meet, s->link, i);
 }
 
 /* Whether the same strands pass two links. */
@@ -2618,22 +2902,23 @@ static int rbdi_is_meeting(const rbd_constraints *c, int link) {
     return 0;
 }
 
-/* The longest piece of six, three or one dofs that begins at link i. */
+/* The longest piece of six, three or one dofs that begins at link i; of any number where no strand passes. */
 static int rbdi_piece_dofs(const rbd_model *m, const rbd_constraints *c, int i) {
-    int links = 1;
+    int links = 1, passed = 0;
     if (m->link[i].kind == RBDI_BLOCK) return rbdi_link_dofs(m, &m->link[i]);
-    while (links < 6 && i + links < m->nl && m->link[i + links].kind != RBDI_BLOCK &&
+    for (int s = 0; s < c->strands; ++s) passed |= rbdi_passes(m, &c->strand[s], i);
+    while ((links < 6 || !passed) && i + links < m->nl && m->link[i + links].kind != RBDI_BLOCK &&
            m->link[i + links].parent == i + links - 1 && rbdi_same_strands(m, c, i, i + links) &&
            !rbdi_is_meeting(c, i + links - 1))
         ++links;
-    return links == 6 ? 6 : links >= 3 ? 3 : 1;
+    return links == 6 || !passed ? links : links >= 3 ? 3 : 1;
 }
 
 static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
     for (int i = 0; i < m->nl;) {
         const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
         for (int k = 0; k < links; ++k, ++i) {
-            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
+            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k, c->piece[i].posed = 0;
         }
     }
 }
@@ -2678,6 +2963,13 @@ static void rbdi_sort_limbs(rbdi_limb *list, int n) {
 static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
     int16_t *route = c->route;
     rbdi_lay_pieces(m, c);
+    c->posed = 0;
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        for (int side = 0; side < 2; ++side)
+            for (int i = k->loop ? -1 : k->link[side]; i >= 0; i = m->link[i].parent) {
+                c->piece[i].posed = 1;
+                if (i >= c->posed) c->posed = i + 1;
+            }
     for (int i = m->nl - 1; i >= 0; --i) {
         int n = 0;
         for (int s = 0; s < c->strands; ++s)
@@ -2764,6 +3056,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
         c->constraint[i].index = (int16_t)i;
     }
     rbdi_sort_constraints(c->constraint, n);
+    rbdi_find_loops(m, c->constraint, n);
     rbdi_number_rows(c, K);
     for (int i = 0; i < n; ++i) rbdi_span_constraint(m, c, &c->constraint[i]);
     if (!m->nmimic) rbdi_lay_route(m, c);

@@ -660,6 +660,43 @@ START_TEST(contradictions_are_told) {
 }
 END_TEST
 
+/* A hand that a ball joint holds is a loop: three rows, in batches of rows or one by one. */
+START_TEST(held_hand_is_the_same_in_lanes) {
+    robot r = build_reference(reference_model(2));
+    states x = states_draw(&r, FEW);
+    const double at[3] = {0, 0, 0.1};
+    const rbd_constraint ball = rbd_point_contact(r.nb - 1, at, at);
+    const size_t size = rbd_constraints_size(r.m, &ball, 1),
+                 batch = rbd_batch_constraints_size(r.m, &ball, 1);
+    void *memory[2] = {allocate(size), allocate(batch)};
+    rbd_constraints *c;
+    rbd_batch_constraints *k;
+    RBD_REAL *a = numbers(FEW, r.nv), *lambda = numbers(FEW, 3), *alone = numbers(1, r.nv + 3);
+    ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &ball, 1, memory[0], size, &c, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &ball, 1, memory[1], batch, &k, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_constrained_fd(r.m, k, FEW, x.q, x.v, x.tau, NULL, a, lambda), RBD_OK);
+    for (int s = 0; s < FEW; s++) {
+        double size_of_a = 1, error = 0;
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c, x.q + s * r.nq, x.v + s * r.nv, x.tau + s * r.nv, NULL,
+                                            alone, alone + r.nv),
+                         RBD_OK);
+        for (int i = 0; i < r.nv; i++) {
+            size_of_a = fmax(size_of_a, fabs((double)alone[i]));
+            error = fmax(error, fabs((double)(a[s * r.nv + i] - alone[i])));
+        }
+        ck_assert_msg(error < (sizeof(RBD_REAL) == 4 ? 1e-3 : 1e-11) * size_of_a, "%s, state %d: %g of %g",
+                      r.name, s, error, size_of_a);
+    }
+    free(memory[0]);
+    free(memory[1]);
+    free(a);
+    free(lambda);
+    free(alone);
+    states_free(&x);
+    release(&r);
+}
+END_TEST
+
 /* No singular state, every one alone, and with each that is 1, 2, 4... behind it, as lanes are exchanged: its
    neighbour, and the same lane of the next batch (but for the longest call); in one way each. */
 static void check_trap(trap t) {
@@ -1116,6 +1153,7 @@ int main(int argc, char **argv) {
     tcase_add_test(c, first_singular_state_is_named_and_the_others_stand);
     tcase_add_test(c, singular_state_is_of_the_last_call);
     tcase_add_test(c, contradictions_are_told);
+    tcase_add_test(c, held_hand_is_the_same_in_lanes);
     tcase_add_test(c, blocks_give_the_bits_of_rows);
     tcase_add_test(c, blocks_name_the_singular_state_of_rows);
     tcase_add_test(c, output_may_be_an_input_in_blocks);
