@@ -20,7 +20,8 @@
      [description] [set] [calls] [derivatives] [batch]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [least norm] [articulated] [limbs] [loops] [passes]
+     [design] [tolerances] [kinematics] [rows] [solution] [least norm]
+     [articulated] [limbs] [loops] [legs] [passes]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
@@ -44,7 +45,8 @@
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
      and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
-     not described. M must be regular, also where the constraints would make up for it.
+     not described. M must be regular, also where the constraints would make up for it: only in [legs] that
+     stand that is not noticed, and not needed.
 */
 #include "rbd.h"
 
@@ -353,6 +355,7 @@ typedef struct rbdi_piece {
     int16_t strands;  /* that pass the link */
     int16_t dofs, at; /* of the piece; where among them the link's begin */
     int16_t posed;    /* whether strands begin on the link or behind it */
+    int16_t leg;      /* limb, from 1, of whose three links this is one: [legs] */
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
@@ -362,7 +365,25 @@ typedef struct rbdi_limb {
     int16_t row, rows;   /* the first, and how many */
     int16_t strand, end; /* strands, of side 1 every other: first, and behind the last */
     int16_t taken;       /* whether its rows have been eliminated there */
+    int16_t first;       /* its first link */
+    int16_t leg;         /* whether it is one: [legs] */
+    int16_t stands;      /* so, and its rows have been done with there */
 } rbdi_limb;
+
+/* Up to RBDI_BATCH legs that hang on one link, as lanes: [legs]. */
+typedef struct rbdi_legs {
+    int16_t first, n;    /* limbs, one behind the other */
+    int16_t form[3];     /* of the joints: what is known of all links, and what any of them needs */
+    int16_t stand;       /* how many stand: their rows have been done with */
+    const void *link[3]; /* of the joints' constants */
+    rbd_real *solved;    /* 6 x 7 x batch: [X x] of the joints, -J^-T [G g] of the rows */
+    rbdi_abi IA;         /* what the link feels of them */
+    rbdi_force pA;
+} rbdi_legs;
+#define RBDI_LEGS_BYTES(groups, batch) \
+    ((batch) > 1 \
+         ? (size_t)(groups) * (RBDI_ROUND(sizeof(rbdi_legs)) + 102 * (size_t)(batch) * sizeof(rbd_real)) \
+         : 0)
 
 /* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
 typedef struct rbdi_span {
@@ -373,7 +394,9 @@ struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride; /* stride: of rows, padded */
-    int strands, limbs;
+    int strands, limbs, legs;
+    int stand;      /* how many limbs are legs that stand, in the last call */
+    int again;      /* whether to solve once more, without these: pivots must be judged */
     int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
     int infeasible; /* row, -1 = none */
     int moving;     /* whether velocities of links' origins are wanted, but for impacts */
@@ -384,6 +407,7 @@ struct rbd_constraints {
     int16_t *route;              /* for each link, the last first, the strands that pass it */
     rbdi_piece *piece;           /* nl */
     rbdi_limb *limb;             /* n at most, by their links */
+    rbdi_legs *leg;              /* groups of legs */
     rbd_real *wrench;            /* rows x 8: K where the sides have met, less that of rows before; of limbs
                                     also b and 1/d */
     rbdi_span *span;             /* nv */
@@ -410,7 +434,7 @@ struct rbd_constraints {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND(2 * (size_t)(batches) * sizeof(rbdi_strand)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_piece)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + RBDI_LEGS_BYTES((rows) / 3, batch) + \
      RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 3 + (batch)) + \
@@ -438,7 +462,7 @@ struct rbd_constraints {
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                3940         45231     8600     17723
-       articulated bodies     8564         98873    17615     28066
+       articulated bodies     8564         98873    12224     27770
        factor of M           12460        976000    27640     45710
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -476,7 +500,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
    be off by RBDI_FEASIBLE of its terms: that much a set contradicts itself by drift.
    A limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal entry, and they add to
    no diagonal entry of the link's inertia more than RBDI_ADDED times it: both equations then hold to 2e-13
-   (HyQ and Atlas in 40,000 states, many limbs near the end of their reach; 1e-13 without limbs). */
+   (HyQ and Atlas in 40,000 states, many limbs near the end of their reach; 1e-13 without limbs). Of a leg
+   RBDI_SOUND bounds the square of the determinant of J, its rows having length 1. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_RANK 1e-12
 #define RBDI_SOUND 1e-3
@@ -1526,6 +1551,7 @@ static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, i
     rbdi_clear((rbd_real *)sum, 6 * RBDI_ROW_PARTS * RBDI_ROW_PART_SIZE);
     for (rbdi_limb *e = c->limb + first; e < c->limb + end; ++e) {
         const int strands = (e->end - e->strand) / 2;
+        if (e->stands) continue;
         if (e->rows == 3)
             rbdi_take_rows(c, e, 3, strands, most, sum);
         else if (e->rows == 6)
@@ -1548,7 +1574,7 @@ RBDI_INLINE void rbdi_rows_lambda(rbd_constraints *c, int first, int n, const rb
 
 /* The same of a limb. */
 static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
-    if (!e->taken) return;
+    if (!e->taken || e->stands) return;
     rbdi_rows_lambda(c, e->row, e->rows, y);
     for (rbdi_strand *s = c->strand + e->strand; s < c->strand + e->end; s += 2) s->open = 1;
 }
@@ -1762,6 +1788,380 @@ static void rbdi_solve_loop(const rbd_model *m, rbd_constraints *c, const rbdi_c
     }
 }
 
+/* ---- legs [legs] ----
+   A limb of three one-axis joints, one behind the other, whose three rows act on its last link: a leg that
+   stands. The acceleration y of the link that it hangs on leaves its joints nothing to choose, so that none
+   has to let go, which is most of the work of pass 2. With composite bodies as in [crba] of rbd.h, at that
+   link
+
+       rows      J qdd + K' y = b                K: wrenches of the rows
+       joints    M qdd + F' y = u + J' lambda    F = I^c S; u: tau less what velocities take
+       wrench    f = I^c y + F qdd - K lambda + pA
+
+   On the way there rows and joints are wrenches alike: at joint t each has the entry S' K or S' F of J or M,
+   and takes K' c or F' c from b or u. Then
+
+       [X x] = J^-1 [K' b],   [G g] = [F' u] - M [X x]
+       qdd = x - X y,   lambda = -J^-T (g - G y),   IA += I^c - F X - X' G,   pA += F x + X' g
+
+   Nothing in it asks what the leg is like, so that the legs of a robot stand side by side in the lanes of a
+   batch: all four of HyQ cost 4,100 instructions, where articulated bodies and [limbs] take 9,400. Where
+   there is no SIMD, or RBD_LANES has filled it with states, it is no faster, and left out. A leg near the end
+   of its reach is left to [limbs], alone. M is not judged in legs that stand, but may be singular there. */
+
+#if RBDI_BATCH > 1
+/* Constants of links side by side, by their names in rbdi_link; cosine, sine and slide. */
+typedef struct rbdi_leg_link {
+    rbdi_batch ca, sa, cb, sb, d, rho, kappa, subtree_mass;
+    struct {
+        rbdi_batch x, y, z;
+    } r, h;
+    struct {
+        rbdi_batch xx, xy, xz, yy, yz, zz;
+    } Sigma;
+} rbdi_leg_link;
+typedef struct rbdi_leg_trig {
+    rbdi_batch c, s, d;
+} rbdi_leg_trig;
+
+/* Composite bodies. */
+typedef struct rbdi_leg_body {
+    rbdi_batch xx, xy, xz, yy, yz, zz, x, y, z; /* Sigma, h */
+} rbdi_leg_body;
+
+/* Wrenches of rows and joints, with b or u as the last component; what they have along the joints' axes. */
+typedef struct rbdi_leg_pass {
+    rbdi_batch row[3][7], joint[3][7];
+    rbdi_batch J[3][3], M[3][3]; /* row, joint; M: from its diagonal on */
+    rbdi_leg_body C;
+    rbdi_batch pA[6], m; /* m: mass of the whole leg */
+} rbdi_leg_pass;
+
+#define RBDI_LEG_SET(x) (x)
+RBDI_DEFINE_FORCE_UP(rbdi_leg_up, rbdi_batch, rbdi_batch, RBDI_LEG_SET, rbdi_leg_link, rbdi_leg_trig)
+
+/* One number of each leg: that at base[at[k]]. */
+RBDI_INLINE rbdi_batch rbdi_leg_gather(const rbd_real *base, const int32_t at[RBDI_BATCH]) {
+#if RBDI_BATCH == 4
+    const rbdi_batch x = {base[at[0]], base[at[1]], base[at[2]], base[at[3]]};
+#else
+    rbdi_batch x;
+    for (int k = 0; k < RBDI_BATCH; ++k) x[k] = base[at[k]];
+#endif
+    return x;
+}
+
+/* Turn about the axis z of x, y, z; shift along it. As rbdi_rbi_up_z and rbdi_rbi_shift_z. */
+RBDI_INLINE void rbdi_leg_turn(int form, rbdi_batch c, rbdi_batch s, rbdi_batch *xx, rbdi_batch *xy,
+                               rbdi_batch *yy, rbdi_batch *xz, rbdi_batch *yz, rbdi_batch *hx,
+                               rbdi_batch *hy) {
+    const rbdi_batch a = *xx, b = *xy, d = *yy, t = s * (d - a) - (c + c) * b;
+    if (form & RBDI_TWIST_0) return;
+    rbdi_leg_up_turn(form, c, s, xz, yz);
+    rbdi_leg_up_turn(form, c, s, hx, hy);
+    if (form & RBDI_TWIST_90) {
+        *xx = d, *yy = a, *xy = -b;
+        return;
+    }
+    *xx = a + s * t, *yy = d - s * t, *xy = -(c * t) - b;
+}
+RBDI_INLINE void rbdi_leg_shift(rbdi_batch d, rbdi_batch m, rbdi_batch *xz, rbdi_batch *yz, rbdi_batch *zz,
+                                rbdi_batch hx, rbdi_batch hy, rbdi_batch *hz) {
+    const rbdi_batch k = *hz + d * m;
+    *xz = *xz + d * hx, *yz = *yz + d * hy;
+    *zz = *zz + d * (*hz + k);
+    *hz = k;
+}
+/* As rbdi_rbi_up. */
+RBDI_INLINE void rbdi_leg_body_up(const rbdi_leg_link *l, int form, rbdi_leg_trig t, rbdi_leg_body *C) {
+    const rbdi_batch m = l->subtree_mass;
+    if (form & RBDI_SHIFT_Z) rbdi_leg_shift(t.d, m, &C->xz, &C->yz, &C->zz, C->x, C->y, &C->z);
+    rbdi_leg_turn(0, t.c, t.s, &C->xx, &C->xy, &C->yy, &C->xz, &C->yz, &C->x, &C->y);
+    rbdi_leg_turn(form, l->ca, l->sa, &C->yy, &C->yz, &C->zz, &C->xy, &C->xz, &C->y, &C->z);
+    if (form & RBDI_BRANCH_TURN)
+        rbdi_leg_turn(0, l->cb, l->sb, &C->xx, &C->xy, &C->yy, &C->xz, &C->yz, &C->x, &C->y);
+    if (!(form & RBDI_SHIFT_R)) return;
+    rbdi_leg_shift(l->r.x, m, &C->xy, &C->xz, &C->xx, C->y, C->z, &C->x);
+    if (!(form & RBDI_SHIFT_XYZ)) return;
+    rbdi_leg_shift(l->r.y, m, &C->yz, &C->xy, &C->yy, C->z, C->x, &C->y);
+    rbdi_leg_shift(l->r.z, m, &C->xz, &C->yz, &C->zz, C->x, C->y, &C->z);
+}
+
+/* C plus the links' own bodies; x = C S, without the last component; pA plus what C takes to accelerate with
+   c, where c.omega.z = 0. */
+RBDI_INLINE void rbdi_leg_add(const rbdi_leg_link *l, rbdi_leg_body *C) {
+    C->xx = C->xx + l->Sigma.xx, C->xy = C->xy + l->Sigma.xy, C->xz = C->xz + l->Sigma.xz;
+    C->yy = C->yy + l->Sigma.yy, C->yz = C->yz + l->Sigma.yz, C->zz = C->zz + l->Sigma.zz;
+    C->x = C->x + l->h.x, C->y = C->y + l->h.y, C->z = C->z + l->h.z;
+}
+RBDI_INLINE void rbdi_leg_axis(const rbdi_leg_link *l, int form, const rbdi_leg_body *C, rbdi_batch x[6]) {
+    x[0] = -C->xz, x[1] = -C->yz, x[2] = C->xx + C->yy;
+    x[3] = -C->y, x[4] = C->x, x[5] = rbdi_zero_batch();
+    if (!(form & RBDI_SLIDES)) return;
+    x[0] = x[0] * l->rho + C->y * l->kappa, x[1] = x[1] * l->rho - C->x * l->kappa, x[2] = x[2] * l->rho;
+    x[3] = x[3] * l->rho, x[4] = x[4] * l->rho;
+    x[5] = rbdi_zero_batch() + l->subtree_mass * l->kappa;
+}
+RBDI_INLINE void rbdi_leg_accelerate(const rbdi_leg_body *C, rbdi_batch m, const rbdi_batch c[6],
+                                     rbdi_batch pA[6]) {
+    pA[0] = pA[0] + (C->yy + C->zz) * c[0] - C->xy * c[1] + (C->y * c[5] - C->z * c[4]);
+    pA[1] = pA[1] + (C->xx + C->zz) * c[1] - C->xy * c[0] + (C->z * c[3] - C->x * c[5]);
+    pA[2] = pA[2] - (C->xz * c[0] + C->yz * c[1]) + (C->x * c[4] - C->y * c[3]);
+    pA[3] = pA[3] + m * c[3] + C->z * c[1];
+    pA[4] = pA[4] + m * c[4] - C->z * c[0];
+    pA[5] = pA[5] + m * c[5] + (C->y * c[0] - C->x * c[1]);
+}
+
+/* S' x. */
+RBDI_INLINE rbdi_batch rbdi_leg_along(const rbdi_leg_link *l, int form, const rbdi_batch x[6]) {
+    if (form & RBDI_SLIDES) return x[2] * l->rho + x[5] * l->kappa;
+    return x[2];
+}
+/* A wrench passes a joint. Returns its entry. */
+RBDI_INLINE rbdi_batch rbdi_leg_pass_on(const rbdi_leg_link *l, int form, rbdi_leg_trig t,
+                                        const rbdi_batch c[6], rbdi_batch x[7]) {
+    const rbdi_batch y = rbdi_leg_along(l, form, x);
+    x[6] = x[6] - x[0] * c[0] - x[1] * c[1];
+    x[6] = x[6] - x[3] * c[3] - x[4] * c[4] - x[5] * c[5];
+    rbdi_leg_up(l, form, t, x);
+    return y;
+}
+
+/* All that the legs have passes their joint t. */
+RBDI_INLINE void rbdi_leg_joint(const rbd_model *m, const rbd_constraints *c, const rbdi_legs *f, int t,
+                                const rbd_real *tau, rbdi_leg_pass *s) {
+    const rbd_work *w = c->w;
+    const rbdi_leg_link *l = (const rbdi_leg_link *)f->link[t];
+    const int form = f->form[t];
+    const rbd_real *own = (const rbd_real *)&w->scratch[0].f, *rate = (const rbd_real *)&w->scratch[0].c;
+    int32_t link[RBDI_BATCH], dof[RBDI_BATCH], at[RBDI_BATCH];
+    rbdi_batch x[6], *F = s->joint[t];
+    rbdi_leg_trig trig;
+    for (int k = 0; k < RBDI_BATCH; ++k) {
+        link[k] = c->limb[f->first + (k < f->n ? k : 0)].first + t;
+        at[k] = link[k] * (int32_t)(sizeof(rbdi_scratch) / sizeof(rbd_real));
+        dof[k] = m->link[link[k]].iv;
+    }
+    trig.c = rbdi_leg_gather(w->c, link), trig.s = rbdi_leg_gather(w->s, link);
+    trig.d = form & RBDI_SLIDES ? rbdi_leg_gather(w->d, link) : l->d;
+    rbdi_leg_add(l, &s->C);
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
+        s->pA[j] = s->pA[j] + rbdi_leg_gather(own + j, at);
+        x[j] = rbdi_leg_gather(rate + j, at);
+    }
+    rbdi_leg_axis(l, form, &s->C, F);
+    F[6] = rbdi_leg_gather(tau, dof) - rbdi_leg_along(l, form, s->pA);
+    rbdi_leg_accelerate(&s->C, l->subtree_mass, x, s->pA);
+    for (int r = 0; r < 3; ++r) s->J[r][t] = rbdi_leg_pass_on(l, form, trig, x, s->row[r]);
+    for (int k = t; k < 3; ++k) s->M[t][k] = rbdi_leg_pass_on(l, form, trig, x, s->joint[k]);
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) {
+        rbd_real armature[RBDI_BATCH];
+        for (int k = 0; k < RBDI_BATCH; ++k) armature[k] = rbdi_set(m->dof[dof[k]].armature);
+        s->M[t][t] = s->M[t][t] + *(const rbdi_batch *)armature;
+    }
+    rbdi_leg_up(l, form, trig, s->pA);
+    rbdi_leg_body_up(l, form, trig, &s->C);
+}
+
+/* Which legs: the first n; those with a < b; whether leg k is; x of these, else y. */
+typedef rbdi_bits rbdi_leg_mask;
+RBDI_INLINE rbdi_leg_mask rbdi_leg_first(int n) {
+    rbdi_batch lane;
+    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
+    return (rbdi_bits)(lane < (rbd_real)n);
+}
+RBDI_INLINE rbdi_leg_mask rbdi_leg_less(rbdi_batch a, rbdi_batch b) { return (rbdi_bits)(a < b); }
+RBDI_INLINE rbdi_batch rbdi_leg_select(rbdi_leg_mask mask, rbdi_batch x, rbdi_batch y) {
+    return (rbdi_batch)(((rbdi_bits)x & mask) | ((rbdi_bits)y & ~mask));
+}
+
+RBDI_INLINE void rbdi_leg_cross(const rbdi_batch a[3], const rbdi_batch b[3], rbdi_batch x[3]) {
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+RBDI_INLINE rbdi_batch rbdi_leg_dot(const rbdi_batch a[3], const rbdi_batch b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Y = J^-1, transposed: cross products of rows, over the determinant d. Returns for which legs: of the square
+   of the volume that the rows would have at right angles d^2 is not a small part. */
+RBDI_INLINE rbdi_leg_mask rbdi_leg_inverse(rbdi_batch J[3][3], rbdi_batch Y[3][3]) {
+    rbdi_batch d, inverse, most, one = rbdi_zero_batch() + RBD_C(1);
+    rbdi_leg_mask sound;
+    for (int r = 0; r < 3; ++r) rbdi_leg_cross(J[(r + 1) % 3], J[(r + 2) % 3], Y[r]);
+    d = rbdi_leg_dot(J[0], Y[0]);
+    most = rbdi_leg_dot(J[0], J[0]) * rbdi_leg_dot(J[1], J[1]) * rbdi_leg_dot(J[2], J[2]);
+    sound = rbdi_leg_less(most * RBDI_SOUND, d * d);
+    inverse = one / rbdi_leg_select(sound, d, one);
+    for (int r = 0; r < 3; ++r)
+        for (int t = 0; t < 3; ++t) Y[r][t] = Y[r][t] * inverse;
+    return sound;
+}
+
+/* [X x], -J^-T [G g] and [G g] of the legs. Returns for which. */
+RBDI_INLINE rbdi_leg_mask rbdi_leg_solve(rbdi_leg_pass *s, rbdi_batch X[3][7], rbdi_batch lambda[3][7],
+                                         rbdi_batch G[3][7]) {
+    rbdi_batch Y[3][3];
+    const rbdi_leg_mask sound = rbdi_leg_inverse(s->J, Y);
+    RBDI_UNROLL_ROW for (int j = 0; j < 7; ++j) {
+        for (int t = 0; t < 3; ++t)
+            X[t][j] = s->row[0][j] * Y[0][t] + s->row[1][j] * Y[1][t] + s->row[2][j] * Y[2][t];
+        G[0][j] = s->joint[0][j] - s->M[0][0] * X[0][j] - s->M[0][1] * X[1][j] - s->M[0][2] * X[2][j];
+        G[1][j] = s->joint[1][j] - s->M[0][1] * X[0][j] - s->M[1][1] * X[1][j] - s->M[1][2] * X[2][j];
+        G[2][j] = s->joint[2][j] - s->M[0][2] * X[0][j] - s->M[1][2] * X[1][j] - s->M[2][2] * X[2][j];
+        for (int r = 0; r < 3; ++r)
+            lambda[r][j] = -(Y[r][0] * G[0][j] + Y[r][1] * G[1][j] + Y[r][2] * G[2][j]);
+    }
+    return sound;
+}
+
+/* F X + X' G, entry i, j. */
+RBDI_INLINE rbdi_batch rbdi_leg_loss(const rbdi_leg_pass *s, rbdi_batch X[3][7], rbdi_batch G[3][7], int i,
+                                     int j) {
+    rbdi_batch x = s->joint[0][i] * X[0][j] + X[0][i] * G[0][j];
+    for (int t = 1; t < 3; ++t) x = x + s->joint[t][i] * X[t][j] + X[t][i] * G[t][j];
+    return x;
+}
+
+/* Sums over the legs that stand of n numbers of each. */
+RBDI_INLINE void rbdi_leg_sums(rbdi_leg_mask stands, int all, rbdi_batch *x, int n, rbd_real *sum) {
+    for (int j = 0; !all && j < n; ++j) x[j] = rbdi_leg_select(stands, x[j], rbdi_zero_batch());
+#if RBDI_BATCH == 4
+    for (int j = 0; j < n; j += 4) {
+        rbdi_four y[4];
+        rbdi_fours_of_lanes(&x[j], y);
+        *(rbdi_four *)&sum[j] = (y[0] + y[1]) + (y[2] + y[3]);
+    }
+#else
+    for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_lanes(x[j]);
+#endif
+}
+
+/* Of which legs what the rows add to the inertia of the link leaves enough digits: [limbs]. */
+RBDI_INLINE rbdi_leg_mask rbdi_legs_add_little(const rbdi_link *hang, const rbdi_leg_pass *s,
+                                               rbdi_batch X[3][7], rbdi_batch G[3][7]) {
+    const rbdi_abi own = rbdi_abi_add_link(hang, RBDI_MASS_KEPT, rbdi_abi_zero());
+    const rbdi_batch m[6] = {s->C.yy + s->C.zz + own.I.xx,
+                             s->C.xx + s->C.zz + own.I.yy,
+                             s->C.xx + s->C.yy + own.I.zz,
+                             s->m + own.M.xx,
+                             s->m + own.M.yy,
+                             s->m + own.M.zz};
+    rbdi_leg_mask little = rbdi_leg_less(rbdi_zero_batch(), m[0]);
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
+        rbdi_batch x = rbdi_zero_batch();
+        for (int t = 0; t < 3; ++t) x = x + X[t][i] * (s->joint[t][i] - G[t][i]);
+        little &= rbdi_leg_less(x, m[i] * RBDI_ADDED);
+    }
+    return little;
+}
+
+/* What the link feels of the legs: their composite bodies less F X + X' G, by rows of [IA pA]. */
+RBDI_INLINE void rbdi_legs_hand_on(rbdi_legs *f, const rbdi_leg_pass *s, rbdi_batch X[3][7],
+                                   rbdi_batch G[3][7], rbdi_leg_mask stands) {
+    const rbdi_leg_body C = s->C;
+    const rbdi_batch o = rbdi_zero_batch(), m = s->m;
+    const rbdi_batch body[21] = {C.yy + C.zz, -C.xy, -C.xz, o, -C.z, C.y, C.xx + C.zz, -C.yz, C.z, o, -C.x,
+                                 C.xx + C.yy, -C.y,  C.x,   o, m,    o,   o,           m,     o,   m};
+    rbdi_batch x[28];
+    rbd_real sum[28], A[6][6];
+    int n = 0;
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
+        for (int j = i; j < 6; ++j, ++n) x[n] = body[n] - rbdi_leg_loss(s, X, G, i, j);
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i, ++n) { x[n] = s->pA[i] + rbdi_leg_loss(s, X, G, i, 6); }
+    x[27] = o;
+    rbdi_leg_sums(stands, f->stand == RBDI_BATCH, x, 28, sum);
+    for (int i = 0, k = 0; i < 6; ++i)
+        for (int j = i; j < 6; ++j, ++k) A[i][j] = sum[k];
+    f->IA = rbdi_abi_from_array(A);
+    f->pA = rbdi_load_force(&sum[21], 1);
+}
+
+/* Wrenches of the rows at the legs' last links, with b. */
+RBDI_INLINE void rbdi_legs_rows(const rbd_constraints *c, const rbdi_legs *f, rbdi_leg_pass *s) {
+#if RBDI_BATCH == 4
+    const rbdi_strand *on[4];
+    for (int k = 0; k < 4; ++k) on[k] = &c->strand[c->limb[f->first + (k < f->n ? k : 0)].strand];
+    RBDI_UNROLL_ROW for (int j = 0; j < 7; ++j) {
+        rbdi_batch x[4];
+        rbdi_four y[4];
+        for (int k = 0; k < 4; ++k)
+            x[k] = j < 6 ? ((const rbdi_batch *)on[k]->K)[j] : *(const rbdi_batch *)&c->b[on[k]->row];
+        rbdi_fours_of_lanes(x, y);
+        for (int r = 0; r < 3; ++r) s->row[r][j] = y[r];
+    }
+#else
+    for (int k = 0; k < RBDI_BATCH; ++k) {
+        const rbdi_limb *e = &c->limb[f->first + (k < f->n ? k : 0)];
+        for (int r = 0; r < 3; ++r) {
+            const rbd_real *K = c->strand[e->strand + 2 * (r / RBDI_BATCH)].K + r % RBDI_BATCH;
+            for (int j = 0; j < 7; ++j)
+                ((rbd_real *)&s->row[r][j])[k] = j < 6 ? K[j * RBDI_BATCH] : c->b[e->row + r];
+        }
+    }
+#endif
+}
+
+/* The rows of the legs that stand are done with where these hang. */
+static void rbdi_legs_stand(const rbd_model *m, rbd_constraints *c, rbdi_legs *f, const rbd_real *tau) {
+    const rbdi_link *hang = &m->link[c->limb[f->first].link];
+    const rbdi_batch zero = rbdi_zero_batch();
+    const rbdi_leg_body none = {zero, zero, zero, zero, zero, zero, zero, zero, zero};
+    rbdi_batch(*X)[7] = (rbdi_batch(*)[7])f->solved, (*lambda)[7] = X + 3, G[3][7];
+    rbdi_leg_mask stands;
+    rbdi_leg_pass s;
+    s.C = none;
+    s.m = zero + ((const rbdi_leg_link *)f->link[0])->subtree_mass;
+    for (int j = 0; j < 6; ++j) s.pA[j] = zero;
+    rbdi_legs_rows(c, f, &s);
+    for (int t = 2; t >= 0; --t) rbdi_leg_joint(m, c, f, t, tau, &s);
+    stands = rbdi_leg_first(f->n) & rbdi_leg_solve(&s, X, lambda, G);
+    stands &= rbdi_legs_add_little(hang, &s, X, G);
+    f->stand = 0;
+    for (int k = 0; k < f->n; ++k) {
+        rbdi_limb *e = &c->limb[f->first + k];
+        e->stands = e->taken = stands[k] != 0;
+        if (!e->stands) continue;
+        ++f->stand;
+        for (int r = e->row; r < e->row + 3; ++r) c->inverse[r] = rbdi_set(RBD_C(1));
+        for (int i = e->strand; i < e->end; i += 2) c->strand[i].open = 0;
+    }
+    if (f->stand) rbdi_legs_hand_on(f, &s, X, G, stands);
+}
+
+/* lambda, and the accelerations x, of legs that stand, from y of the link that they hang on. */
+static void rbdi_legs_follow(const rbd_model *m, rbd_constraints *c, const rbdi_legs *f, const rbd_real y[6],
+                             rbd_real *x) {
+    const rbdi_batch(*solved)[7] = (const rbdi_batch(*)[7])f->solved;
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
+        rbdi_batch found = solved[i][6];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { found = found - solved[i][j] * y[j]; }
+        for (int k = 0; k < f->n; ++k) {
+            const rbdi_limb *e = &c->limb[f->first + k];
+            if (!e->stands) continue;
+            if (i >= 3)
+                c->lambda[e->row + i - 3] = found[k];
+            else
+                x[m->link[e->first + i].iv] = found[k], c->size = c->size + found[k] * found[k];
+        }
+    }
+}
+
+/* All legs, before pass 2. */
+static void rbdi_legs_all(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
+    c->stand = 0;
+    for (rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f) {
+        f->stand = 0;
+        if (!c->again) rbdi_legs_stand(m, c, f, tau);
+        c->stand += f->stand;
+    }
+}
+#define RBDI_STAND(c) ((c)->stand)
+#else
+#define RBDI_STAND(c) 0
+#endif
+
 /* ---- passes [passes] ---- */
 
 /* Before other rows are eliminated: those that limbs have taken have nothing to do with them. */
@@ -1812,6 +2212,43 @@ RBDI_PART rbdi_mask rbdi_articulate_links(const rbd_model *m, rbd_work *w, const
     return doubt;
 }
 
+/* The same with their strands. */
+RBDI_INLINE rbdi_mask rbdi_articulate_part(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
+                                           int first, int end, rbdi_cursor *at, rbdi_abi *IA, rbdi_force *pA,
+                                           rbdi_mask doubt) {
+    if (end > first) doubt = rbdi_articulate_links(m, c->w, tau, first, end, IA, pA, doubt);
+    while (end > first) {
+        end -= c->piece[end - 1].at + 1;
+        rbdi_piece_up(m, c, end, at);
+    }
+    return doubt;
+}
+
+/* Whether link i is of a leg that stands. */
+RBDI_INLINE int rbdi_stands(const rbd_constraints *c, int i) {
+    return c->piece[i].leg > 0 && c->limb[c->piece[i].leg - 1].stands;
+}
+
+/* The same but for legs that stand. */
+RBDI_INLINE rbdi_mask rbdi_articulate_parts(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
+                                            int first, int end, rbdi_cursor *at, rbdi_abi *IA, rbdi_force *pA,
+                                            rbdi_mask doubt) {
+    for (int i = end - 1; RBDI_STAND(c) && i >= first; --i) {
+        if (!rbdi_stands(c, i)) continue;
+        doubt = rbdi_articulate_part(m, c, tau, i + 1, end, at, IA, pA, doubt);
+        at->route += c->piece[i].strands;
+        end = i -= 2;
+    }
+    return rbdi_articulate_part(m, c, tau, first, end, at, IA, pA, doubt);
+}
+
+/* Legs that stand on link i; IA and pA become what it then feels of its children. */
+RBDI_INLINE void rbdi_legs_hang(const rbd_constraints *c, int i, rbdi_abi *IA, rbdi_force *pA) {
+    for (const rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f)
+        if (f->stand && c->limb[f->first].link == i)
+            *IA = rbdi_abi_add(*IA, f->IA), *pA = rbdi_force_add(*pA, f->pA);
+}
+
 /* Pass 2 with the strands, and lambda of what meets in the world. */
 static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
                                     rbdi_cursor *at) {
@@ -1819,17 +2256,18 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     int link = m->nl, end = c->n, limbs = c->limbs;
+#if RBDI_BATCH > 1
+    rbdi_legs_all(m, c, tau);
+#endif
     for (;;) {
         const int meet = rbdi_meeting(c, end), hang = limbs > 0 ? c->limb[limbs - 1].link : -1,
                   stop = meet > hang ? meet : hang;
-        doubt = rbdi_articulate_links(m, c->w, tau, stop + 1, link, &IA, &pA, doubt);
-        while (link > stop + 1) {
-            link -= c->piece[link - 1].at + 1;
-            rbdi_piece_up(m, c, link, at);
-        }
+        doubt = rbdi_articulate_parts(m, c, tau, stop + 1, link, at, &IA, &pA, doubt);
+        link = stop + 1;
         if (stop < 0) break;
         if (hang == stop) {
             const int first = rbdi_limbs_together(c, limbs);
+            rbdi_legs_hang(c, stop, &IA, &pA);
             rbdi_take_limbs(m, c, first, limbs, &IA, &pA);
             limbs = first;
         }
@@ -1848,6 +2286,18 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
     return doubt;
 }
 
+/* Pass 3 of the links first .. end - 1, but for legs that stand. */
+RBDI_INLINE rbdi_motion rbdi_pass3_parts(const rbd_model *m, rbd_constraints *c, int first, int end,
+                                         rbdi_motion world, rbdi_motion y, rbd_real *x) {
+    for (int i = first; RBDI_STAND(c) && i < end; ++i) {
+        if (!rbdi_stands(c, i)) continue;
+        if (i > first) y = rbdi_aba_pass3_links(m, c->w, first, i, world, y, x);
+        first = i + 3, i += 2;
+    }
+    if (end > first) y = rbdi_aba_pass3_links(m, c->w, first, end, world, y, x);
+    return y;
+}
+
 /* Pass 3, and lambda of what meets on links. */
 static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cursor *at, rbd_real *x) {
     rbdi_motion world = rbdi_motion0(), y;
@@ -1863,10 +2313,14 @@ static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cu
                   hung = limb < c->limbs ? c->limb[limb].link : m->nl - 1, last = hung < met ? hung : met;
         int end = first;
         rbdi_strands_down(m, c, link, last + 1, at);
-        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
+        y = rbdi_pass3_parts(m, c, link, last + 1, world, y, x);
         link = last + 1;
         if (link == m->nl) break;
         rbdi_motion_to_array(y, Y);
+#if RBDI_BATCH > 1
+        for (const rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f)
+            if (f->stand && c->limb[f->first].link == last) rbdi_legs_follow(m, c, f, Y, x);
+#endif
         for (; limb < c->limbs && c->limb[limb].link == last; ++limb) rbdi_solve_limb(c, &c->limb[limb], Y);
         for (; end < c->n && c->constraint[end].meet == last; ++end)
             if (c->constraint[end].loop) rbdi_solve_loop(m, c, &c->constraint[first++], at, Y);
@@ -1905,6 +2359,8 @@ static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c,
         *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
     }
     doubt = rbdi_articulate_up(m, c, tau, &at);
+    c->again = RBDI_STAND(c) > 0 && rbdi_any(doubt);
+    if (c->again) return RBD_OK;
     rbdi_articulate_down(m, c, &at, x);
     rbdi_least_norm(c);
     status = rbdi_status_of(m, c->w, doubt, 1, NULL, x, m->nv);
@@ -2054,13 +2510,16 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
         status = rbdi_factored_fd(m, c, q, v, tau, f_ext, lambda);
         for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
     } else {
-        rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
-        rbdi_external(m, c->w, f_ext);
-        for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-            rbdi_articulated_rows(m, c, k, v, rbdi_stabilisation(k));
-            rbdi_stabilise(c, k);
-        }
-        status = rbdi_articulated_solve(m, c, tau, a, lambda);
+        c->again = 0;
+        do {
+            rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
+            rbdi_external(m, c->w, f_ext);
+            for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+                rbdi_articulated_rows(m, c, k, v, rbdi_stabilisation(k));
+                rbdi_stabilise(c, k);
+            }
+            status = rbdi_articulated_solve(m, c, tau, a, lambda);
+        } while (c->again);
     }
     return status;
 }
@@ -2117,14 +2576,17 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
     if (m->nmimic) {
         status = rbdi_factored_impact(m, c, q, v, restitution, impulse);
     } else {
-        rbdi_articulated_start(m, c, q, v, none, 1);
-        for (int i = 0; i < m->nl; ++i)
-            c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
-        for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-            rbdi_articulated_rows(m, c, k, v, RBDI_HELD_RATES);
-            rbdi_rebound(c, k, restitution);
-        }
-        status = rbdi_articulated_solve(m, c, c->w->zero, c->x, impulse);
+        c->again = 0;
+        do {
+            rbdi_articulated_start(m, c, q, v, none, 1);
+            for (int i = 0; i < m->nl; ++i)
+                c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
+            for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+                rbdi_articulated_rows(m, c, k, v, RBDI_HELD_RATES);
+                rbdi_rebound(c, k, restitution);
+            }
+            status = rbdi_articulated_solve(m, c, c->w->zero, c->x, impulse);
+        } while (c->again);
     }
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
     if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
@@ -2918,10 +3380,67 @@ static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
     for (int i = 0; i < m->nl;) {
         const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
         for (int k = 0; k < links; ++k, ++i) {
-            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k, c->piece[i].posed = 0;
+            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
+            c->piece[i].posed = c->piece[i].leg = 0;
         }
     }
 }
+
+#if RBDI_BATCH > 1
+/* Whether limb e, of three rows and dofs, is a leg: its links one behind the other, the rows on the last. */
+static int rbdi_is_leg(const rbd_model *m, const rbd_constraints *c, const rbdi_limb *e) {
+    const int last = e->first + 2;
+    if (m->link[e->first].end - m->link[e->first].first != 3) return 0; /* other links hang on it */
+    for (int i = e->first; i <= last; ++i)
+        if (m->link[i].kind == RBDI_BLOCK || (i > e->first && m->link[i].parent != i - 1)) return 0;
+    for (int s = e->strand; s < e->end; s += 2)
+        if (c->strand[s].link != last || c->strand[s].row != e->row + (s - e->strand) / 2 * RBDI_BATCH)
+            return 0;
+    return 1;
+}
+
+/* Constants of joint t of the legs of a group, each in its lane; lanes that are left repeat the first. */
+static void rbdi_lay_joint(const rbd_model *m, const rbd_constraints *c, rbdi_legs *f, int t,
+                           rbdi_leg_link *to) {
+    const int known = RBDI_TWIST_0 | RBDI_TWIST_90;
+    int form = known;
+    for (int k = 0; k < RBDI_BATCH; ++k) {
+        const rbdi_link *l = &m->link[c->limb[f->first + (k < f->n ? k : 0)].first + t];
+        form = (form & l->flags & known) | ((form | l->flags) & ~known);
+        to->ca[k] = l->ca, to->sa[k] = l->sa, to->cb[k] = l->cb, to->sb[k] = l->sb, to->d[k] = l->d;
+        to->rho[k] = l->rho, to->kappa[k] = l->kappa, to->subtree_mass[k] = l->subtree_mass;
+        to->r.x[k] = l->r.x, to->r.y[k] = l->r.y, to->r.z[k] = l->r.z;
+        to->h.x[k] = l->h.x, to->h.y[k] = l->h.y, to->h.z[k] = l->h.z;
+        to->Sigma.xx[k] = l->Sigma.xx, to->Sigma.xy[k] = l->Sigma.xy, to->Sigma.xz[k] = l->Sigma.xz;
+        to->Sigma.yy[k] = l->Sigma.yy, to->Sigma.yz[k] = l->Sigma.yz, to->Sigma.zz[k] = l->Sigma.zz;
+    }
+    f->link[t] = to, f->form[t] = (int16_t)form;
+}
+
+/* Whether two limbs are legs that hang on the same link, their joints sliding or not alike. */
+static int rbdi_legs_alike(const rbd_model *m, const rbdi_limb *a, const rbdi_limb *b) {
+    if (!a->leg || !b->leg || a->link != b->link) return 0;
+    for (int t = 0; t < 3; ++t)
+        if ((m->link[a->first + t].flags ^ m->link[b->first + t].flags) & RBDI_SLIDES) return 0;
+    return 1;
+}
+
+/* Groups of legs, of limbs that stand one behind the other in the list. */
+static void rbdi_lay_legs(const rbd_model *m, rbd_constraints *c, rbd_real *room) {
+    for (int k = 0, n; k < c->limbs; k += n ? n : 1) {
+        const rbdi_limb *e = &c->limb[k];
+        rbdi_legs *f = &c->leg[c->legs];
+        for (n = 0; n < RBDI_BATCH && k + n < c->limbs && rbdi_legs_alike(m, e, e + n); ++n)
+            for (int t = 0; t < 3; ++t) c->piece[e[n].first + t].leg = (int16_t)(k + n + 1);
+        if (n == 0) continue;
+        f->first = (int16_t)k, f->n = (int16_t)n, f->stand = 0;
+        f->solved = room, room += 42 * RBDI_BATCH;
+        for (int t = 0; t < 3; ++t, room += sizeof(rbdi_leg_link) / sizeof(rbd_real))
+            rbdi_lay_joint(m, c, f, t, (rbdi_leg_link *)room);
+        ++c->legs;
+    }
+}
+#endif
 
 /* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
    order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
@@ -2945,6 +3464,10 @@ static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, c
         for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
         if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
     }
+    e->first = (int16_t)i, e->leg = e->stands = 0;
+#if RBDI_BATCH > 1
+    e->leg = e->rows == 3 && dofs == 3 && rbdi_is_leg(m, c, e);
+#endif
     return e->rows <= 6 && e->rows <= dofs;
 }
 
@@ -2960,7 +3483,7 @@ static void rbdi_sort_limbs(rbdi_limb *list, int n) {
 
 /* The strands of each link; and of constraints that meet in one place the first row that any of them shares a
    link with. */
-static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c, rbd_real *room) {
     int16_t *route = c->route;
     rbdi_lay_pieces(m, c);
     c->posed = 0;
@@ -2983,6 +3506,11 @@ static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
         if (c->piece[i].at == 0) route += n;
     }
     rbdi_sort_limbs(c->limb, c->limbs);
+#if RBDI_BATCH > 1
+    rbdi_lay_legs(m, c, room);
+#else
+    (void)room;
+#endif
     for (int end = c->n, first; end > 0; end = first) {
         const rbdi_rows g = rbdi_rows_between(c, first = rbdi_together(c, end), end);
         for (int k = first; k < end; ++k) c->constraint[k].low = c->constraint[k].near_low = (int16_t)g.low;
@@ -2998,7 +3526,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     rbd_report own;
     rbd_constraints *c;
     unsigned char *p;
-    rbd_real *K;
+    rbd_real *K, *room;
     int rows = 0, batches;
     if (!report) report = &own;
     report->warnings = 0;
@@ -3032,11 +3560,13 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->at = c->order + m->nv, c->route = c->at + rows;
     c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
     c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
-    c->limbs = 0;
+    c->leg = (rbdi_legs *)rbdi_take(&p, RBDI_BATCH > 1 ? rows / 3 : 0, RBDI_ROUND(sizeof(rbdi_legs)));
+    c->limbs = c->legs = 0;
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
                                  sizeof(rbd_real));
     K = (rbd_real *)rbdi_take(&p, 12 * batches * RBDI_BATCH, sizeof(rbd_real));
+    room = (rbd_real *)rbdi_take(&p, RBDI_BATCH > 1 ? rows / 3 * 102 * RBDI_BATCH : 0, sizeof(rbd_real));
     c->wrench = (rbd_real *)rbdi_take(&p, 8 * rows, sizeof(rbd_real));
     c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
     c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
@@ -3059,7 +3589,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     rbdi_find_loops(m, c->constraint, n);
     rbdi_number_rows(c, K);
     for (int i = 0; i < n; ++i) rbdi_span_constraint(m, c, &c->constraint[i]);
-    if (!m->nmimic) rbdi_lay_route(m, c);
+    if (!m->nmimic) rbdi_lay_route(m, c, room);
     for (int k = 0; k < m->nv; ++k)
         c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
     rbdi_clear(c->b, 7 * c->stride);
