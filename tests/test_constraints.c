@@ -447,19 +447,17 @@ static void add_residual(residual *to, double difference, double term) {
     to->size = fmax(to->size, fabs(term));
 }
 
-static int solved, dependent;
+static int solved, dependent, stood;
 
-static void check_residuals(const robot *r, const state *s, int number) {
-    uint64_t seed = 99 + (uint64_t)number;
-    rbd_constraint list[MAX_SET];
+static void check_equations(const robot *r, const state *s, int number, const rbd_constraint *list, int n) {
     static tb_real M[MAX_V * MAX_V];
     tb_real c[TB_MAX_DOFS], free_a[TB_MAX_DOFS];
     double J[MAX_ROWS * MAX_V], gamma[MAX_ROWS], e[MAX_ROWS], u[MAX_ROWS], a[MAX_V], lambda[MAX_ROWS],
         zero[MAX_V] = {0};
-    const int n = random_set(r, &seed, list), nv = r->nv;
+    const int nv = r->nv;
     const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, free_a);
     set k = set_of(r, list, n);
-    residual dynamics = {0, 0}, held = {0, 0};
+    residual dynamics = {0, 0}, held = {0, 0.1}; /* what turns and slides is of order one */
     RUN(rbd_constraint_jacobian(r->m, k.c, s->q, s->v, J, gamma, e));
     RUN(rbd_constraint_jacobian(r->m, k.c, s->q, zero, NULL, NULL, NULL)); /* other velocities in the work */
     const rbd_status status = rbd_constrained_fd(r->m, k.c, s->q, s->v, s->tau, s->f_ext, a, lambda);
@@ -472,6 +470,7 @@ static void check_residuals(const robot *r, const state *s, int number) {
     ck_assert_int_eq(status, RBD_OK);
     solved++;
     dependent += rbd_constraint_rank(k.c) < k.rows;
+    stood += k.c->stand;
     tb_mass_matrix(r->bodies, r->nb, s->q, M);
     tb_rnea(r->bodies, r->nb, s->gravity, s->q, s->v, zero, s->f_ext, c, NULL);
     multiply(J, s->v, k.rows, nv, u);
@@ -501,6 +500,12 @@ static void check_residuals(const robot *r, const state *s, int number) {
     expect_small("M a + c = tau + J'lambda", r, number, dynamics.error / dynamics.size, 1e-11);
     expect_small("J a + gamma = r", r, number, held.error / held.size, inverse_bound((double)condition));
     free(k.memory);
+}
+
+static void check_residuals(const robot *r, const state *s, int number) {
+    uint64_t seed = 99 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    check_equations(r, s, number, list, random_set(r, &seed, list));
 }
 
 START_TEST(both_equations_hold_on_random_trees) {
@@ -743,14 +748,12 @@ END_TEST
 
 /* ---- impacts ---- */
 
-static void check_impact(const robot *r, const state *s, int number) {
-    uint64_t seed = 5 + (uint64_t)number;
-    rbd_constraint list[MAX_SET];
+static void check_impact_of(const robot *r, const state *s, int number, const rbd_constraint *list, int n,
+                            double restitution) {
     double M[MAX_V * MAX_V], J[MAX_ROWS * MAX_V], change[MAX_V], p[MAX_V], v[MAX_V], u[MAX_ROWS],
         u_plus[MAX_ROWS];
     double impulse[MAX_ROWS];
-    const int n = random_set(r, &seed, list), nv = r->nv;
-    const double restitution = uniform(&seed, 0, 1);
+    const int nv = r->nv;
     set k = set_of(r, list, n);
     tb_real a[TB_MAX_DOFS];
     const tb_real condition = tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, NULL, a);
@@ -782,6 +785,13 @@ static void check_impact(const robot *r, const state *s, int number) {
         expect_small("energy of an elastic impact", r, number, fabs(lost) / (1 + 4 * energy), 1e-11);
     }
     free(k.memory);
+}
+
+static void check_impact(const robot *r, const state *s, int number) {
+    uint64_t seed = 5 + (uint64_t)number;
+    rbd_constraint list[MAX_SET];
+    const int n = random_set(r, &seed, list);
+    check_impact_of(r, s, number, list, n, uniform(&seed, 0, 1));
 }
 
 START_TEST(impacts_on_random_trees) { for_random_trees(300, check_impact); }
@@ -1188,6 +1198,123 @@ START_TEST(straight_legs_cost_no_digits) {
 }
 END_TEST
 
+/* Two rows of a foot, the third as another constraint, on this body. Returns how many there are. */
+static int split_foot(rbd_constraint *foot, int first, int body) {
+    int rows = 0;
+    foot[1] = foot[0];
+    foot[1].body1 = body;
+    for (int axis = 0; axis < 6; axis++)
+        if (foot->axes[axis]) foot[(rows++ < 1) == first].axes[axis] = 0;
+    return 2;
+}
+
+/* A leg of three joints of one axis, at the end of bodies; its foot, of any three rows. Now and then it is
+   none: with a toe that hangs on it, or held by two constraints, on one body or on two. Returns the number of
+   constraints. */
+static int random_leg(uint64_t *seed, rbd_body *bodies, int *count, int hang, rbd_constraint *foot) {
+    static const rbd_joint_type types[4] = {RBD_REVOLUTE, RBD_REVOLUTE, RBD_PRISMATIC, RBD_HELICAL};
+    static const int kinds[4][6] = {
+        {0, 0, 0, 1, 1, 1}, {0, 0, 0, 1, 1, 1}, {1, 1, 1, 0, 0, 0}, {0, 1, 0, 1, 0, 1}};
+    const int odd = below(seed, 4) ? 0 : 1 + below(seed, 5);
+    int nb = *count;
+    for (int t = 0; t < 3; t++, nb++) {
+        random_joint(seed, bodies, nb, types[below(seed, 4)]);
+        random_mass(seed, &bodies[nb]);
+        bodies[nb].parent = t ? nb - 1 : hang;
+        bodies[nb].armature[0] = below(seed, 3) ? 0 : uniform(seed, 0, 0.5);
+    }
+    memset(foot, 0, sizeof *foot);
+    foot->body1 = nb - 1, foot->body2 = -1;
+    random_rotation(seed, foot->rotation1);
+    random_rotation(seed, foot->rotation2);
+    for (int i = 0; i < 3; i++)
+        foot->position1[i] = uniform(seed, -0.5, 0.5), foot->position2[i] = uniform(seed, -0.5, 0.5);
+    memcpy(foot->axes, kinds[below(seed, 4)], sizeof foot->axes);
+    if (below(seed, 2)) foot->kd = uniform(seed, 0, 20), foot->kp = uniform(seed, 0, 50);
+    if (odd == 5) {
+        random_joint(seed, bodies, nb, RBD_REVOLUTE);
+        random_mass(seed, &bodies[nb]);
+        bodies[nb].parent = nb - 1;
+        nb++;
+    }
+    *count = nb;
+    return odd == 0 || odd == 5 ? 1 : split_foot(foot, odd % 2, nb - (odd < 3 ? 2 : 1));
+}
+
+/* Up to six legs on a trunk of two bodies, some on the first, some on the second, some with a foot that does
+   not stand. */
+START_TEST(legs_of_any_make_stand) {
+    solved = dependent = stood = 0;
+    for (int number = 0; number < 300; number++) {
+        uint64_t seed = 7000 + (uint64_t)number;
+        static const rbd_joint_type trunks[3] = {RBD_FLOATING, RBD_FLOATING, RBD_SPHERICAL};
+        rbd_body bodies[MAX_BODIES];
+        rbd_constraint list[MAX_SET];
+        const int legs = 1 + below(&seed, 6);
+        int n = 0, nb = 2;
+        random_joint(&seed, bodies, 0, trunks[below(&seed, 3)]);
+        random_joint(&seed, bodies, 1, below(&seed, 2) ? RBD_SPHERICAL : RBD_REVOLUTE);
+        bodies[0].parent = -1, bodies[1].parent = 0;
+        for (int i = 0; i < 2; i++) random_mass(&seed, &bodies[i]);
+        for (int i = 0; i < legs; i++) {
+            const int held = random_leg(&seed, bodies, &nb, below(&seed, 3) == 0, &list[n]);
+            if (i == 0 || below(&seed, 4)) n += held;
+        }
+        robot r = robot_build("legs", bodies, nb);
+        state s;
+        draw_state(&r, &seed, &s);
+        check_equations(&r, &s, number, list, n);
+        check_impact_of(&r, &s, number, list, n, uniform(&seed, 0, 1));
+        robot_free(&r);
+    }
+    ck_assert_int_gt(solved, 250);
+#if defined __SSE2__ || defined __aarch64__
+    ck_assert_int_gt(stood, 300);
+#endif
+}
+END_TEST
+
+/* A wheel without inertia beside legs that stand. */
+START_TEST(legs_do_not_hide_a_singular_joint) {
+    const rbd_body link = {.parent = 1,
+                           .type = RBD_REVOLUTE,
+                           .axis = {0, 1, 0},
+                           .position = {0, 0, -0.3},
+                           .mass = 1,
+                           .com = {0.1, 0, -0.2},
+                           .inertia = {0.1, 0, 0, 0.1, 0, 0.1}};
+    rbd_body bodies[5] = {{.parent = -1, .type = RBD_FLOATING, .mass = 9, .inertia = {1, 0, 0, 1, 0, 1}},
+                          link,
+                          link,
+                          link,
+                          {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1}};
+    bodies[1].parent = 0, bodies[1].axis[0] = 1, bodies[1].axis[1] = 0;
+    bodies[3].parent = 2;
+    robot r = BUILD(bodies);
+    const double q[11] = {0, 0, 1, 0, 0, 0, 1, 0.1, 0.5, -1, 0.2}, v[10] = {0.1, 0.2, 0.3},
+                 foot[3] = {0.1, 0, -0.4};
+    double a[10], lambda[3];
+    rbd_constraint k = rbd_point_contact(3, foot, NULL);
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, v, NULL, a, lambda), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_singular_dof(r.w), 9);
+    ck_assert(!(largest(a, 10) > 0) && !(largest(lambda, 3) > 0));
+    ck_assert_int_eq(rbd_impact(r.m, c.c, q, v, 0, a, lambda), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_singular_dof(r.w), 9);
+    free(c.memory);
+    robot_free(&r);
+    bodies[4].armature[0] = 0.1;
+    robot sound = BUILD(bodies);
+    c = set_of(&sound, &k, 1);
+    ck_assert_int_eq(rbd_constrained_fd(sound.m, c.c, q, v, v, NULL, a, lambda), RBD_OK);
+#if defined __SSE2__ || defined __aarch64__
+    ck_assert_int_eq(c.c->stand, 1);
+#endif
+    free(c.memory);
+    robot_free(&sound);
+}
+END_TEST
+
 START_TEST(singular_mass_matrix_is_an_error) {
     const rbd_body bodies[2] = {
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}},
@@ -1564,6 +1691,8 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, contradiction_names_the_row);
     tcase_add_test(c, empty_set_is_forward_dynamics);
     tcase_add_test(c, straight_legs_cost_no_digits);
+    tcase_add_test(c, legs_of_any_make_stand);
+    tcase_add_test(c, legs_do_not_hide_a_singular_joint);
     tcase_add_test(c, singular_mass_matrix_is_an_error);
     tcase_add_test(c, constructors_hold_what_they_say);
     tcase_add_test(c, flat_contact_carries_a_box);
