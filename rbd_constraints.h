@@ -2118,7 +2118,6 @@ static void rbdi_legs_stand(const rbd_model *m, rbd_constraints *c, rbdi_legs *f
     for (int t = 2; t >= 0; --t) rbdi_leg_joint(m, c, f, t, tau, &s);
     stands = rbdi_leg_first(f->n) & rbdi_leg_solve(&s, X, lambda, G);
     stands &= rbdi_legs_add_little(hang, &s, X, G);
-    f->stand = 0;
     for (int k = 0; k < f->n; ++k) {
         rbdi_limb *e = &c->limb[f->first + k];
         e->stands = e->taken = stands[k] != 0;
@@ -2153,6 +2152,7 @@ static void rbdi_legs_all(const rbd_model *m, rbd_constraints *c, const rbd_real
     c->stand = 0;
     for (rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f) {
         f->stand = 0;
+        for (int k = 0; k < f->n; ++k) c->limb[f->first + k].stands = 0;
         if (!c->again) rbdi_legs_stand(m, c, f, tau);
         c->stand += f->stand;
     }
