@@ -45,8 +45,8 @@
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
      and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
-     not described. M must be regular, also where the constraints would make up for it: only in [legs] that
-     stand that is not noticed, and not needed.
+     not described. M must be regular, also where the constraints would make up for it: in [legs] that stand
+     that is not needed, nor noticed unless another joint is in doubt.
 */
 #include "rbd.h"
 
@@ -355,7 +355,7 @@ typedef struct rbdi_piece {
     int16_t strands;  /* that pass the link */
     int16_t dofs, at; /* of the piece; where among them the link's begin */
     int16_t posed;    /* whether strands begin on the link or behind it */
-    int16_t leg;      /* limb, from 1, of whose three links this is one: [legs] */
+    int16_t leg;      /* 1 + the leg, among the limbs, that the link is of; 0: none */
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
@@ -366,8 +366,8 @@ typedef struct rbdi_limb {
     int16_t strand, end; /* strands, of side 1 every other: first, and behind the last */
     int16_t taken;       /* whether its rows have been eliminated there */
     int16_t first;       /* its first link */
-    int16_t leg;         /* whether it is one: [legs] */
-    int16_t stands;      /* so, and its rows have been done with there */
+    int16_t leg;         /* whether it can stand: [legs] */
+    int16_t stands;      /* whether it does in this call: [legs] has done with its rows and joints */
 } rbdi_limb;
 
 /* Up to RBDI_BATCH legs that hang on one link, as lanes: [legs]. */
@@ -396,7 +396,7 @@ struct rbd_constraints {
     int n, rows, stride; /* stride: of rows, padded */
     int strands, limbs, legs;
     int stand;      /* how many limbs are legs that stand, in the last call */
-    int again;      /* whether to solve once more, without these: pivots must be judged */
+    int again;      /* whether to solve once more with no leg standing, since a pivot is in doubt */
     int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
     int infeasible; /* row, -1 = none */
     int moving;     /* whether velocities of links' origins are wanted, but for impacts */
@@ -1887,13 +1887,13 @@ RBDI_INLINE void rbdi_leg_body_up(const rbdi_leg_link *l, int form, rbdi_leg_tri
     rbdi_leg_shift(l->r.z, m, &C->xz, &C->yz, &C->zz, C->x, C->y, &C->z);
 }
 
-/* C plus the links' own bodies; x = C S, without the last component; pA plus what C takes to accelerate with
-   c, where c.omega.z = 0. */
+/* C plus the links' own bodies. */
 RBDI_INLINE void rbdi_leg_add(const rbdi_leg_link *l, rbdi_leg_body *C) {
     C->xx = C->xx + l->Sigma.xx, C->xy = C->xy + l->Sigma.xy, C->xz = C->xz + l->Sigma.xz;
     C->yy = C->yy + l->Sigma.yy, C->yz = C->yz + l->Sigma.yz, C->zz = C->zz + l->Sigma.zz;
     C->x = C->x + l->h.x, C->y = C->y + l->h.y, C->z = C->z + l->h.z;
 }
+/* x = C S. */
 RBDI_INLINE void rbdi_leg_axis(const rbdi_leg_link *l, int form, const rbdi_leg_body *C, rbdi_batch x[6]) {
     x[0] = -C->xz, x[1] = -C->yz, x[2] = C->xx + C->yy;
     x[3] = -C->y, x[4] = C->x, x[5] = rbdi_zero_batch();
@@ -1902,6 +1902,7 @@ RBDI_INLINE void rbdi_leg_axis(const rbdi_leg_link *l, int form, const rbdi_leg_
     x[3] = x[3] * l->rho, x[4] = x[4] * l->rho;
     x[5] = rbdi_zero_batch() + l->subtree_mass * l->kappa;
 }
+/* pA plus what C takes to accelerate with c, whose omega has no z. */
 RBDI_INLINE void rbdi_leg_accelerate(const rbdi_leg_body *C, rbdi_batch m, const rbdi_batch c[6],
                                      rbdi_batch pA[6]) {
     pA[0] = pA[0] + (C->yy + C->zz) * c[0] - C->xy * c[1] + (C->y * c[5] - C->z * c[4]);
@@ -2038,7 +2039,7 @@ RBDI_INLINE void rbdi_leg_sums(rbdi_leg_mask stands, int all, rbdi_batch *x, int
 #endif
 }
 
-/* Of which legs what the rows add to the inertia of the link leaves enough digits: [limbs]. */
+/* Of which legs what the rows add to the inertia of the link and the leg leaves enough digits: [limbs]. */
 RBDI_INLINE rbdi_leg_mask rbdi_legs_add_little(const rbdi_link *hang, const rbdi_leg_pass *s,
                                                rbdi_batch X[3][7], rbdi_batch G[3][7]) {
     const rbdi_abi own = rbdi_abi_add_link(hang, RBDI_MASS_KEPT, rbdi_abi_zero());
@@ -2229,7 +2230,7 @@ RBDI_INLINE int rbdi_stands(const rbd_constraints *c, int i) {
     return c->piece[i].leg > 0 && c->limb[c->piece[i].leg - 1].stands;
 }
 
-/* The same but for legs that stand. */
+/* The same but for legs that stand: each is one piece, which has put nothing into Y. */
 RBDI_INLINE rbdi_mask rbdi_articulate_parts(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
                                             int first, int end, rbdi_cursor *at, rbdi_abi *IA, rbdi_force *pA,
                                             rbdi_mask doubt) {
@@ -2267,8 +2268,8 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
         if (stop < 0) break;
         if (hang == stop) {
             const int first = rbdi_limbs_together(c, limbs);
-            rbdi_legs_hang(c, stop, &IA, &pA);
             rbdi_take_limbs(m, c, first, limbs, &IA, &pA);
+            rbdi_legs_hang(c, stop, &IA, &pA);
             limbs = first;
         }
         if (meet == stop) {
@@ -3561,7 +3562,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
     c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
     c->leg = (rbdi_legs *)rbdi_take(&p, RBDI_BATCH > 1 ? rows / 3 : 0, RBDI_ROUND(sizeof(rbdi_legs)));
-    c->limbs = c->legs = 0;
+    c->limbs = c->legs = c->stand = c->again = 0;
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
                                  sizeof(rbd_real));
