@@ -3,8 +3,15 @@
 
 #include <string.h>
 
+#ifdef WORLD_LONG_DOUBLE
+#include <math.h>
+#define sinq sinl
+#define cosq cosl
+#define sqrtq sqrtl
+#else
 /* libquadmath's; clang has the type but not the header. */
 extern quad sinq(quad x), cosq(quad x), sqrtq(quad x);
+#endif
 
 /* ---- small algebra ---- */
 
@@ -74,11 +81,11 @@ static void rotation_of_quaternion(const quad *quaternion, quad R[9]) {
 }
 
 /* The rotation of a description is orthonormal to six decimals: its rows, first to last, decide. */
-static void rotation_of_body(const rbd_body *b, quad R[9]) {
+void world_rotation(const double rotation[9], quad R[9]) {
     int given = 0;
     for (int k = 0; k < 9; k++) {
-        R[k] = b->rotation[k];
-        given |= b->rotation[k] < 0 || b->rotation[k] > 0;
+        R[k] = rotation[k];
+        given |= rotation[k] < 0 || rotation[k] > 0;
     }
     if (!given) {
         memcpy(R, identity, sizeof identity);
@@ -337,7 +344,7 @@ void world_move(world *s, const rbd_body *bodies, int nb, const quad *q, const q
             q + iq[leader], v, a, iv[leader], b->mimic ? b->mimic_ratio : 1, b->mimic ? b->mimic_offset : 0,
             b->armature};
         part placement = {.p = {b->position[0], b->position[1], b->position[2]}};
-        rotation_of_body(b, placement.R);
+        world_rotation(b->rotation, placement.R);
         append(s, b->parent < 0 ? -1 : s->last[b->parent], &placement, NULL, 0);
         append_joint(s, b, &d);
         s->last[i] = s->elements - 1;
