@@ -33,9 +33,10 @@ const char help_more[] =
     "  --limbs N           up to N like limbs of a state at once, 2 or 4: vectors too, for computers (1)\n"
     "  --f-ext             external wrenches are an argument\n"
     "  --gravity-argument  gravity is an argument, not the constant of --gravity\n"
-    "  --bounded-angles    the caller promises that no angle exceeds 1e6 rad (float: 1e4) and is a number: "
-    "no\n"
-    "                      code of libm's is linked for them\n"
+    "  --bounded-angles    angles from 1e6 rad on (float: 1e4), infinity and NaN are refused: no code of "
+    "libm's "
+    "is\n"
+    "                      linked for them\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
     "  --block N           most statements of a C function (600); longer ones are cut into several\n"
     "How the file is read:\n";
@@ -235,30 +236,27 @@ void end() {
     if (fflush(stdout) != 0 || ferror(stdout)) throw std::runtime_error("cannot write the output");
 }
 
-void print_lines(const char *text) {
-    for (; *text; text++) putchar(*text);
-}
-
 void print_header(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
     const char *name = o->target.name.c_str();
+    std::string capitals = o->target.name;
+    for (char &c : capitals) c = char(toupper(static_cast<unsigned char>(c)));
+    const char *upper = capitals.c_str();
     begin(o, r, "h", "functions of this robot alone, straight-line code.");
-    print_lines(
-        "\n\n   Compile NAME_code.c, a file of its own, with\n"
-        "       cc -O3 -march=native -c NAME_code.c                               (a computer)\n"
-        "       arm-none-eabi-gcc -O2 -mcpu=... -mfloat-abi=... -c NAME_code.c    (a microcontroller)\n"
-        "   without -ffast-math. With -DNAME_SELFTEST it has int NAME_selftest(void), which runs all "
-        "functions\n"
-        "   on known states: 0, or the number of the first that is wrong; -DNAME_SELFTEST_MAIN adds a "
-        "main.\n\n"
-        "   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
-        "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
-        "freedom\n"
-        "   at which the mass matrix is singular, or -1 - that at which it is not a number. */\n");
-    printf("#ifndef ");
-    print_upper(name);
-    printf("_CODE_H\n#define ");
-    print_upper(name);
-    printf("_CODE_H\n\n/* clang-format off */\n\n");
+    printf(
+        "\n\n   Compile %s_code.c, a file of its own, with\n"
+        "       cc -O3 -march=native -c %s_code.c                               (a computer)\n"
+        "       arm-none-eabi-gcc -O2 -mcpu=... -mfloat-abi=... -c %s_code.c    (a microcontroller)\n"
+        "   without -ffast-math. With -D%s_SELFTEST it has int %s_selftest(void), which runs all functions\n"
+        "   on known states: 0, or the number of the first that is wrong; -D%s_SELFTEST_MAIN adds a main\n"
+        "   that prints what it found.\n\n",
+        name, name, name, upper, name, upper);
+    printf("   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
+           "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
+           "freedom\n"
+           "   at which the mass matrix is singular, or -1 - that at which it is not a number");
+    if (o->target.is_bounded) printf(", or\n   -1 - %s_NV if an angle is out of range", upper);
+    printf(". */\n");
+    printf("#ifndef %s_CODE_H\n#define %s_CODE_H\n\n/* clang-format off */\n\n", upper, upper);
     print_c_indices(r, name);
     printf("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n%s",
            codegen::declarations(functions, o->target).c_str());

@@ -1,6 +1,7 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
-   ROBOTS is 3, 8 or 10, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes. What is no
-   number is wrong where rbd.h has one, and so is any status that is not rbd.h's. */
+   ROBOTS is 3, 8 or 10, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes, CODE_BOUNDED
+   whether angles are. What is no number is wrong where rbd.h has one, and so is any status that is not rbd.h's;
+   but for angles out of bounds. */
 #define RBD_REAL REAL
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
@@ -25,7 +26,7 @@ typedef REAL real;
 #define LANE(x, j) ((void)(j), (x))
 #endif
 
-enum { RANDOM = 57, ZERO = RANDOM, NOT_A_NUMBER, LOCKED, STATES, MOST = 64 };
+enum { RANDOM = 57, ZERO = RANDOM, NOT_A_NUMBER, LOCKED, BEYOND, STATES, MOST = 64 };
 
 /* All functions, with their arguments, of robot n. */
 typedef const real *in;
@@ -84,14 +85,15 @@ static const code codes[ROBOTS] = {
 #endif
 };
 
-/* ---- states: random ones; all zeros; NaN in the first coordinate; Euler angles in gimbal lock ---- */
+/* ---- states: random ones; all zeros; NaN in the first coordinate; Euler angles in gimbal lock; an angle out of
+   bounds ---- */
 
 static sample robot;
 static sample_state states[STATES];
 static const rbd_model *m;
 static rbd_work *w;
 static rbd_derivatives *d;
-static int failures, singular, skipped;
+static int failures, singular, skipped, refused[CALLS];
 static double worst;
 
 static void draw_states(void) {
@@ -100,18 +102,47 @@ static void draw_states(void) {
     states[NOT_A_NUMBER] = states[0];
     states[NOT_A_NUMBER].q[0] = nan("");
     states[LOCKED].q[1] = acos(-1) / 2;
+    states[BEYOND] = states[0];
+}
+
+/* Whether q[k] is an angle that turns something. */
+static int is_angle(int k) {
+    for (int b = 0; b < rbd_nb(m); b++) {
+        rbd_joint_info j;
+        rbd_joint(m, b, &j);
+        if (k < j.iq || k >= j.iq + j.nq) continue;
+        switch (j.type) {
+        case RBD_REVOLUTE:
+        case RBD_CONTINUOUS:
+        case RBD_HELICAL:
+        case RBD_UNIVERSAL:
+        case RBD_EULER_ZYX:
+        case RBD_EULER_XYZ:
+        case RBD_EULER_YXZ:
+        case RBD_EULER_ZXY: return 1;
+        case RBD_CYLINDRICAL: return k == j.iq;
+        case RBD_PLANAR: return k == j.iq + 2;
+        default: return 0;
+        }
+    }
+    return 0;
 }
 
 /* ---- comparison, relative to the largest entry ---- */
 
-static void compare(const char *what, int state, const REAL *right, const real *found, int n, int lane,
-                    double tolerance) {
+/* Anything is right where rbd.h has NaN, NaN anywhere if it may stand there; returns how often it does. */
+static int compare(const char *what, int state, const REAL *right, const real *found, int n, int lane,
+                   double tolerance, int may_be_nan) {
     double largest = 0;
+    int count = 0;
     for (int k = 0; k < n; k++) largest = fmax(largest, fabs((double)right[k]));
     for (int k = 0; k < n; k++) {
         const double error =
             fabs((double)LANE(found[k], lane) - (double)right[k]) / (largest > 0 ? largest : 1);
-        if (isnan(right[k]) && isnan(error)) continue;
+        count += isnan((double)LANE(found[k], lane)) != 0;
+        if (isnan(right[k]) || (double)LANE(found[k], lane) == (double)right[k] ||
+            (may_be_nan && isnan((double)LANE(found[k], lane))))
+            continue;
         if (!(error <= tolerance)) {
             if (failures++ < 10)
                 printf("%s: state %d, lane %d, entry %d: %.17g, not %.17g, tolerance %g\n", what, state, lane,
@@ -119,6 +150,7 @@ static void compare(const char *what, int state, const REAL *right, const real *
         } else if (error / tolerance > worst)
             worst = error / tolerance;
     }
+    return count;
 }
 
 /* Condition number of M in the norm of the largest column sum. */
@@ -248,15 +280,29 @@ static int size_of(int call) {
 /* Of the results of M^-1 relative to the largest. */
 static double tolerance_of(int state, int call) {
     static REAL M[4 * MOST * MOST];
-    const sample_state *s = &states[state == NOT_A_NUMBER ? 0 : state];
+    const sample_state *s = &states[state == NOT_A_NUMBER || state == BEYOND ? 0 : state];
     const double eps = sizeof(REAL) == 4 ? 1e-7 : 2e-16;
     if (call < FIRST_WITH_PIVOTS || state == LOCKED) return 5e4 * eps;
     run_rbd(s, call_mm, M);
     return fmax(5e4 * eps, 10 * eps * condition(M));
 }
 
+/* An angle of the last lane is out of bounds: whether it is refused, by a status and zeros, or NaN. What is a
+   number all the same is right. */
+static int is_refused(int k, int call, int status, const REAL *right) {
+    const int lane = CODE_LANES - 1;
+    if (call >= FIRST_WITH_PIVOTS && status == -1 - rbd_nv(m)) {
+        for (int i = 0; i < size_of(call); i++)
+            if (LANE(found[i], lane) != 0) check_status("not zero", k, i, -1);
+        return 1;
+    }
+    return compare(names[call], k, right, found, size_of(call), lane, tolerance_of(k, call),
+                   call < FIRST_WITH_PIVOTS) > 0;
+}
+
 static void check(const code *c, int k, int call) {
     static REAL right[4 * MOST * MOST];
+    const int bounded = CODE_BOUNDED && (k == BEYOND || (k == NOT_A_NUMBER && is_angle(0)));
     int status = 0, expected = 0;
     for (int lane = 0; lane < CODE_LANES; lane++) {
         const sample_state *s = &states[state_of(k, lane)];
@@ -276,7 +322,11 @@ static void check(const code *c, int k, int call) {
         const sample_state *s = &states[state_of(k, lane)];
         const double tolerance = tolerance_of(state_of(k, lane), call);
         expected = expected_status(run_rbd(s, call, right));
-        compare(names[call], k, right, found, size_of(call), lane, tolerance);
+        if (bounded && lane == CODE_LANES - 1 && is_refused(k, call, status, right)) {
+            refused[call]++;
+            return;
+        }
+        compare(names[call], k, right, found, size_of(call), lane, tolerance, 0);
     }
     check_status(names[call], k, status, expected);
     singular += expected > 0;
@@ -294,12 +344,21 @@ int main(void) {
             return 1;
         draw_states();
         worst = 0;
-        for (int k = 0; k < STATES; k++)
+        for (int k = 0; k < BEYOND; k++)
             for (int call = 0; call < CALLS; call++)
                 if (k < LOCKED || r == 0) check(&codes[r], k, call);
+        for (int k = 0; k < 4 * robot.nq; k++) {
+            const double beyond[] = {sizeof(REAL) == 4 ? 3e4 : 3e9, -1e30, HUGE_VAL, nan("")};
+            if (!CODE_BOUNDED || !is_angle(k / 4)) continue;
+            states[BEYOND].q[k / 4] = beyond[k % 4];
+            for (int call = 0; call < CALLS; call++) check(&codes[r], BEYOND, call);
+            states[BEYOND].q[k / 4] = states[0].q[k / 4];
+        }
         printf("robot %d: largest error %.2g of its tolerance\n", r, worst);
     }
     if (!singular) puts("no singular state among them");
+    for (int call = 0; call < CALLS && CODE_BOUNDED; call++)
+        if (refused[call] < 4) printf("%s: %d angles refused\n", names[call], refused[call]), failures++;
     printf("%d skipped\n", skipped);
     return failures != 0 || !singular || skipped > RANDOM;
 }

@@ -61,18 +61,44 @@ selftest() {
     expect 0 "" --name "$name" "$@"
     [ -s out ] && fail "something on standard output: $*"
     for flags in "" "-DBROKEN"; do
-        [ -n "$flags" ] && sed -i "/^static const scalar ${name}_[a-z_]*_is/{n;s/{/{1 + /}" "${name}_code.c"
+        [ -n "$flags" ] && sed -i "/^static const scalar ${name}_[a-zA-Z0-9_]*_is/{n;s/{/{1 + /}" "${name}_code.c"
         ${CC:-cc} -std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wno-psabi -Werror \
             "-D${upper}_SELFTEST" "-D${upper}_SELFTEST_MAIN" -o test "${name}_code.c" -lm || fail "does not compile: $*"
-        ./test
+        ./test >out
         found=$?
         [ -z "$flags" ] && [ $found -ne 0 ] && fail "self-test $found: $*"
         [ -n "$flags" ] && [ $found -eq 0 ] && fail "self-test with another result: $*"
+        word=${flags:+WRONG}
+        [ "$(grep -c "^${name}_[a-zA-Z0-9_]*: 3 states, largest error [^ ]*, [^ ]* allowed: ${word:-right}$" out)" -eq \
+            "$(grep -c "^\(int\|void\) ${name}_" "${name}_code.h")" ] || { fail "the self-test does not say what it did: $*"; cat out; }
     done
 }
 all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives,coriolis,momentum_matrix,com_jacobian
 selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
+grep -q "sines_by_libm(" arm_code.c || fail "no sines of libm's for other compilers"
+selftest bounded --bounded-angles --lanes 2 --algorithm id,minv,mm "$root/models/cart_pole.urdf"
+[ "$(grep -c "^   Angles: below 1e6 rad in size. Else, and if one is NaN, " bounded_code.h)" -eq 3 ] ||
+    fail "the header does not say the range of the angles"
+grep -q "^   Angles: below 1e6 rad in size.*returns -1 - BOUNDED_NV.$" bounded_code.h || fail "nor what is returned"
+grep -q "^   Pivots: M counts as singular where one is at most 7.1e-15 of " bounded_code.h || fail "nor how pivots are judged"
+[ "$(grep -c "^   Not checked: " bounded_code.h)" -eq 3 ] || fail "nor what is not checked"
+# the self-test sees an angle out of range that is taken, by a function with a status and by one without
+for algorithm in id fd; do
+    expect 0 "" --name taken --bounded-angles --algorithm $algorithm "$iiwa"
+    sed -i 's/if (!are_inside(squares)) refuse_beyond/if (0) refuse_beyond/' taken_code.c
+    ${CC:-cc} -O0 -DTAKEN_SELFTEST -DTAKEN_SELFTEST_MAIN -o test taken_code.c -lm || fail "taken_code.c does not compile"
+    ./test >out && fail "the self-test of $algorithm does not see that angles are taken which are out of range"
+    grep -q "^taken_$algorithm: .* WRONG$" out || fail "nor does it say so"
+done
+# a compiler that is not GNU's has libm's sines
+if command -v tcc >/dev/null; then
+    for bounded in "" --bounded-angles; do
+        # shellcheck disable=SC2086 # no option is none
+        expect 0 "" --name tiny $bounded --algorithm id,fd "$iiwa"
+        tcc -DTINY_SELFTEST -DTINY_SELFTEST_MAIN -o test tiny_code.c -lm && ./test >out || { fail "tcc: $bounded"; cat out; }
+    done
+fi
 selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"

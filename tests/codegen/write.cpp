@@ -1,5 +1,5 @@
 // write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
-// all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short FOLDER
+// all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short BOUNDED FOLDER
 #include "../../tools/codegen/emit.h"
 #include "../../tools/codegen/limbs.h"
 #include <cstdio>
@@ -14,7 +14,7 @@ static void write(const std::string &path, const std::string &text) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 9) return 2;
+    if (argc != 10) return 2;
     for (int k = 0; k < std::atoi(argv[2]); k++) {
         codegen::target t = {};
         codegen::robot r = {};
@@ -25,6 +25,7 @@ int main(int argc, char **argv) {
         t.lanes = std::atoi(argv[4]);
         t.limbs = codegen::like_limbs(codegen::joints(r), std::atoi(argv[5]));
         t.block = std::atoi(argv[6]);
+        t.is_bounded = std::atoi(argv[8]) != 0;
         t.statements.long_sums = std::strcmp(argv[7], "long") == 0;
         r.limbs_alike = t.limbs > 1;
         std::vector<codegen::tested> functions;
@@ -35,7 +36,7 @@ int main(int argc, char **argv) {
             functions.push_back(
                 {r.limbs_alike ? codegen::pack_limbs(f, codegen::joints(r), t.limbs) : f, {}, 0});
         }
-        const std::string path = argv[8] + ("/" + t.name);
+        const std::string path = argv[9] + ("/" + t.name);
         write(path + "_code.h", codegen::declarations(functions, t));
         write(path + "_code.c", "#include \"" + t.name + "_code.h\"\n" + codegen::definitions(functions, t));
     }

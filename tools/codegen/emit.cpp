@@ -2,6 +2,7 @@
 #include "emit.h"
 #include "sines.h"
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -112,6 +113,10 @@ class writer {
     std::string block_text(int b);
     std::string sines() const;
     std::string end() const;
+
+    /* Whether angles beyond are refused by a status: by one more pivot, 1 or NaN, which is judged first. */
+    bool refuses() const { return t.is_bounded && !p.angles.empty() && !f.pivots.empty(); }
+    size_t judged() const { return f.pivots.size() + refuses(); }
 };
 
 void writer::store_at(value x, const std::string &array, size_t k) {
@@ -292,14 +297,17 @@ std::string writer::block_text(int b) {
 std::string writer::sines() const {
     const size_t n = p.angles.size(), padded = (n + 3) / 4 * 4;
     if (n == 0) return "";
-    std::string s = format("    real angle[%zu], sine[%zu], cosine[%zu];\n    bits inside = ~(bits){0};\n",
-                           padded, padded, padded);
+    std::string s = format("    real angle[%zu], sine[%zu], cosine[%zu];\n    batch squares = {0};\n", padded,
+                           padded, padded);
     for (size_t k = 0; k < n; k += 4) {
         s += format("    sines4(%zu", std::min<size_t>(4, n - k));
         for (size_t j = k; j < k + 4; j++) s += ", " + angle_text(2 * p.angles[j < n ? j : k]);
-        s += format(", angle + %zu, sine + %zu, cosine + %zu, &inside);\n", k, k, k);
+        s += format(", angle + %zu, sine + %zu, cosine + %zu, &squares);\n", k, k, k);
     }
-    return s + format("    SINES_OF(%zu);\n    SINES_BEYOND(%zu);\n", n, n);
+    s += format("    SINES_OF(%zu);\n", n);
+    if (!refuses()) return s + format("    SINES_BEYOND(%zu, 0);\n", n);
+    return s + format("    pivot[%zu] = %s;\n    SINES_BEYOND(%zu, pivot + %zu);\n", f.pivots.size(),
+                      t.lanes > 1 ? "splat(1)" : "1", n, f.pivots.size());
 }
 
 /* Results that are no statements, and the judgement of the pivots. */
@@ -308,8 +316,7 @@ std::string writer::end() const {
     for (const auto &x : stores)
         if (!p.is_statement[size_t(x.first)]) s += stores_of(x.first);
     if (f.pivots.empty()) return s;
-    const std::string pivots =
-        format("pivot, %s_%s_limit, %zu", t.name.c_str(), f.name.c_str(), f.pivots.size());
+    const std::string pivots = format("pivot, %s_%s_limit, %zu", t.name.c_str(), f.name.c_str(), judged());
     const auto judge = [&](const char *how, const array &a) {
         return format("%s(%s, %s, %d)", how, pivots.c_str(), a.name.c_str(), a.size);
     };
@@ -325,8 +332,9 @@ std::string writer::text() {
     const std::string all = parameters(f, "real", "restrict ");
     std::string s, calls;
     if (pivots) {
-        s += format("static const scalar %s_limit[%zu] = {", full.c_str(), f.limits.size());
-        for (size_t k = 0; k < f.limits.size(); k++) s += (k ? ", " : "") + number(f.limits[k]);
+        s += format("static const scalar %s_limit[%zu] = {", full.c_str(), judged());
+        for (size_t k = 0; k < judged(); k++)
+            s += (k ? ", " : "") + number(k < f.limits.size() ? f.limits[k] : 0);
         s += "};\n";
     }
     std::string more = ", real *restrict kept", pass = ", kept";
@@ -343,9 +351,36 @@ std::string writer::text() {
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), all.c_str());
     if (blocks > 1) s += format("    real kept[%d];\n", std::max(1, kept));
     if (kept_vectors > 0) s += format("    limbs kept_limbs[%d];\n", kept_vectors);
-    if (pivots) s += format("    real pivot[%zu];\n", f.pivots.size());
+    if (pivots) s += format("    real pivot[%zu];\n", judged());
     s += sines() + (blocks > 1 ? calls : block_text(0));
     return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
+}
+
+/* The range of the angles, how pivots are judged, and what nobody looks at. */
+std::string contract(const function &f, const program &p, const target &t) {
+    const char *limit = t.is_float ? "1e4" : "1e6";
+    const bool pivots = !f.pivots.empty();
+    std::string s;
+    if (p.angles.empty())
+        s += "   Angles: none.\n";
+    else if (!t.is_bounded)
+        s += format("   Angles: any; from %s rad on by libm.\n", limit);
+    else if (pivots)
+        s += format("   Angles: below %s rad in size. Else, and if one is NaN, it returns -1 - %s_NV.\n",
+                    limit, upper(t.name).c_str());
+    else
+        s += format("   Angles: below %s rad in size. Else, and if one is NaN, results that depend on it are "
+                    "NaN.\n",
+                    limit);
+    if (pivots)
+        s += format(
+            "   Pivots: M counts as singular where one is at most %.2g of the largest inertia that its "
+            "joint can move.\n",
+            f.noise);
+    s += "   Not checked: pointers, lengths, overlap; that ";
+    s += p.angles.empty() || !t.is_bounded ? "" : "other ";
+    s += "input is finite: what depends on NaN is NaN";
+    return s + (pivots ? ";\n      it returns 0 unless M depends on it.\n" : ".\n");
 }
 
 } // namespace
@@ -360,10 +395,12 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
                     t.lanes, t.is_float ? "float" : "double", t.name.c_str(), t.lanes,
                     t.is_float ? "float" : "double");
     for (const tested &x : functions) {
-        const operations n = program(x.f, t.statements).count();
+        const program p(x.f, t.statements);
+        const operations n = p.count();
         s += "/* " + x.f.about + "\n";
         for (const std::vector<array> *list : {&x.f.inputs, &x.f.outputs})
             for (const array &a : *list) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
+        s += contract(x.f, p, t);
         s += format("   Operations: %d multiplications, %d additions, %d divisions, %d roots, %d sines and "
                     "cosines.",
                     n.multiplications, n.additions, n.divisions, n.roots, n.angles);
@@ -442,19 +479,11 @@ INLINE real root(real x) {
 }
 )";
 
-const char beyond_text[] = R"(
-#ifdef ANGLES_ARE_BOUNDED
-#define SINES_BEYOND(n) (void)angle, (void)inside
-#else
-#define SINES_BEYOND(n) \
-    if (!are_inside(inside)) sines_by_libm(angle, n, sine, cosine)
-#endif
-)";
-
 /* As rbd.h's verdict on pivots: the first in the order of elimination that is not sound. */
 const char judge_text[] = R"(
 /* Pivots are sound if they are above their rounding. 0 if all are; else 1 + the first dof, in the order of
-   elimination, whose pivot is not, its negative if that is not a number; the results become 0. */
+   elimination, whose pivot is not, its negative if that is not a number; the results become 0. Angles out of
+   range are one pivot more, before the others. */
 #if LANES > 1
 COLD int judge_closely(const real *pivot, const scalar *limit, int n, real *x, int size) {
     int status = 0;
@@ -503,7 +532,7 @@ std::string numbers(const std::vector<double> &x, bool is_float) {
 const char selftest_text[] = R"(
 /* Relative to the largest, which counts as 0.001 at least. */
 #define SELFTEST_FLOOR 0.001
-static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance) {
+static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance, scalar *worst) {
     scalar largest = (scalar)SELFTEST_FLOOR;
     int same = 1;
     for (int k = 0; k < n; ++k) {
@@ -512,12 +541,14 @@ static int differs(const real *x, const scalar *y, int n, int lane, scalar toler
     }
     for (int k = 0; k < n; ++k) {
 #if LANES > 1
-        const scalar d = x[k][lane] - y[k];
+        const scalar d = (x[k][lane] - y[k]) / largest;
 #else
-        const scalar d = x[k] - y[k];
+        const scalar d = (x[k] - y[k]) / largest;
         (void)lane;
 #endif
-        same = same && d <= tolerance * largest && -d <= tolerance * largest;
+        same = same && d <= tolerance && -d <= tolerance;
+        if (!(d <= *worst)) *worst = d;
+        if (!(-d <= *worst)) *worst = -d;
     }
     return !same;
 }
@@ -531,13 +562,89 @@ static void give(const scalar *y, int n, int lane, real *x) {
 }
 )";
 
+const char selftest_beyond_text[] = R"(
+/* Whether in this lane none of the n is NaN. */
+COLD int has_numbers(const real *x, int n, int lane) {
+#if LANES > 1
+    for (int k = 0; k < n; ++k)
+        if (x[k][lane] != x[k][lane]) return 0;
+#else
+    (void)lane;
+    for (int k = 0; k < n; ++k)
+        if (x[k] != x[k]) return 0;
+#endif
+    return 1;
+}
+)";
+
+/* The first input that an angle depends on, and the angle's derivative by it. */
+const node &input_of(const graph &g, value angle, double *slope) {
+    const node &n = g.nodes[size_t(node_of(angle))];
+    if (n.op == INPUT) return n;
+    const int k = g.is_constant(n.arg[0]);
+    if ((n.op != ADD && n.op != MULTIPLY) || g.is_constant(n.arg[k])) abort();
+    if (n.op == MULTIPLY) *slope *= g.constant_of(n.arg[1 - k]);
+    return input_of(g, n.arg[k], slope);
+}
+
+/* An angle a thousand times too large, where unchecked polynomials still have values, is refused. */
+std::string selftest_beyond(const function &f, int angle, const target &t, const std::string &call) {
+    double slope = 1;
+    const node &n = input_of(f.code, 2 * angle, &slope);
+    const double beyond = (t.is_float ? 1e7 : 1e9) / std::fabs(slope);
+    std::string s =
+        format("    for (int j = 0; j < LANES; ++j) {\n        const scalar beyond[1] = {%s};\n"
+               "        give(beyond, 1, j, %s + %d);\n    }\n",
+               literal(beyond, t.is_float).c_str(), f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1]);
+    if (!f.pivots.empty()) return s + format("    return %s != -1 - %zu;\n", call.c_str(), f.pivots.size());
+    s += "    " + call + ";\n    for (int j = 0; j < LANES; ++j)\n        if (";
+    for (size_t k = 0; k < f.outputs.size(); k++)
+        s +=
+            format("%shas_numbers(%s, %d, j)", k ? " && " : "", f.outputs[k].name.c_str(), f.outputs[k].size);
+    return s + ") return 1;\n    return 0;\n";
+}
+
+/* The rows of its table, its name, the macro that adds a main, its name. */
+const char selftest_end[] = R"(static const struct {
+    const char *name;
+    int (*is_wrong)(scalar *worst);
+    int states;
+    scalar tolerance;
+} selftests[] = {
+%s};
+enum { SELFTESTS = sizeof selftests / sizeof *selftests };
+int %s_selftest(void) {
+    for (int k = 0; k < SELFTESTS; ++k) {
+        scalar worst = 0;
+        if (selftests[k].is_wrong(&worst)) return k + 1;
+    }
+    return 0;
+}
+#ifdef %s_MAIN
+#include <stdio.h>
+int main(void) {
+    for (int k = 0; k < SELFTESTS; ++k) {
+        scalar worst = 0;
+        const int wrong = selftests[k].is_wrong(&worst);
+        printf("%%s: %%d states, largest error %%.1e, %%.1e allowed: %%s\n", selftests[k].name,
+               selftests[k].states, (double)worst, (double)selftests[k].tolerance, wrong ? "WRONG" : "right");
+    }
+    return %s_selftest();
+}
+#endif
+#endif
+)";
+
 /* A function that runs all functions on known states. */
 std::string selftest(const std::vector<tested> &functions, const target &t) {
     const std::string test = upper(t.name) + "_SELFTEST";
-    std::string s = "#ifdef " + test + "\n" + selftest_text, runs;
-    int number = 0;
+    std::string s = "#ifdef " + test + "\n" + selftest_text, rows;
+    bool angles = false;
+    for (const tested &x : functions) angles = angles || !program(x.f, t.statements).angles.empty();
+    if (t.is_bounded && angles) s += selftest_beyond_text;
     for (const tested &x : functions) {
         const function &f = x.f;
+        const program p(f, t.statements);
         const int states = int(x.examples.size());
         const auto table = [&](const std::string &name, const array &a, auto get) {
             s += format("static const scalar %s_%s_%s[%d][%d] = {\n", t.name.c_str(), f.name.c_str(),
@@ -554,8 +661,8 @@ std::string selftest(const std::vector<tested> &functions, const target &t) {
             });
             first += size_t(a.size);
         }
-        number++;
-        s += format("static int test_%s(void) {\n    ", f.name.c_str());
+        const std::string tolerance = literal(x.tolerance, t.is_float);
+        s += format("static int test_%s(scalar *worst) {\n    ", f.name.c_str());
         for (const std::vector<array> *list : {&f.inputs, &f.outputs})
             for (const array &a : *list) s += format("static real %s[%d];\n    ", a.name.c_str(), a.size);
         s += format("for (int k = 0; k < %d; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n", states);
@@ -565,16 +672,19 @@ std::string selftest(const std::vector<tested> &functions, const target &t) {
         const std::string call = format("%s_%s(%s)", t.name.c_str(), f.name.c_str(), names(f).c_str());
         s += "        }\n        " + (f.pivots.empty() ? call + ";\n" : "if (" + call + " != 0) return 1;\n");
         for (const array &a : f.outputs)
-            s += format("        for (int j = 0; j < LANES; ++j)\n"
-                        "            if (differs(%s, %s_%s_is_%s[(k + j) %% %d], %d, j, %s)) return 1;\n",
-                        a.name.c_str(), t.name.c_str(), f.name.c_str(), a.name.c_str(), states, a.size,
-                        literal(x.tolerance, t.is_float).c_str());
-        s += "    }\n    return 0;\n}\n";
-        runs += format("    if (test_%s()) return %d;\n", f.name.c_str(), number);
+            s += format(
+                "        for (int j = 0; j < LANES; ++j)\n"
+                "            if (differs(%s, %s_%s_is_%s[(k + j) %% %d], %d, j, %s, worst)) return 1;\n",
+                a.name.c_str(), t.name.c_str(), f.name.c_str(), a.name.c_str(), states, a.size,
+                tolerance.c_str());
+        s += "    }\n" +
+             (t.is_bounded && !p.angles.empty() ? selftest_beyond(f, p.angles[0], t, call)
+                                                : std::string("    return 0;\n")) +
+             "}\n";
+        rows += format("    {\"%s_%s\", test_%s, %d, %s},\n", t.name.c_str(), f.name.c_str(), f.name.c_str(),
+                       states, tolerance.c_str());
     }
-    s += format("int %s_selftest(void) {\n%s    return 0;\n}\n", t.name.c_str(), runs.c_str());
-    s += "#ifdef " + test + "_MAIN\nint main(void) { return " + t.name + "_selftest(); }\n#endif\n#endif\n";
-    return s;
+    return s + format(selftest_end, rows.c_str(), t.name.c_str(), test.c_str(), t.name.c_str());
 }
 
 } // namespace
@@ -599,7 +709,7 @@ std::string definitions(const std::vector<tested> &functions, const target &t) {
         angles = angles || !program(x.f, t.statements).angles.empty();
         pivots = pivots || !x.f.pivots.empty();
     }
-    if (angles) s += std::string(t.is_float ? sines_float : sines_double) + sines_common + beyond_text;
+    if (angles) s += std::string(t.is_float ? sines_float : sines_double) + sines_common;
     if (pivots) s += judge_text;
     s += "\n";
     for (const tested &x : functions) s += writer(x.f, t).text();

@@ -78,6 +78,7 @@ struct function {
     std::vector<value> results; /* of one output after the other */
     std::vector<value> pivots;  /* of a factorisation, by degree of freedom */
     std::vector<double> limits; /* that they must exceed */
+    double noise;               /* limits relative to the most inertia that a joint can move */
 };
 
 /* The results, computed in the scalar T. in: an array for each input. */

@@ -149,6 +149,7 @@ function RECORD(const robot &r, const std::string &name) {
         f.pivots.push_back(s.w->pivot[k].x);
         f.limits.push_back(double((s.m->dof[k].scale + s.m->dof[k].armature) * RBDI_NOISE));
     }
+    f.noise = double(RBDI_NOISE);
     f.name = identifier(name), f.about = s.row->about;
     return f;
 }

@@ -62,9 +62,9 @@ typedef bit bits;
 #endif
 
 #ifdef OWN_SINES
-/* Sine and cosine for |x| below SINES_LIMIT; where it is not, *inside becomes 0. x = n pi/2 + r by adding and
-   subtracting 1.5 * 2^(mantissa bits); the quadrant, in the sum's low bits, swaps and signs the two. */
-INLINE void sines(batch x, batch *s, batch *c, bits *inside) {
+/* Sine and cosine for |x| below SINES_LIMIT; *squares grows by x^2. x = n pi/2 + r by adding and subtracting
+   1.5 * 2^(mantissa bits); the quadrant, in the sum's low bits, swaps and signs the two. */
+INLINE void sines(batch x, batch *s, batch *c, batch *squares) {
 #ifdef __clang__
 #pragma clang fp reassociate(off)
 #endif
@@ -86,15 +86,15 @@ INLINE void sines(batch x, batch *s, batch *c, bits *inside) {
     cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);
     *s = sine.x;
     *c = cosine.x;
-    *inside &= (bits)(x * x < SINES_LIMIT * SINES_LIMIT);
+    *squares += x * x;
 }
 #endif
 
 /* Of the first n of four angles, which are kept in x. They come by value: what is stored one by one and read
    together stalls. */
-INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, real *c, bits *inside) {
+INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, real *c, batch *squares) {
 #if !defined OWN_SINES || LANES * BATCH == 1
-    (void)s, (void)c, (void)inside;
+    (void)s, (void)c, (void)squares;
     x[0] = x0;
     if (n > 1) x[1] = x1;
     if (n > 2) x[2] = x2;
@@ -103,45 +103,46 @@ INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, 
     const batch all = {x0, x1, x2, x3};
     (void)n;
     *(batch *)x = all;
-    sines(all, (batch *)s, (batch *)c, inside);
+    sines(all, (batch *)s, (batch *)c, squares);
 #elif BATCH == 2
     const batch first = {x0, x1}, second = {x2, x3};
     *(batch *)x = first;
-    sines(first, (batch *)s, (batch *)c, inside);
+    sines(first, (batch *)s, (batch *)c, squares);
     if (n < 3) return;
     *(batch *)(x + 2) = second;
-    sines(second, (batch *)(s + 2), (batch *)(c + 2), inside);
+    sines(second, (batch *)(s + 2), (batch *)(c + 2), squares);
 #else
-    sines(x[0] = x0, &s[0], &c[0], inside);
-    if (n > 1) sines(x[1] = x1, &s[1], &c[1], inside);
-    if (n > 2) sines(x[2] = x2, &s[2], &c[2], inside);
-    if (n > 3) sines(x[3] = x3, &s[3], &c[3], inside);
+    sines(x[0] = x0, &s[0], &c[0], squares);
+    if (n > 1) sines(x[1] = x1, &s[1], &c[1], squares);
+    if (n > 2) sines(x[2] = x2, &s[2], &c[2], squares);
+    if (n > 3) sines(x[3] = x3, &s[3], &c[3], squares);
 #endif
 }
 
 /* One at a time they are a loop, for the sake of flash. */
 #if defined OWN_SINES && LANES * BATCH == 1
 #define SINES_OF(n) \
-    for (int i = 0; i < (n); ++i) sines(angle[i], sine + i, cosine + i, &inside)
+    for (int i = 0; i < (n); ++i) sines(angle[i], sine + i, cosine + i, &squares)
 #else
 #define SINES_OF(n) (void)0
 #endif
 
-#ifndef ANGLES_ARE_BOUNDED
-INLINE int are_inside(bits inside) {
+/* Where this is 0, any angle may lie beyond; without sines of our own, always. */
+INLINE int are_inside(batch squares) {
 #ifndef OWN_SINES
-    (void)inside;
+    (void)squares;
     return 0;
 #elif LANES * BATCH == 1
-    return inside & 1;
+    return squares < SINES_LIMIT * SINES_LIMIT;
 #else
+    const bits inside = (bits)(squares < SINES_LIMIT * SINES_LIMIT);
     bit all = 1;
     for (int i = 0; i < LANES * BATCH; ++i) all &= inside[i];
     return (int)all;
 #endif
 }
 
-/* By libm, for what lies beyond, infinity and NaN. */
+#if !defined ANGLES_ARE_BOUNDED || !defined OWN_SINES
 COLD void sines_by_libm(const real *x, int n, real *s, real *c) {
     for (int i = 0; i < n; ++i) {
 #if LANES > 1
@@ -151,6 +152,26 @@ COLD void sines_by_libm(const real *x, int n, real *s, real *c) {
 #endif
     }
 }
+#endif
+
+#ifdef ANGLES_ARE_BOUNDED
+/* Sine and cosine of an angle that is not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
+COLD void refuse_beyond(const real *x, int n, real *s, real *c, real *verdict) {
+#ifndef OWN_SINES
+    sines_by_libm(x, n, s, c);
+#endif
+    for (int i = 0; i < n; ++i) {
+        const real zero = {0};
+        const real k = choose(x[i] * x[i] < SINES_LIMIT * SINES_LIMIT, zero + ONE, zero + (scalar)NAN);
+        s[i] *= k, c[i] *= k;
+        if (verdict) *verdict *= k;
+    }
+}
+#define SINES_BEYOND(n, verdict) \
+    if (!are_inside(squares)) refuse_beyond(angle, n, sine, cosine, verdict)
+#else
+#define SINES_BEYOND(n, verdict) \
+    if (!are_inside(squares)) sines_by_libm(angle, n, sine, cosine)
 #endif
 )";
 
