@@ -1,7 +1,7 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
    ROBOTS is 3, 8 or 10, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes, CODE_BOUNDED
-   whether angles are. What is no number is wrong where rbd.h has one, and so is any status that is not rbd.h's;
-   but for angles out of bounds. */
+   whether angles are. What is no number is wrong where rbd.h has one, and so is any status that is not
+   rbd.h's; but for angles out of bounds. */
 #define RBD_REAL REAL
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
@@ -85,8 +85,8 @@ static const code codes[ROBOTS] = {
 #endif
 };
 
-/* ---- states: random ones; all zeros; NaN in the first coordinate; Euler angles in gimbal lock; an angle out of
-   bounds ---- */
+/* ---- states: random ones; all zeros; NaN in the first coordinate; Euler angles in gimbal lock; an angle
+   out of bounds ---- */
 
 static sample robot;
 static sample_state states[STATES];

@@ -155,7 +155,7 @@ COLD void sines_by_libm(const real *x, int n, real *s, real *c) {
 #endif
 
 #ifdef ANGLES_ARE_BOUNDED
-/* Sine and cosine of an angle that is not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
+/* Sine and cosine of an angle not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
 COLD void refuse_beyond(const real *x, int n, real *s, real *c, real *verdict) {
 #ifndef OWN_SINES
     sines_by_libm(x, n, s, c);
