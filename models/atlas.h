@@ -1,5 +1,7 @@
 /* atlas.h - atlas, on a floating joint: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from atlas.urdf: change that instead. */
+   Written by rbd-model from atlas.urdf: change that instead.
+       rbd-model --floating --c atlas atlas.urdf
+   Include rbd.h before. */
 #ifndef ATLAS_H
 #define ATLAS_H
 

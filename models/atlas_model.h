@@ -1,5 +1,6 @@
 /* atlas_model.h - the built model of atlas, for flash: include rbd.h before, pass &atlas_model.
    Written by rbd-model from atlas.urdf: change that instead.
+       rbd-model --floating --c-model atlas atlas.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef ATLAS_MODEL_H
 #define ATLAS_MODEL_H

@@ -1,5 +1,7 @@
 /* cart_pole.h - cart_pole, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from cart_pole.urdf: change that instead. */
+   Written by rbd-model from cart_pole.urdf: change that instead.
+       rbd-model --c cart_pole cart_pole.urdf
+   Include rbd.h before. */
 #ifndef CART_POLE_H
 #define CART_POLE_H
 

@@ -1,5 +1,6 @@
 /* cart_pole_model.h - the built model of cart_pole, for flash: include rbd.h before, pass &cart_pole_model.
    Written by rbd-model from cart_pole.urdf: change that instead.
+       rbd-model --c-model cart_pole cart_pole.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef CART_POLE_MODEL_H
 #define CART_POLE_MODEL_H

@@ -1,5 +1,7 @@
 /* double_pendulum.h - double_pendulum, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from double_pendulum.urdf: change that instead. */
+   Written by rbd-model from double_pendulum.urdf: change that instead.
+       rbd-model --c double_pendulum double_pendulum.urdf
+   Include rbd.h before. */
 #ifndef DOUBLE_PENDULUM_H
 #define DOUBLE_PENDULUM_H
 

@@ -1,5 +1,6 @@
 /* double_pendulum_model.h - the built model of double_pendulum, for flash: include rbd.h before, pass &double_pendulum_model.
    Written by rbd-model from double_pendulum.urdf: change that instead.
+       rbd-model --c-model double_pendulum double_pendulum.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef DOUBLE_PENDULUM_MODEL_H
 #define DOUBLE_PENDULUM_MODEL_H

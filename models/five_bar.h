@@ -1,5 +1,7 @@
 /* five_bar.h - five_bar, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from five_bar.urdf: change that instead. */
+   Written by rbd-model from five_bar.urdf: change that instead.
+       rbd-model --constraints five_bar_loop.csv --c five_bar five_bar.urdf
+   Include rbd.h before. */
 #ifndef FIVE_BAR_H
 #define FIVE_BAR_H
 

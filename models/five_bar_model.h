@@ -1,5 +1,6 @@
 /* five_bar_model.h - the built model of five_bar, for flash: include rbd.h before, pass &five_bar_model.
    Written by rbd-model from five_bar.urdf: change that instead.
+       rbd-model --constraints five_bar_loop.csv --c-model five_bar five_bar.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef FIVE_BAR_MODEL_H
 #define FIVE_BAR_MODEL_H

@@ -1,5 +1,7 @@
 /* hyq.h - hyq, on a floating joint: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from hyq.urdf: change that instead. */
+   Written by rbd-model from hyq.urdf: change that instead.
+       rbd-model --floating --c hyq hyq.urdf
+   Include rbd.h before. */
 #ifndef HYQ_H
 #define HYQ_H
 

@@ -1,5 +1,6 @@
 /* hyq_model.h - the built model of hyq, for flash: include rbd.h before, pass &hyq_model.
    Written by rbd-model from hyq.urdf: change that instead.
+       rbd-model --floating --c-model hyq hyq.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef HYQ_MODEL_H
 #define HYQ_MODEL_H

@@ -1,5 +1,7 @@
 /* iiwa.h - iiwa, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from iiwa.urdf: change that instead. */
+   Written by rbd-model from iiwa.urdf: change that instead.
+       rbd-model --c iiwa iiwa.urdf
+   Include rbd.h before. */
 #ifndef IIWA_H
 #define IIWA_H
 

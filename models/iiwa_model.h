@@ -1,5 +1,6 @@
 /* iiwa_model.h - the built model of iiwa, for flash: include rbd.h before, pass &iiwa_model.
    Written by rbd-model from iiwa.urdf: change that instead.
+       rbd-model --c-model iiwa iiwa.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef IIWA_MODEL_H
 #define IIWA_MODEL_H

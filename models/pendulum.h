@@ -1,5 +1,7 @@
 /* pendulum.h - pendulum, fixed to the world: the description that rbd_model_build takes.
-   Include rbd.h before. Written by rbd-model from pendulum.urdf: change that instead. */
+   Written by rbd-model from pendulum.urdf: change that instead.
+       rbd-model --c pendulum pendulum.urdf
+   Include rbd.h before. */
 #ifndef PENDULUM_H
 #define PENDULUM_H
 

@@ -1,5 +1,6 @@
 /* pendulum_model.h - the built model of pendulum, for flash: include rbd.h before, pass &pendulum_model.
    Written by rbd-model from pendulum.urdf: change that instead.
+       rbd-model --c-model pendulum pendulum.urdf
    Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 #ifndef PENDULUM_MODEL_H
 #define PENDULUM_MODEL_H

@@ -50,6 +50,13 @@ const char *file_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
+void print_origin(const robot *r, const char *writer) {
+    printf("   Written by %s from ", writer);
+    print_in_comment(strcmp(r->path, "-") == 0 ? "standard input" : file_name(r->path));
+    printf(": change that instead.\n");
+    if (r->command) printf("       %s\n", r->command);
+}
+
 static const char *const types[RBD_JOINT_TYPES][2] = {
     {"fixed", "RBD_FIXED"},       {"revolute", "RBD_REVOLUTE"},   {"continuous", "RBD_CONTINUOUS"},
     {"", "RBD_CONTINUOUS_CS"},    {"prismatic", "RBD_PRISMATIC"}, {"", "RBD_HELICAL"},

@@ -22,6 +22,9 @@ void print_c_string(const char *s);
 void print_upper(const char *s);
 void print_in_comment(const char *s);
 
+/* Of a file's head: the file that it was written from, and the command if it is known. */
+void print_origin(const robot *r, const char *writer);
+
 /* The part of a path after the last slash. */
 const char *file_name(const char *path);
 

@@ -75,9 +75,8 @@ static void print_head(const robot *r, const char *name) {
     print_in_comment(r->urdf.name);
     printf(", %s: the description that rbd_model_build takes.\n",
            floating ? "on a floating joint" : "fixed to the world");
-    printf("   Include rbd.h before. Written by rbd-model from ");
-    print_in_comment(file_name(r->path));
-    printf(": change that instead. */\n");
+    print_origin(r, "rbd-model");
+    printf("   Include rbd.h before. */\n");
 }
 
 void print_c(const robot *r, const char *name) {

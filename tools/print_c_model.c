@@ -201,10 +201,9 @@ static void write_work_size(const char *name, const rbd_model *m) {
 static void write_head(const robot *r, const char *name) {
     printf("/* %s_model.h - the built model of ", name);
     print_in_comment(r->urdf.name);
-    printf(", for flash: include rbd.h before, pass &%s_model.\n   Written by rbd-model from ", name);
-    print_in_comment(file_name(r->path));
-    printf(": change that instead.\n"
-           "   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */\n"
+    printf(", for flash: include rbd.h before, pass &%s_model.\n", name);
+    print_origin(r, "rbd-model");
+    printf("   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */\n"
            "#ifndef ");
     print_upper(name);
     printf("_MODEL_H\n#define ");

@@ -227,9 +227,8 @@ void begin(const options *o, const robot *r, const char *ending, const char *wha
     if (!freopen(path.c_str(), "w", stdout)) throw std::runtime_error("cannot write " + path);
     printf("/* %s_code.%s - ", o->target.name.c_str(), ending);
     print_in_comment(r->urdf.name);
-    printf(", %s\n   Written by rbd-codegen " RBD_VERSION " from ", what);
-    print_in_comment(file_name(r->path));
-    printf(": change that instead.");
+    printf(", %s\n", what);
+    print_origin(r, "rbd-codegen " RBD_VERSION);
 }
 
 void end() {
@@ -266,7 +265,7 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
 
 void print_source(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
     begin(o, r, "c", "see the header.");
-    printf(" */\n/* clang-format off */\n#include \"%s_code.h\"\n%s", o->target.name.c_str(),
+    printf("*/\n/* clang-format off */\n#include \"%s_code.h\"\n%s", o->target.name.c_str(),
            codegen::definitions(functions, o->target).c_str());
     end();
 }
@@ -306,7 +305,7 @@ int main(int argc, char **argv) {
     o.target.block = 600;
     o.target.statements.long_sums = true;
     o.algorithms = {"id", "mm", "fd"};
-    o.read = settings_new(argc);
+    o.read = settings_new(argc, argv);
     int status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
     settings_free(&o.read);

@@ -308,7 +308,7 @@ static int run(options *o) {
 int main(int argc, char **argv) {
     options o = {0};
     int status;
-    o.settings = settings_new(argc);
+    o.settings = settings_new(argc, argv);
     o.given = allocate((size_t)argc, sizeof *o.given);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);

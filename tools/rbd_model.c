@@ -147,7 +147,7 @@ static int run(const options *o) {
 int main(int argc, char **argv) {
     options o = {0};
     int status;
-    o.settings = settings_new(argc);
+    o.settings = settings_new(argc, argv);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);
     settings_free(&o.settings);

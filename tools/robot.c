@@ -76,8 +76,38 @@ static int read_gravity(settings *s, const char *text) {
     return read_vector("--gravity", text, s->gravity);
 }
 
-settings settings_new(int argc) {
-    settings s = {.nkeep = 0};
+/* Whether a shell takes it as it is, and nothing in it begins or ends a comment. */
+static int is_plain(const char *argument) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+@%-";
+    return *argument && argument[strspn(argument, plain)] == 0;
+}
+
+/* The argument behind the end of a text, in quotes if need be: they part what would begin or end a comment or a
+   trigraph. Returns the end. */
+static char *append_argument(char *end, const char *argument) {
+    if (is_plain(argument)) return end + sprintf(end, " %s", argument);
+    end += sprintf(end, " '");
+    for (; *argument; argument++)
+        end += sprintf(end,
+                       *argument == '\''           ? "'\\''"
+                       : strchr("*?\\", *argument) ? "''%c''"
+                                                   : "%c",
+                       *argument);
+    return end + sprintf(end, "'");
+}
+
+static char *command_line(char **argv) {
+    size_t room = strlen(program) + 1;
+    char *text, *end;
+    for (char **a = argv + 1; *a; a++) room += 3 + 5 * strlen(*a);
+    text = allocate(room, 1);
+    end = text + sprintf(text, "%s", program);
+    for (char **a = argv + 1; *a; a++) end = append_argument(end, *a);
+    return text;
+}
+
+settings settings_new(int argc, char **argv) {
+    settings s = {.command = command_line(argv)};
     s.keep = allocate((size_t)argc, sizeof *s.keep);
     s.lock = allocate((size_t)argc, sizeof *s.lock);
     s.urdf.keep = s.keep;
@@ -86,6 +116,7 @@ settings settings_new(int argc) {
 }
 
 void settings_free(settings *s) {
+    free(s->command);
     free(s->keep);
     free(s->lock);
 }
@@ -213,6 +244,7 @@ static int build(robot *r) {
 int robot_open(robot *r, const char *path, const settings *s) {
     memset(r, 0, sizeof *r);
     r->path = path;
+    r->command = s->command;
     return load(r, s) == 0 ? build(r) : EXIT_BAD;
 }
 

@@ -13,8 +13,9 @@ extern const char *program;
 /* Prints "PROGRAM: ..." with a hint at --help to standard error; returns EXIT_USAGE. */
 int usage_error(const char *format, ...);
 
-/* How to load, as options say. */
+/* How to load, as options say, and the command itself. */
 typedef struct settings {
+    char *command; /* what a shell takes, and a comment of C may hold */
     rbd_urdf_options urdf;
     double gravity[3];
     const char **keep;   /* ended by NULL */
@@ -23,7 +24,7 @@ typedef struct settings {
 } settings;
 
 /* Settings with room for the names that argc arguments may give. */
-settings settings_new(int argc);
+settings settings_new(int argc, char **argv);
 void settings_free(settings *s);
 
 /* Reads argument *i if it is one of those in settings_help, and its value. Returns 0 if it was, -1 if it is
@@ -41,6 +42,7 @@ int read_vector(const char *option, const char *text, double v[3]);
 
 typedef struct robot {
     const char *path;
+    const char *command; /* that reads it, for what is written of it; NULL: not known */
     rbd_urdf urdf;
     const rbd_model *model; /* with the gravity asked for */
     void *model_memory;

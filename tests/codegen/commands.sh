@@ -106,7 +106,7 @@ selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$roo
 grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"
 grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does not say what is done at once"
 selftest none --limbs 2 --algorithm gravity "$iiwa"
-grep -q "limbs" none_code.c && fail "like limbs of an arm"
+grep -q "LIMBS" none_code.c && fail "like limbs of an arm"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
 selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
 
@@ -117,10 +117,16 @@ for scalar in double float; do
         ./sines || fail "the sines of $scalar are not those of rbd.h"
 done
 
-# what is written twice is the same
-cp cart_code.h first.h
-expect 0 "" --name cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
+# what the files say that wrote them writes the same again
+cp cart_code.h first.h && cp cart_code.c first.c
+eval "set -- $(sed -n 's/^       rbd-codegen //p' cart_code.h)"
+[ "$*" = "--name cart --lanes 4 --f-ext --gravity-argument --algorithm $all $root/models/cart_pole.urdf" ] || fail "the command: $*"
+rm cart_code.?
+expect 0 "" "$@"
 cmp -s first.h cart_code.h || fail "another header the second time"
+eval "set -- $(sed -n 's/^       rbd-codegen //p' cart_code.c)"
+expect 0 "" "$@"
+sed "s/{1 + /{/" first.c | cmp -s - cart_code.c || fail "another source the second time"
 
 # C++ takes the header
 printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity(q, tau); return tau[0] > 1; }\n' >use.cpp

@@ -198,6 +198,27 @@ for standard in c99 c11; do
     ./program || fail "the tables differ: $?"
 done
 
+# ---- the tables name the command that writes them again, to the byte; it ends no comment, whatever is in it ----
+
+nasty_path="it's /* a */ ??/ \\ b"
+mkdir -p -- "$nasty_path" && cp nasty.urdf "$nasty_path/again.urdf"
+# again: the command that `out` names writes `out`
+again() {
+    eval "set -- $(sed -n "s/^       rbd-[a-z]* //p" out)"
+    cp out before
+    "$rbd_model" "$@" >out 2>err || fail "the command in a table fails: $*"
+    cmp -s before out || { fail "the command in a table writes another: $*"; diff before out; }
+}
+expect 0 "" "$rbd_model" --gravity=0,0,-1.62 "$nasty_path/again.urdf" --c-model nasty --keep-all && again
+expect 0 "" "$rbd_model" "$nasty_path/again.urdf" --c nasty && again
+printf '#include "rbd.h"\n' | cat - out >again.c
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Wno-unused -Werror -I"$root" -c again.c -o again.o || fail "the command ends a comment"
+expect 0 "" "$rbd_model" iiwa.urdf --c iiwa
+grep -qxF "       rbd-model iiwa.urdf --c iiwa" out || fail "the command of the iiwa: $(sed -n 3p out)"
+"$rbd_model" --c iiwa - <iiwa.urdf >out
+grep -qxF "   Written by rbd-model from standard input: change that instead." out || fail "the head of standard input"
+
 # ---- both tables size q, v and tau, and index them by name, in C and C++, two robots in one file ----
 
 cat >names.urdf <<'END'
@@ -320,10 +341,10 @@ for robot in iiwa "hyq --floating" "atlas --floating" cart_pole; do
     # shellcheck disable=SC2086 # no option is none
     expect 0 "" "$rbd_model" $name.urdf $option --urdf && mkdir -p back && cp out back/$name.urdf
     # shellcheck disable=SC2086
-    expect 0 "" "$rbd_model" --strict back/$name.urdf $option --c x && cp out back.h
+    expect 0 "" "$rbd_model" --strict back/$name.urdf $option --c x && grep -v '^       rbd-model' out >back.h
     # shellcheck disable=SC2086
     expect 0 "" "$rbd_model" $name.urdf $option --c x
-    cmp -s out back.h || fail "$name is another robot after --urdf"
+    grep -v '^       rbd-model' out | cmp -s - back.h || fail "$name is another robot after --urdf"
 done
 expect 0 "" "$rbd_model" nasty.urdf --urdf && cp out merged.urdf
 {
