@@ -56,8 +56,9 @@
      their direction counts); one shorter than 1e-15 is read as the identity.
      a = dv/dt component by component (floating: the spatial acceleration in body axes).
 
-   [configuration] Define before including; the same in every file that includes. The symbols carry the
-   scalar (rbd_rnea is rbd_rnea_double to the linker), so that files which differ in it do not link.
+   [configuration] Define before including; the same in every file that includes. Files that differ in the
+   scalar do not link: the symbols carry it (rbd_rnea is rbd_rnea_double to the linker), and with GCC on ELF
+   systems (Linux, firmware) the linker compares all files that include this header: see RBD_CHECK_SCALAR.
      RBD_REAL         scalar of states and results, one of these words: double (default), float,
                       __float128
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
@@ -68,6 +69,10 @@
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
      RBD_STATIC       every function is static
+     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
+                      other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
+                      ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
+                      scalar differs on purpose; 1 with clang, where it does no link-time optimisation
      RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
                       straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
                       64 bytes the memory of a work must then have
@@ -240,6 +245,37 @@
 #else
 #define RBDI_UNUSED
 #define RBDI_EXTENSION
+#endif
+
+/* A symbol whose value is the scalar, in every file. The linker takes it several times if all values are
+   equal, else it refuses them; in link-time optimisation the assembler does. It has no section: it takes no
+   memory, and nothing removes it. clang's link-time optimisation would refuse equal values too. */
+#ifndef RBD_CHECK_SCALAR
+#if defined __GNUC__ && !defined __clang__ && defined __ELF__ && !defined RBD_STATIC && \
+    !defined RBD_REAL_CUSTOM
+#define RBD_CHECK_SCALAR 1
+#else
+#define RBD_CHECK_SCALAR 0
+#endif
+#endif
+#if RBD_CHECK_SCALAR
+#define RBDI_QUOTE_OF(x) #x
+#define RBDI_QUOTE(x) RBDI_QUOTE_OF(x)
+#ifdef RBD_LANES
+#define RBDI_SCALAR_LANES RBD_LANES
+#else
+#define RBDI_SCALAR_LANES 1
+#endif
+#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES"
+#define RBDI_SCALAR_VALUE \
+    "(" RBDI_QUOTE(RBDI_KIND(RBD_REAL)) "+4*" RBDI_QUOTE(RBDI_KIND(RBD_CONST)) "+16*" RBDI_QUOTE( \
+        RBDI_SCALAR_LANES) ")"
+__asm__(".ifndef " RBDI_SCALAR "\n"
+        ".globl " RBDI_SCALAR "\n"
+        ".hidden " RBDI_SCALAR "\n" RBDI_SCALAR " = " RBDI_SCALAR_VALUE "\n"
+        ".elseif " RBDI_SCALAR " - " RBDI_SCALAR_VALUE "\n"
+        ".error \"" RBDI_SCALAR "\"\n"
+        ".endif\n");
 #endif
 
 RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
@@ -1070,6 +1106,19 @@ struct rbd_model {
     const rbdi_frame *frame; /* nb, in the description's order */
     uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
 };
+
+/* A built model as a table, which rbd-model writes: declared in every file, defined in one. */
+#define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
+#ifdef RBD_STATIC
+#define RBDI_TABLE static
+#define RBDI_TABLE_DECLARATION(name)
+#elif defined __cplusplus
+#define RBDI_TABLE
+#define RBDI_TABLE_DECLARATION(name) extern "C" const rbd_model name;
+#else
+#define RBDI_TABLE
+#define RBDI_TABLE_DECLARATION(name) extern const rbd_model name;
+#endif
 
 typedef struct rbdi_v3 {
     rbd_real x, y, z;

@@ -1,7 +1,8 @@
 /* atlas_model.h - the built model of atlas, for flash: include rbd.h before, pass &atlas_model.
    Written by rbd-model from atlas.urdf: change that instead.
        rbd-model --floating --c-model atlas atlas.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or ATLAS_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef ATLAS_MODEL_H
 #define ATLAS_MODEL_H
 
@@ -129,6 +130,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define ATLAS_WORK_SIZE RBDI_WORK_BYTES(31, 1, 2, 36, 0, 36, 351)
+
+#define atlas_model RBDI_TABLE_SYMBOL(atlas_model)
+RBDI_TABLE_DECLARATION(atlas_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined ATLAS_MODEL_IMPLEMENTATION) && !defined ATLAS_MODEL_TABLE
+#define ATLAS_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -536,7 +547,7 @@ static const rbdi_frame atlas_frames[31] = {
      RBD_C(-2.9671), RBD_C(2.9671), 10, 25},
 };
 
-static const rbd_model atlas_model = {
+RBDI_TABLE const rbd_model atlas_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 31, 37, 36, /* nb, nq, nv */
     31, 1, 2, 0, 351, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

@@ -1,7 +1,8 @@
 /* double_pendulum_model.h - the built model of double_pendulum, for flash: include rbd.h before, pass &double_pendulum_model.
    Written by rbd-model from double_pendulum.urdf: change that instead.
        rbd-model --c-model double_pendulum double_pendulum.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or DOUBLE_PENDULUM_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef DOUBLE_PENDULUM_MODEL_H
 #define DOUBLE_PENDULUM_MODEL_H
 
@@ -31,6 +32,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define DOUBLE_PENDULUM_WORK_SIZE RBDI_WORK_BYTES(2, 0, 0, 2, 0, 2, 3)
+
+#define double_pendulum_model RBDI_TABLE_SYMBOL(double_pendulum_model)
+RBDI_TABLE_DECLARATION(double_pendulum_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined DOUBLE_PENDULUM_MODEL_IMPLEMENTATION) && !defined DOUBLE_PENDULUM_MODEL_TABLE
+#define DOUBLE_PENDULUM_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -76,7 +87,7 @@ static const rbdi_frame double_pendulum_frames[2] = {
      0, 0, 10, 50},
 };
 
-static const rbd_model double_pendulum_model = {
+RBDI_TABLE const rbd_model double_pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
     2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

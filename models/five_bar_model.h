@@ -1,7 +1,8 @@
 /* five_bar_model.h - the built model of five_bar, for flash: include rbd.h before, pass &five_bar_model.
    Written by rbd-model from five_bar.urdf: change that instead.
        rbd-model --constraints five_bar_loop.csv --c-model five_bar five_bar.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or FIVE_BAR_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef FIVE_BAR_MODEL_H
 #define FIVE_BAR_MODEL_H
 
@@ -37,6 +38,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define FIVE_BAR_WORK_SIZE RBDI_WORK_BYTES(4, 0, 0, 4, 0, 4, 6)
+
+#define five_bar_model RBDI_TABLE_SYMBOL(five_bar_model)
+RBDI_TABLE_DECLARATION(five_bar_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined FIVE_BAR_MODEL_IMPLEMENTATION) && !defined FIVE_BAR_MODEL_TABLE
+#define FIVE_BAR_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -106,7 +117,7 @@ static const rbdi_frame five_bar_frames[4] = {
      0, 0, 20, 0},
 };
 
-static const rbd_model five_bar_model = {
+RBDI_TABLE const rbd_model five_bar_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 4, 4, 4, /* nb, nq, nv */
     4, 0, 0, 0, 6, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

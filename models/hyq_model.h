@@ -1,7 +1,8 @@
 /* hyq_model.h - the built model of hyq, for flash: include rbd.h before, pass &hyq_model.
    Written by rbd-model from hyq.urdf: change that instead.
        rbd-model --floating --c-model hyq hyq.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or HYQ_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef HYQ_MODEL_H
 #define HYQ_MODEL_H
 
@@ -75,6 +76,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define HYQ_WORK_SIZE RBDI_WORK_BYTES(13, 1, 1, 18, 0, 18, 117)
+
+#define hyq_model RBDI_TABLE_SYMBOL(hyq_model)
+RBDI_TABLE_DECLARATION(hyq_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined HYQ_MODEL_IMPLEMENTATION) && !defined HYQ_MODEL_TABLE
+#define HYQ_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -264,7 +275,7 @@ static const rbdi_frame hyq_frames[13] = {
      RBD_C(0.349065850399), RBD_C(2.44346095279), 12, 150},
 };
 
-static const rbd_model hyq_model = {
+RBDI_TABLE const rbd_model hyq_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 13, 19, 18, /* nb, nq, nv */
     13, 1, 1, 0, 117, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

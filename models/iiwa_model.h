@@ -1,7 +1,8 @@
 /* iiwa_model.h - the built model of iiwa, for flash: include rbd.h before, pass &iiwa_model.
    Written by rbd-model from iiwa.urdf: change that instead.
        rbd-model --c-model iiwa iiwa.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or IIWA_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef IIWA_MODEL_H
 #define IIWA_MODEL_H
 
@@ -46,6 +47,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define IIWA_WORK_SIZE RBDI_WORK_BYTES(7, 0, 0, 7, 0, 7, 28)
+
+#define iiwa_model RBDI_TABLE_SYMBOL(iiwa_model)
+RBDI_TABLE_DECLARATION(iiwa_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined IIWA_MODEL_IMPLEMENTATION) && !defined IIWA_MODEL_TABLE
+#define IIWA_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -151,7 +162,7 @@ static const rbdi_frame iiwa_frames[7] = {
      RBD_C(-3.05432619099), RBD_C(3.05432619099), 10, 300},
 };
 
-static const rbd_model iiwa_model = {
+RBDI_TABLE const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
     7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

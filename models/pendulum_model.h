@@ -1,7 +1,8 @@
 /* pendulum_model.h - the built model of pendulum, for flash: include rbd.h before, pass &pendulum_model.
    Written by rbd-model from pendulum.urdf: change that instead.
        rbd-model --c-model pendulum pendulum.urdf
-   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
+   The table lies in the file that defines RBD_IMPLEMENTATION, or PENDULUM_MODEL_IMPLEMENTATION, before it
+   includes this; in all others this declares it. */
 #ifndef PENDULUM_MODEL_H
 #define PENDULUM_MODEL_H
 
@@ -28,6 +29,16 @@ enum { /* bodies; Q: in q; DOF: in v, a and tau */
 
 /* Bytes for rbd_work_init, exactly. */
 #define PENDULUM_WORK_SIZE RBDI_WORK_BYTES(1, 0, 0, 1, 0, 1, 1)
+
+#define pendulum_model RBDI_TABLE_SYMBOL(pendulum_model)
+RBDI_TABLE_DECLARATION(pendulum_model)
+
+#endif
+
+#if (defined RBD_IMPLEMENTATION || defined PENDULUM_MODEL_IMPLEMENTATION) && !defined PENDULUM_MODEL_TABLE
+#define PENDULUM_MODEL_TABLE
+
+/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
 /* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
@@ -61,7 +72,7 @@ static const rbdi_frame pendulum_frames[1] = {
      0, 0, 10, 50},
 };
 
-static const rbd_model pendulum_model = {
+RBDI_TABLE const rbd_model pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
     1, 0, 0, 0, 1, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},

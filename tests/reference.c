@@ -1,4 +1,5 @@
 /* reference.c - the one object file that holds the reference data. */
+#define RBD_CHECK_SCALAR 0 /* the data are of no scalar */
 #include "rbd.h"
 
 #include "reference.h"

@@ -10,6 +10,8 @@ compiler=${2-${CC:-cc}}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 failures=0
+# What tells the linker the scalar has one name and no section.
+compared=rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES
 
 printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/library.c"
 printf '#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/batch.c"
@@ -59,7 +61,7 @@ expect() {
     if $compiler "$(object_of setup "$2")" "$(object_of control "$3")" "$(object_of library "$4")" \
         -o "$scratch/program" $quadmath -lm >"$scratch/messages" 2>&1; then
         result=links
-    elif grep -q 'rbd_work_init\|rbd_gravity' "$scratch/messages"; then # and for no other reason
+    elif grep -q "rbd_work_init\|rbd_gravity\|$compared" "$scratch/messages"; then # and for no other reason
         result=refused
     else
         result=error
@@ -97,7 +99,7 @@ done
 # ---- every function, also those of tomorrow ----
 
 # symbols OBJECT: what it defines for others
-symbols() { nm "$1" | awk '$2 ~ /[A-TV-Z]/ { print $3 }' | sort; }
+symbols() { nm "$1" | awk '$2 ~ /[B-TV-Z]/ { print $3 }' | sort; }
 # same WHAT EXPECTED FOUND
 same() {
     if [ "$2" = "$3" ]; then
@@ -134,5 +136,88 @@ if command -v "${CXX:-c++}" >/dev/null 2>&1; then
     same "C and C++" '' "$(diff "$scratch/one" "$scratch/other" | xargs)"
 else
     echo "left out: C++, for want of ${CXX:-c++}"
+fi
+
+# ---- files that use nothing but rbd_real ----
+
+# They have no symbol of rbd.h's functions, but share arrays.
+cat >"$scratch/shares.c" <<'END'
+#include "rbd.h"
+#ifdef __cplusplus
+extern "C" {
+#endif
+extern rbd_real torque[1];
+int control(void);
+#ifdef __cplusplus
+}
+#endif
+int main(void) { return control() + (torque[0] > 1); }
+END
+cp "$scratch/shares.c" "$scratch/shares.cpp"
+cat >"$scratch/sharing.c" <<'END'
+#include "rbd.h"
+rbd_real torque[1];
+int control(void);
+int control(void) { return 0; }
+END
+
+# shares RESULT NAME COMPILER_OF_SHARES SCALAR COMPILER_OF_SHARING SCALAR FLAG...: links two files, the latter with flags
+shares() {
+    expected=$1 name=$2 first=$3 one=$4 second=$5 other=$6
+    shift 6
+    case $first in *++*) source=shares.cpp ;; *) source=shares.c ;; esac
+    # shellcheck disable=SC2086 # words wanted
+    $first $flags -w -Dalways_inline=unused -I"$root" -DRBD_REAL="$one" -c "$scratch/$source" -o "$scratch/shares.o" &&
+        $second $flags -std=c99 -w -Dalways_inline=unused -I"$root" -DRBD_REAL="$other" "$@" -c "$scratch/sharing.c" \
+            -o "$scratch/sharing.o" || failures=$((failures + 1))
+    # shellcheck disable=SC2086
+    if $first $flags "$scratch/shares.o" "$scratch/sharing.o" -o "$scratch/program" -lm >"$scratch/messages" 2>&1; then
+        result=links
+    elif grep -q "$compared" "$scratch/messages"; then
+        result=refused
+    else
+        result=error
+        cat "$scratch/messages"
+    fi
+    same "$name, $one and $other$(printf ' %s' '' "$@"): $expected" "$expected" "$result"
+}
+
+cases=0
+# both NAME COMPILER_OF_SHARES COMPILER_OF_SHARING: unlike scalars are refused, equal ones are not, nor what says 0
+both() {
+    shares links "$1" "$2" float "$3" float
+    shares refused "$1" "$2" double "$3" float
+    shares links "$1" "$2" double "$3" float -DRBD_CHECK_SCALAR=0
+    shares links "$1" "$2" double "$3" float -DRBD_STATIC
+    cases=$((cases + 1))
+}
+
+gcc=
+! command -v gcc >/dev/null || gcc=gcc
+for flags in -O0 "-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections" -flto; do
+    [ -z "$gcc" ] || both "gcc $flags" gcc gcc
+    [ -z "$gcc" ] || ! command -v g++ >/dev/null || both "g++ and gcc $flags" g++ gcc
+done
+flags="-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections"
+for clang in clang-16 clang-19; do
+    if command -v $clang >/dev/null; then
+        shares links "$clang" "$clang" double "$clang" float # the default
+        shares refused "$clang" "$clang -DRBD_CHECK_SCALAR=1" double "$clang" float -DRBD_CHECK_SCALAR=1
+        shares links "$clang" "$clang -DRBD_CHECK_SCALAR=1" float "$clang" float -DRBD_CHECK_SCALAR=1
+    fi
+done
+if command -v arm-none-eabi-gcc >/dev/null && [ -e /usr/lib/picolibc/arm-none-eabi ]; then
+    flags="-O2 -mcpu=cortex-m4 --specs=picolibc.specs -ffunction-sections -fdata-sections -Wl,--gc-sections"
+    both arm-none-eabi-gcc arm-none-eabi-gcc arm-none-eabi-gcc
+fi
+[ -z "$gcc" ] || [ "$cases" -ge 3 ] || failures=$((failures + 1))
+
+# It costs no byte.
+if [ -n "$gcc" ]; then
+    for check in 0 1; do
+        gcc -O1 -w -I"$root" -DRBD_CHECK_SCALAR=$check -c "$scratch/setup.c" -o "$scratch/check$check.o"
+    done
+    same "bytes without and with the symbol" "$(size -A "$scratch/check0.o" | grep '^\.')" "$(size -A "$scratch/check1.o" | grep '^\.')"
+    same "the symbol" "1 0" "$(nm "$scratch/check1.o" | grep -c " A $compared") $(nm "$scratch/check0.o" | grep -c "$compared")"
 fi
 [ "$failures" -eq 0 ]

@@ -203,7 +203,10 @@ static void write_head(const robot *r, const char *name) {
     print_in_comment(r->urdf.name);
     printf(", for flash: include rbd.h before, pass &%s_model.\n", name);
     print_origin(r, "rbd-model");
-    printf("   Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */\n"
+    printf("   The table lies in the file that defines RBD_IMPLEMENTATION, or ");
+    print_upper(name);
+    printf("_MODEL_IMPLEMENTATION, before it\n"
+           "   includes this; in all others this declares it. */\n"
            "#ifndef ");
     print_upper(name);
     printf("_MODEL_H\n#define ");
@@ -215,19 +218,36 @@ static void write_head(const robot *r, const char *name) {
            name, RBD_MODEL_VERSION, name);
 }
 
+/* Ends what every file gets, and begins what one file gets, even if it had the former already. */
+static void write_declaration(const char *name) {
+    printf("#define %s_model RBDI_TABLE_SYMBOL(%s_model)\nRBDI_TABLE_DECLARATION(%s_model)\n\n#endif\n\n#if "
+           "(defined "
+           "RBD_IMPLEMENTATION || defined ",
+           name, name, name);
+    print_upper(name);
+    printf("_MODEL_IMPLEMENTATION) && !defined ");
+    print_upper(name);
+    printf("_MODEL_TABLE\n#define ");
+    print_upper(name);
+    printf("_MODEL_TABLE\n\n/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, "
+           "explains them. "
+           "*/\n\n");
+}
+
 void print_c_model(const robot *r, const char *name) {
     const rbd_model *m = r->model;
     write_head(r, name);
     print_c_indices(r, name);
     printf("\n");
     write_work_size(name, m);
+    write_declaration(name);
     write_links(name, m);
     write_blocks(name, m);
     write_dofs(name, m);
     write_order(name, m);
     write_mimics(name, m);
     write_frames(name, m);
-    printf("static const rbd_model %s_model = {\n"
+    printf("RBDI_TABLE const rbd_model %s_model = {\n"
            "    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), %d, %d, %d, /* nb, nq, nv */\n"
            "    %d, %d, %d, %d, %d, %d, "
            "/* links, blocks, slots, mimics, packed entries, those behind */\n    ",

@@ -12,6 +12,9 @@
 #include "bench/firmware/hyq_code.h"
 #include "bench/firmware/iiwa_code.h"
 #endif
+#define ATLAS_MODEL_IMPLEMENTATION
+#define HYQ_MODEL_IMPLEMENTATION
+#define IIWA_MODEL_IMPLEMENTATION
 #include "models/atlas_model.h"
 #include "models/hyq_model.h"
 #include "models/iiwa_model.h"

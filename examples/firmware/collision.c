@@ -5,7 +5,8 @@
 #include <stdio.h>
 
 #include "control.h"
-#include "models/iiwa_model.h" /* the built model: const, in flash */
+#define IIWA_MODEL_IMPLEMENTATION /* the built model: const, in flash */
+#include "models/iiwa_model.h"
 
 enum { N = IIWA_NV, STEPS = 1000000 / PERIOD_US, PUSHED = IIWA_BODY_LBR_IIWA_LINK_4 }; /* one second */
 

@@ -4,7 +4,8 @@
 #include <stdio.h>
 
 #include "control.h"
-#include "models/iiwa_model.h" /* the built model: const, in flash */
+#define IIWA_MODEL_IMPLEMENTATION /* the built model: const, in flash */
+#include "models/iiwa_model.h"
 
 enum { N = IIWA_NV, STEPS = 1000000 / PERIOD_US }; /* one second */
 

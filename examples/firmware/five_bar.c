@@ -6,6 +6,7 @@
 
 #include "control.h"
 #include "cost.h"
+#define FIVE_BAR_MODEL_IMPLEMENTATION
 #include "models/five_bar_model.h"
 
 enum { NV = FIVE_BAR_NV, STEPS = 2000000 / PERIOD_US }; /* two seconds: one round */

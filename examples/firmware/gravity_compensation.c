@@ -5,7 +5,8 @@
 #include <stdio.h>
 
 #include "control.h"
-#include "models/hyq_model.h" /* the built model: const, in flash */
+#define HYQ_MODEL_IMPLEMENTATION /* the built model: const, in flash */
+#include "models/hyq_model.h"
 
 enum { NV = HYQ_NV, TRUNK = HYQ_DOF_LF_HAA_JOINT, LEGS = 4, STEPS = 1000000 / PERIOD_US }; /* one second */
 

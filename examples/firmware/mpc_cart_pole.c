@@ -7,6 +7,7 @@
 #define ILQR_NV 2
 #define ILQR_NU 1
 #define SWING_UP_KNOTS 20
+#define CART_POLE_MODEL_IMPLEMENTATION
 #include "control.h"
 #include "mpc.h"
 #include "examples/mpc/swing_up.h"

@@ -7,6 +7,7 @@
 #define ILQR_NV 7
 #define ILQR_NU 7
 #define REACH_KNOTS 20
+#define IIWA_MODEL_IMPLEMENTATION
 #include "control.h"
 #include "mpc.h"
 #include "examples/mpc/reach.h"

@@ -38,7 +38,7 @@ def test_readme(tmp_path, monkeypatch, quick):
     monkeypatch.setenv("PYTHONPATH", str(PYTHON))
     printed = run(sys.executable, "-c", program, cwd=tmp_path)
     assert printed.count("[") == 2
-    (tmp_path / "main.c").write_text('#include "rbd.h"\n#include "iiwa_model.h"\n'
+    (tmp_path / "main.c").write_text('#include "rbd.h"\n#define IIWA_MODEL_IMPLEMENTATION\n#include "iiwa_model.h"\n'
                                      "int main(void) { return iiwa_model.nv - 7; }\n")
     run("cc", f"-I{rbd.SOURCES}", "main.c", "-o", "main", cwd=tmp_path)
     run("./main", cwd=tmp_path)

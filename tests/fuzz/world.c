@@ -1,4 +1,5 @@
 /* world.c - see world.h */
+#define RBD_CHECK_SCALAR 0 /* it reads descriptions, for programs of every scalar */
 #include "world.h"
 
 #include <string.h>

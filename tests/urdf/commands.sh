@@ -236,6 +236,8 @@ expect 0 "" "$rbd_model" names.urdf --c-model names && cp out names_model.h
 expect 0 "" "$rbd_model" hyq.urdf --floating --c-model hyq && cp out hyq_model.h
 cat >indices.c <<'END'
 #include "rbd.h"
+#define HYQ_MODEL_IMPLEMENTATION
+#define NAMES_MODEL_IMPLEMENTATION
 #include "hyq_model.h"
 #ifdef DESCRIPTION_FIRST
 #include "names.h"
