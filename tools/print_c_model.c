@@ -220,18 +220,17 @@ static void write_head(const robot *r, const char *name) {
 
 /* Ends what every file gets, and begins what one file gets, even if it had the former already. */
 static void write_declaration(const char *name) {
-    printf("#define %s_model RBDI_TABLE_SYMBOL(%s_model)\nRBDI_TABLE_DECLARATION(%s_model)\n\n#endif\n\n#if "
-           "(defined "
-           "RBD_IMPLEMENTATION || defined ",
+    printf("#define %s_model RBDI_TABLE_SYMBOL(%s_model)\nRBDI_TABLE_DECLARATION(%s_model)\n\n#endif\n\n",
            name, name, name);
+    printf("#if (defined RBD_IMPLEMENTATION || defined ");
     print_upper(name);
     printf("_MODEL_IMPLEMENTATION) && !defined ");
     print_upper(name);
     printf("_MODEL_TABLE\n#define ");
     print_upper(name);
-    printf("_MODEL_TABLE\n\n/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, "
-           "explains them. "
-           "*/\n\n");
+    printf(
+        "_MODEL_TABLE\n\n"
+        "/* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */\n\n");
 }
 
 void print_c_model(const robot *r, const char *name) {
