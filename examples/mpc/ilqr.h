@@ -26,11 +26,17 @@
 
    In a control loop: ilqr_shift, ilqr_start, one ilqr_iterate or a few, and s.u is the torque.
 
+   A number that is not finite, measured, given, or returned by one of the caller's functions, is an error:
+   RBD_ERR_NAN, and s.refused says which. The trajectory then stays as it was, finite, and so do the gains;
+   the next good state goes on from there.
+
    The caller's memory, no allocation, no recursion, double or float (RBD_REAL). ILQR_NV and ILQR_NU may be
    defined as the sizes of the one robot: on a Cortex-M7 the Riccati step of an arm then takes 2 % less. */
 #ifndef ILQR_H
 #define ILQR_H
 
+#include <limits.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "rbd_derivatives.h"
@@ -43,8 +49,8 @@ typedef struct ilqr_problem {
     int nu;     /* controls, nv at most */
     int curved; /* the first so many v are those of joints whose q does not just add up: 6 with a floating
                    base and one-axis joints behind it, 0 without, nv always suffices */
-    const rbd_real *dt;    /* N, s */
-    const rbd_real *lower; /* nu, limits of the controls */
+    const rbd_real *dt;    /* N, s, 0 or more */
+    const rbd_real *lower; /* nu, limits of the controls, lower <= upper; infinite where there is none */
     const rbd_real *upper;
     void *user; /* what the functions below are called with */
 
@@ -70,6 +76,7 @@ typedef struct ilqr_problem {
 
 typedef struct ilqr {
     const ilqr_problem *p;
+    const char *refused; /* after an error: what of the problem, or which result, was refused; else NULL */
     int nq, nv, nu, knots;
     rbd_real *q, *v, *u;                 /* the trajectory: (N + 1) x nq, (N + 1) x nv, N x nu */
     rbd_real *q_try, *v_try, *u_try;     /* that of the line search */
@@ -91,14 +98,16 @@ typedef struct ilqr {
     rbd_real slope, curvature; /* of the cost along k: t k changes it by slope t + curvature t^2 / 2 */
 } ilqr;
 
-/* Length of the memory in scalars. */
-#define ILQR_NX(nv) (2 * (nv))
-#define ILQR_NZ(nv, nu) (2 * (nv) + (nu))
+/* Length of the memory in scalars, of sizes that are not negative; more than an int holds is refused. */
 #define ILQR_REALS(nq, nv, nu, knots) \
+    ILQR_SUM((uint64_t)(nq), (uint64_t)(nv), (uint64_t)(nu), (uint64_t)(knots))
+#define ILQR_SUM(nq, nv, nu, knots) \
     (2 * (((knots) + 1) * ((nq) + (nv)) + (knots) * (nu)) +                      /* trajectories */ \
      (knots) * ((nv) * ILQR_NZ(nv, nu) + (nu) * (1 + ILQR_NX(nv))) +             /* f_z, k, K */ \
      ILQR_NX(nv) * (ILQR_NX(nv) + 2) + ILQR_NZ(nv, nu) * (ILQR_NZ(nv, nu) + 1) + /* V, dx, Q */ \
      (nv) * ILQR_NZ(nv, nu) + (nu) * ((nu) + 5) + 2 * (nv) * (nv))
+#define ILQR_NX(nv) (2 * (nv))
+#define ILQR_NZ(nv, nu) (2 * (nv) + (nu))
 
 /* nv, nu, and the lengths of x = (q, v) as a tangent and of z = (x, u): constants where ILQR_NV says so. */
 #ifdef ILQR_NV
@@ -117,15 +126,58 @@ static inline rbd_real *ilqr_take(rbd_real **memory, int count) {
     return taken;
 }
 
-/* Prepares s in the memory, of at least ILQR_REALS(nq, nv, nu, knots) scalars, with all of u and K zero.
-   Errors: RBD_ERR_NULL, RBD_ERR_MEMORY. */
-static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *memory, size_t reals) {
-    if (!s || !p || !p->m || !memory) return RBD_ERR_NULL;
-    const int nq = rbd_nq(p->m), n = rbd_nv(p->m), m = p->nu, nx = 2 * n, nz = nx + m, knots = p->knots;
-    if (m > n || reals < (size_t)ILQR_REALS(nq, n, m, knots)) return RBD_ERR_MEMORY;
+/* An error that says what was refused. */
+static inline rbd_status ilqr_refuse(ilqr *s, rbd_status status, const char *what) {
+    s->refused = what;
+    return status;
+}
+
+/* Whether all of count numbers are finite: x - x is 0, else NaN. */
+static inline int ilqr_finite(int count, const rbd_real *x) {
+    rbd_real sum = 0;
+    for (int i = 0; i < count; i++) sum += x[i] - x[i];
+    return sum >= 0;
+}
+
+/* Times are finite and not negative; limits are not crossed, and leave a number between them. */
+static inline rbd_status ilqr_check_numbers(ilqr *s, const ilqr_problem *p) {
+    for (int k = 0; k < p->knots; k++)
+        if (!ilqr_finite(1, &p->dt[k]) || p->dt[k] < 0) return ilqr_refuse(s, RBD_ERR_LIMITS, "dt");
+    for (int i = 0; i < p->nu; i++) {
+        const rbd_real lower = p->lower[i], upper = p->upper[i];
+        if (!(lower <= upper)) return ilqr_refuse(s, RBD_ERR_LIMITS, "lower, upper");
+        if (!ilqr_finite(1, &lower) && lower > 0) return ilqr_refuse(s, RBD_ERR_LIMITS, "lower");
+        if (!ilqr_finite(1, &upper) && upper < 0) return ilqr_refuse(s, RBD_ERR_LIMITS, "upper");
+    }
+    return RBD_OK;
+}
+
+static inline rbd_status ilqr_check_problem(ilqr *s, const ilqr_problem *p) {
+    const int n = rbd_nv(p->m);
+    if (p->knots < 1) return ilqr_refuse(s, RBD_ERR_COUNT, "knots");
+    if (p->nu < 1 || p->nu > n) return ilqr_refuse(s, RBD_ERR_COUNT, "nu");
+    if (p->curved < 0 || p->curved > n) return ilqr_refuse(s, RBD_ERR_COUNT, "curved");
 #ifdef ILQR_NV
-    if (n != ILQR_NV || m != ILQR_NU) return RBD_ERR_MEMORY;
+    if (n != ILQR_NV || p->nu != ILQR_NU) return ilqr_refuse(s, RBD_ERR_COUNT, "ILQR_NV, ILQR_NU");
 #endif
+    if (ILQR_REALS(rbd_nq(p->m), n, p->nu, p->knots) > INT_MAX) return ilqr_refuse(s, RBD_ERR_COUNT, "knots");
+    if (!p->step || !p->derivatives || !p->cost)
+        return ilqr_refuse(s, RBD_ERR_NULL, "step, derivatives, cost");
+    if (!p->dt || !p->lower || !p->upper) return ilqr_refuse(s, RBD_ERR_NULL, "dt, lower, upper");
+    return ilqr_check_numbers(s, p);
+}
+
+/* Prepares s in the memory, of at least ILQR_REALS(nq, nv, nu, knots) scalars, with all of u and K zero.
+   Errors, s->refused says of what: RBD_ERR_NULL; RBD_ERR_COUNT: knots or nu below 1, more than the robot's nv,
+   or too many for an int; RBD_ERR_LIMITS: dt, or limits, not as ilqr_problem says; RBD_ERR_MEMORY. */
+static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *memory, size_t reals) {
+    if (!s) return RBD_ERR_NULL;
+    s->refused = NULL;
+    if (!p || !p->m || !memory) return ilqr_refuse(s, RBD_ERR_NULL, !p ? "problem" : !p->m ? "m" : "memory");
+    const rbd_status status = ilqr_check_problem(s, p);
+    if (status) return status;
+    const int nq = rbd_nq(p->m), n = rbd_nv(p->m), m = p->nu, nx = 2 * n, nz = nx + m, knots = p->knots;
+    if (reals < ILQR_REALS(nq, n, m, knots)) return ilqr_refuse(s, RBD_ERR_MEMORY, "memory");
     memset(s, 0, sizeof *s);
     memset(memory, 0, sizeof *memory * reals);
     s->p = p, s->nq = nq, s->nv = n, s->nu = m, s->knots = knots;
@@ -254,6 +306,17 @@ static inline rbd_status ilqr_state_difference(ilqr *s, int k, const rbd_real *q
     return rbd_difference(s->p->m, s->q + k * s->nq, q, s->dx);
 }
 
+/* What the caller's functions, and the controls, gave in a knot of a rollout. */
+static inline rbd_status ilqr_check_knot(ilqr *s, int k, rbd_real l) {
+    const int n = ilqr_nv(s), m = ilqr_nu(s), nq = s->nq;
+    if (k < s->knots) {
+        if (!ilqr_finite(m, s->u_try + k * m)) return ilqr_refuse(s, RBD_ERR_NAN, "u");
+        if (!ilqr_finite(n, s->v_try + (k + 1) * n)) return ilqr_refuse(s, RBD_ERR_NAN, "v_next");
+        if (!ilqr_finite(nq, s->q_try + (k + 1) * nq)) return ilqr_refuse(s, RBD_ERR_NAN, "q");
+    }
+    return ilqr_finite(1, &l) ? RBD_OK : ilqr_refuse(s, RBD_ERR_NAN, "l");
+}
+
 /* u = u_k + t k_k + K_k (x - xbar_k) within the limits, from q_try_0 and v_try_0 on; and what it costs. */
 static inline rbd_status ilqr_rollout(ilqr *s, rbd_real t, rbd_real *cost) {
     const int n = ilqr_nv(s), m = ilqr_nu(s), nx = ilqr_nx(s);
@@ -274,6 +337,7 @@ static inline rbd_status ilqr_rollout(ilqr *s, rbd_real t, rbd_real *cost) {
         }
         if (status == RBD_OK) status = p->cost(p->user, k, q, v, k < s->knots ? u : NULL, &l, NULL, NULL);
         *cost += l;
+        if (status == RBD_OK) status = ilqr_check_knot(s, k, *cost);
     }
     return status;
 }
@@ -289,9 +353,15 @@ static inline void ilqr_accept(ilqr *s, rbd_real cost) {
     s->cost = cost;
 }
 
-/* Makes (q, v) the first state: the controls and gains that are there, from it. */
+/* Makes (q, v) the first state: the controls and gains that are there, from it. After an error the trajectory is
+   the one before. Errors: RBD_ERR_NULL; RBD_ERR_NAN: q, v, u or what the problem's functions gave is not finite;
+   those of the problem's functions. */
 static inline rbd_status ilqr_start(ilqr *s, const rbd_real *q, const rbd_real *v) {
     rbd_real cost;
+    if (!s || !q || !v) return RBD_ERR_NULL;
+    s->refused = NULL;
+    if (!ilqr_finite(s->nq, q)) return ilqr_refuse(s, RBD_ERR_NAN, "q");
+    if (!ilqr_finite(s->nv, v)) return ilqr_refuse(s, RBD_ERR_NAN, "v");
     memcpy(s->q_try, q, sizeof *q * (size_t)s->nq);
     memcpy(s->v_try, v, sizeof *v * (size_t)s->nv);
     const rbd_status status = ilqr_rollout(s, 0, &cost);
@@ -360,7 +430,7 @@ static inline rbd_status ilqr_expand(ilqr *s, int k) {
 }
 
 /* Q_uu of the free controls = U' D U, with U a unit upper triangle, of which -U is stored; rows and
-   columns of those that are clamped are the identity's. Returns whether it is positive definite. */
+   columns of those that are clamped are the identity's. Returns whether it is positive definite, and finite. */
 static inline int ilqr_factor(ilqr *s) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const rbd_real *Q_uu = s->Q_zz + nx * nz + nx;
@@ -373,7 +443,7 @@ static inline int ilqr_factor(ilqr *s) {
             for (int j = i; j < m; j++) row[j] -= factor * s->U[r * m + j];
         }
         s->D[i] = row[i];
-        if (!(s->D[i] > 0)) return 0;
+        if (!(s->D[i] > 0) || !ilqr_finite(1, &s->D[i])) return 0;
         const rbd_real factor = -1 / row[i];
         for (int j = i; j < m; j++) row[j] *= factor;
     }
@@ -447,8 +517,27 @@ static inline int ilqr_box(ilqr *s, const rbd_real *u, rbd_real *k) {
     return 1;
 }
 
+/* Which of what the caller's functions gave, from this knot on, is not finite; if it is none of them, the gains
+   themselves overflowed. */
+static inline const char *ilqr_culprit(ilqr *s, int knot) {
+    const int n = ilqr_nv(s), m = ilqr_nu(s), nz = ilqr_nz(s);
+    for (int k = knot; k <= s->knots; k++) {
+        rbd_real l;
+        if (k < s->knots && !ilqr_finite(n * nz, s->f_z + k * n * nz)) return "f_z";
+        ilqr_zero(nz, s->Q_z);
+        ilqr_zero(nz * nz, s->Q_zz);
+        s->p->cost(s->p->user, k, s->q + k * s->nq, s->v + k * n, k < s->knots ? s->u + k * m : NULL, &l,
+                   s->Q_z, s->Q_zz);
+        if (!ilqr_finite(nz, s->Q_z)) return "l_z";
+        if (!ilqr_finite(nz * nz, s->Q_zz)) return "l_zz";
+    }
+    return "k, K";
+}
+
 /* k and K of the knot, and V of its state (TMT, Box-DDP; TET's update, in which the gradient of
-   the free controls is zero):  V_x = Q_x + Q_xu k,  V_xx = Q_xx + Q_xu K,  K = -Q_uu^-1 Q_ux. */
+   the free controls is zero):  V_x = Q_x + Q_xu k,  V_xx = Q_xx + Q_xu K,  K = -Q_uu^-1 Q_ux.
+   A number of the expansion that is not finite makes Q_uu, k, K or the slope so, in this knot or an earlier one:
+   there it is seen. Gains that are not finite become 0. */
 static inline rbd_status ilqr_improve(ilqr *s, int knot) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     rbd_real *k = s->k + knot * m, *K = s->K + knot * m * nx, *Q_ux = s->PF;
@@ -456,14 +545,25 @@ static inline rbd_status ilqr_improve(ilqr *s, int knot) {
     for (int i = 0; i < m; i++) {
         Q_uu[i * nz + i] += s->mu * Q_uu[i * nz + i];
         for (int j = 0; j < i; j++) Q_uu[i * nz + j] = Q_uu[j * nz + i];
-        for (int j = 0; j < nx; j++) Q_ux[i * nx + j] = K[i * nx + j] = Q_xu[j * nz + i];
+        for (int j = 0; j < nx; j++) Q_ux[i * nx + j] = Q_xu[j * nz + i];
     }
-    if (!ilqr_box(s, s->u + knot * m, k)) return RBD_ERR_SINGULAR;
+    if (!ilqr_box(s, s->u + knot * m, k)) {
+        int finite = 1;
+        for (int i = 0; i < m; i++) finite = finite && ilqr_finite(m, Q_uu + i * nz);
+        ilqr_zero(m, k);
+        return finite ? RBD_ERR_SINGULAR : ilqr_refuse(s, RBD_ERR_NAN, ilqr_culprit(s, knot));
+    }
+    ilqr_copy(m * nx, Q_ux, K);
     for (int i = 0; i < m; i++) {
         s->slope += k[i] * Q_u[i];
         s->curvature += k[i] * ilqr_dot(m, Q_uu + i * nz, k);
     }
     ilqr_solve(s, nx, K);
+    if (!ilqr_finite(1, &s->slope) || !ilqr_finite(1, &s->curvature) || !ilqr_finite(m * nx, K)) {
+        ilqr_zero(m, k);
+        ilqr_zero(m * nx, K);
+        return ilqr_refuse(s, RBD_ERR_NAN, ilqr_culprit(s, knot));
+    }
     ilqr_copy(nx, s->Q_z, s->V_x);
     for (int i = 0; i < nx; i++) ilqr_copy(nx, s->Q_zz + i * nz, s->V_xx + i * nx);
     ilqr_product(m, k, 1, 1, Q_ux, nx, nx, 0, s->V_x, nx);
@@ -493,7 +593,7 @@ static inline rbd_status ilqr_linearise(ilqr *s) {
 }
 
 /* Bellman's equation from the end on: k and K of all knots. RBD_ERR_SINGULAR: Q_uu is not positive
-   definite. */
+   definite; RBD_ERR_NAN: something is not finite. K of earlier knots is then that of the iteration before. */
 static inline rbd_status ilqr_backward(ilqr *s) {
     rbd_status status = ilqr_end_value(s);
     s->slope = s->curvature = 0;
@@ -533,10 +633,12 @@ static inline int ilqr_line_search(ilqr *s) {
 
 /* One iteration: derivatives, backward pass and line search, the latter two again with more
    regularisation if there is nothing to find along k. *better: 1 if the trajectory is another one that
-   costs less, else 0: there is hardly one, or none was found. Errors: those of the problem's functions. */
+   costs less, else 0: there is hardly one, or none was found. Errors, the trajectory as it was: RBD_ERR_NAN:
+   derivatives of the dynamics or of the cost are not finite; those of the problem's functions. */
 static inline rbd_status ilqr_iterate(ilqr *s, int *better) {
-    rbd_status status = ilqr_linearise(s);
+    s->refused = NULL;
     *better = 0;
+    rbd_status status = ilqr_linearise(s);
     for (int round = 0; round < s->tries && status == RBD_OK && !*better; round++) {
         status = ilqr_backward(s);
         if (status == RBD_ERR_SINGULAR) {
@@ -553,8 +655,11 @@ static inline rbd_status ilqr_iterate(ilqr *s, int *better) {
 /* ---- in a control loop ---- */
 
 /* Moves trajectory, controls and gains on by a fraction of a knot, 0 to 1, by interpolation: the next
-   horizon begins so much later. Then ilqr_start with the state that was measured. */
+   horizon begins so much later. Then ilqr_start with the state that was measured. Errors: RBD_ERR_NAN, of the
+   fraction. */
 static inline rbd_status ilqr_shift(ilqr *s, rbd_real fraction) {
+    s->refused = NULL;
+    if (!ilqr_finite(1, &fraction)) return ilqr_refuse(s, RBD_ERR_NAN, "fraction");
     const int nq = s->nq, n = s->nv, N = s->knots;
     const int controls = s->nu, gains = s->nu * 2 * n;
     rbd_status status = RBD_OK;
