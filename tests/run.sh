@@ -128,3 +128,53 @@ run 1 test --light
 prints 'error: 20.c is wrong'
 prints '^run: failed: ninja'
 prints_not 'passed'
+rm "$scratch/broken"
+
+# ---- what is built stays when something has been installed since; that of another tree does not ----
+
+tools=$scratch/tree/build/tools/rbd-model
+mkdir -p "${tools%/*}"
+: >"$tools" >"$scratch/tree/build/build.ninja"
+run 0 test --light # configures, since the last one failed
+: >"$scratch/meson"
+stub clang-16 </dev/null # comes
+run 0 test --light
+prints 'configuring build/ again, since something has been installed or removed$'
+[ -e "$tools" ] || fail "build/tools is gone"
+grep -q '^configure .*--clearcache$' "$scratch/meson" && grep -q '^setup --reconfigure ' "$scratch/meson" || fail "wrong meson arguments"
+run 0 test --light
+prints_not 'configuring'
+sed -i '1s|.*|/another/tree|' "$scratch/tree/build/.run"
+run 0 test --light
+prints 'configuring build/$'
+[ ! -e "$tools" ] || fail "build/tools of another tree stayed"
+
+# ---- two commands do not work in build/ at once ----
+
+# It ends when the file is there.
+stub meson <<END
+case "\$*" in
+test*) while [ ! -e "$scratch/end" ]; do sleep 0.1; done
+       mkdir -p "$scratch/tree/build/meson-logs"
+       printf 'Ok:                 3\nFail:               0\n' >"$scratch/tree/build/meson-logs/testlog.txt" ;;
+esac
+END
+PATH=$bin RUN_LOCK_WAIT=0.1 "$scratch/tree/run" test --light >"$scratch/first" 2>&1 </dev/null &
+first=$!
+while [ ! -e "$scratch/tree/build/.lock/holder" ]; do sleep 0.1; done
+PATH=$bin RUN_LOCK_WAIT=0.1 "$scratch/tree/run" tools >"$scratch/printed" 2>&1 </dev/null &
+second=$!
+until grep -q waiting "$scratch/printed"; do sleep 0.1; done
+prints "waiting: ./run test (process $first) works in build/\$"
+prints_not 'built'
+: >"$scratch/end"
+wait "$first" || fail "the first of two commands"
+wait "$second" || fail "the second of two commands"
+prints 'build/tools/rbd-model$'
+[ ! -e "$scratch/tree/build/.lock" ] || fail "the lock stayed"
+
+# The lock of a process that is no more does not count.
+mkdir "$scratch/tree/build/.lock"
+echo "$first test" >"$scratch/tree/build/.lock/holder"
+run 0 tools
+prints_not 'waiting'
