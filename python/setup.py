@@ -16,7 +16,7 @@ class BuildWithSources(build_py):
     def run(self):
         super().run()
         for path in (path for pattern in SOURCES for path in ROOT.glob(pattern)):
-            target = Path(self.build_lib, "rbd_sources", path.relative_to(ROOT))
+            target = Path(self.build_lib, "rbd/sources", path.relative_to(ROOT))
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
 

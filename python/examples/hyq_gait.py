@@ -2,7 +2,7 @@
 """HyQ trots: torques of its motors and forces under its feet over two strides, as a picture, and the table
 for its firmware. Cells (# %%) for an editor that knows them; as a program: hyq_gait.py [FOLDER]."""
 
-# %% The robot. models/ has it as URDF too: rbd.Model.from_urdf(..., root="floating")
+# %% The robot. models/ has it as URDF too: rbd.Model.from_urdf(..., floating=True)
 import subprocess
 import sys
 from pathlib import Path

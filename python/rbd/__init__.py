@@ -2,27 +2,33 @@
 """rbd from Python: rigid-body dynamics of robots by rbd.h, on ctypes and numpy.
 
     import rbd
-    model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))    # or rbd.load_urdf("robot.urdf")
+    model = rbd.Model.from_urdf("robot.urdf", floating=True)            # or a C table:
+    model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))
     tau = model.rnea(q, v, a)                                           # one state: q nq, v and a nv
     tau = model.rnea(Q, V, A)                                           # n states: Q n x nq, V and A n x nv
+    tau = model.rnea(Q, v, a)                                           # n states of the same v and a
 
-The first use compiles rbd.h and its companions with the machine's C compiler, which takes half a minute, and
-keeps the library in a cache folder ($RBD_CACHE, else ~/.cache/rbd). A `Library` chooses the scalar and the
-flags.
+The first use compiles rbd.h and its companions with the C compiler of this machine. That takes about a
+minute; a line on standard error says so, unless $RBD_QUIET is set. The result stays in a cache folder
+($RBD_CACHE, else ~/.cache/rbd), so that later uses start at once. A `Library` chooses the scalar and the
+compiler's flags.
 
-Every call is named as in C, without `rbd_`; what is said there holds here too. In short (rbd.h,
-[conventions]): SI units; spatial vectors angular first, (omega; v) and (moment; force); a body's quantities
-in its own link frame, at its origin; matrices by rows; quaternions (x, y, z, w). `nb`, `nq`, `nv` count
-bodies, coordinates and degrees of freedom, which stand in the order of the description.
+Every call has its name in C without `rbd_`, and the same contract. In short (rbd.h, [conventions]): SI units;
+spatial vectors are angular first, (omega; v) and (moment; force); quantities of a body are in its own link
+frame, at its origin; matrices are row-major; quaternions are (x, y, z, w). `nb`, `nq`, `nv` are the numbers
+of bodies, coordinates and degrees of freedom, which stand in the order of the description.
 
-- Inputs are anything that numpy makes an array of numbers of the right shape of; results are new arrays.
-  Wrong shapes and types are refused by name (ValueError, TypeError) before C is called, and so is what is not
-  finite. A result that overflows is a FloatingPointError: no NaN gets in or out silently.
-- An error of the library is an `RbdError` with its `status` and the sentence of the header.
-- Where a call gives several results they come as a named tuple in C's order. Those that C can leave out have
-  a keyword: `model.rnea_derivatives(q, v, a, M=False).M` is None, and is not computed.
-- Threads: C runs without Python's lock. Calls of one Model wait for each other; those of two (`model.copy()`
-  is cheap) run side by side. What `kinematics` leaves belongs to the Model: one thread, one Model.
+- Inputs: anything that numpy turns into an array of real numbers of the right shape. Results are new arrays.
+  Wrong shapes and types, masked arrays, NaN and infinity are refused by name (ValueError, TypeError) before C
+  is called. A result that overflows is a FloatingPointError.
+- Broadcasting is numpy's. The last axes of an argument are those of one state, as its help says; axes before
+  them count states, and are broadcast against those of the other arguments. `rnea` of q (100, nq), v (nv,)
+  and a (100, nv) gives (100, nv); q (20, 5, nq) gives (20, 5, nv).
+- An error of the library is an `RbdError` with its `status` and a sentence.
+- A call with several results gives a named tuple, in C's order. Results that C can leave out have a keyword:
+  `model.rnea_derivatives(q, v, a, M=False).M` is None, and is not computed.
+- Threads: C runs without Python's lock. Calls of one Model wait for each other; those of two run side by side
+  (`model.copy()` is cheap). A Model keeps what `kinematics` computed: give each thread its own Model.
 """
 from __future__ import annotations
 
@@ -37,6 +43,7 @@ import operator
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -45,11 +52,23 @@ import warnings
 from collections import namedtuple
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, Iterable, Literal, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Body", "Constraint", "Constraints", "JointType", "Library", "Model", "RbdError", "RbdWarning",
-           "SOURCES", "Spatial", "Status", "Urdf", "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
+__all__ = ["AxisAngle", "Body", "Constraint", "Constraints", "Frame", "JointInfo", "JointType", "Library",
+           "Model", "Placement", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
+           "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
+
+Array = NDArray[Any]                                # of the library's scalar
+Numbers = Union[Sequence[float], Array]             # in a description
+Matrix = Sequence[Sequence[float]]
+
+
+def __dir__():
+    """The public names alone."""
+    return [*__all__, "__doc__", "__file__", "__name__", "__version__"]
 
 
 # ---- what the headers say: versions, enumerations, structures ----
@@ -57,17 +76,18 @@ __all__ = ["Body", "Constraint", "Constraints", "JointType", "Library", "Model",
 def _find_sources():
     """The folder of rbd.h: beside this file where it is installed, above it in the repository."""
     here = Path(__file__).resolve().parent
-    for folder in here / "rbd_sources", here.parent:
+    places = here / "sources", here.parents[1]
+    for folder in places:
         if (folder / "rbd.h").is_file():
             return folder
-    raise ImportError(f"rbd.h is neither in {here / 'rbd_sources'} nor in {here.parent}")
+    raise ImportError("rbd.h is neither in {} nor in {}".format(*places))
 
 
-SOURCES = _find_sources()  #: folder of rbd.h and of models/
+SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
 _HEADERS = {name: (SOURCES / name).read_text() for name in
             ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h", "rbd_urdf.h")}
 _TEXT = "\n".join(_HEADERS.values())
-__version__ = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
+__version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 
 
 def _enumerators(name, text):
@@ -117,9 +137,15 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
 
 
 class RbdError(Exception):
-    """An error of the library. status: which; results: what the call gave all the same, where it stands."""
+    """An error of the library.
 
-    def __init__(self, status, text, results=None):
+    status   a Status, or a UrdfStatus where a URDF is read
+    results  the results of the call that are valid all the same: of n states those that have no error
+    """
+    status: Status | UrdfStatus
+    results: Any
+
+    def __init__(self, status: Status | UrdfStatus, text: str, results: Any = None):
         super().__init__(text)
         self.status = status
         self.results = results
@@ -129,47 +155,87 @@ class RbdError(Exception):
 
 
 class RbdWarning(UserWarning):
-    """What is odd in a description or a URDF file, but can be computed with."""
+    """Something in a description or a URDF file is odd, but rbd can compute with it."""
+
+
+def _warn(sentences):
+    """Warns, at the line that called this module."""
+    level, frame = 2, sys._getframe(1)
+    while frame and frame.f_globals is globals():
+        level, frame = level + 1, frame.f_back
+    for sentence in sentences:
+        warnings.warn(sentence, RbdWarning, stacklevel=level)
+
+
+def _python_words(text):
+    """A sentence of the library with Python's names: no prefix, options as keywords."""
+    def option(found):
+        name, value = found.group(1).replace("-", "_"), found.group(2)
+        flags = "floating", "keep_all", "lock_massless", "strict", "messages"
+        return name + "=" + value.strip() if value else name + "=True" if name in flags else name
+
+    text = re.sub(r"(?:options\.\w+, )?(?:rbd-\w+ )?--([a-z][a-z-]*)( '[^']*')?", option, text)
+    return re.sub(r"\b(?:RBD_(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", "", text)
 
 
 # ---- compiling ----
 
 def _run(command):
-    """Runs a compiler or the like; what it prints becomes the error."""
+    """Runs a compiler or the like and gives what it prints. An error says which command, how it ended, and
+    what it printed."""
     try:
         done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace")
     except OSError as error:
         raise RuntimeError(f"rbd needs '{command[0]}': {error.strerror}") from None
     if done.returncode:
-        raise RuntimeError(f"{shlex.join(command)}:\n{done.stdout.strip()}")
+        status = done.returncode
+        try:
+            ended = f"exit status {status}" if status > 0 else f"killed by {signal.Signals(-status).name}"
+        except ValueError:
+            ended = f"killed by signal {-status}"
+        if status == -signal.SIGKILL:
+            ended += " (out of memory?)"
+        raise RuntimeError(f"{shlex.join(command)}: {ended}; it printed " +
+                           (f":\n{done.stdout.strip()}" if done.stdout.strip() else "nothing"))
     return done.stdout
 
 
-# Of what computes no dynamics: without forced inlining the headers compile in a third of the time.
+# For code that computes no dynamics: without forced inlining the headers compile in a third of the time.
 _QUICK = ["-O0", "-Dalways_inline=unused"]
 
 
 def _c_compiler():
-    """The C compiler that is meant where none is named."""
-    return shlex.split(os.environ.get("CC") or "cc")
+    """The C compiler where none is named, as a list of words."""
+    return _words("$CC", os.environ.get("CC", "").strip() or "cc")
+
+
+def _words(name, text):
+    """A command or flags, text as in a shell, as a list of words."""
+    if not isinstance(text, str):
+        raise TypeError(f"{name} must be text, as in a shell, not {text!r}")
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}: {text!r}") from None
 
 
 def _cache():
-    """The folder of what has been compiled."""
+    """The folder of compiled libraries."""
     caches = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
     folder = Path(os.environ.get("RBD_CACHE") or caches / "rbd")
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
         raise RuntimeError(f"{folder}: {error.strerror}; "
-                           "$RBD_CACHE may name another folder for what is compiled") from None
+                           "set $RBD_CACHE to a folder for compiled libraries") from None
     return folder
 
 
 def _compile(units, command, libraries=(), what=""):
-    """A shared library of the units, C or C++ in text, from the cache if it is there. Its name is the hash of
-    all that goes in; it comes into its place complete, so that processes may do this at once."""
+    """A shared library of the units, texts of C or C++, from the cache if it is there. Its name is the hash
+    of all inputs. It is moved into its place when complete, so that several processes may do this at once.
+    `what` is said on standard error beforehand."""
     language = "c++" if "++" in command[0] else "c"
     # The compiler's macros tell its version, and what -march=native is on this machine.
     machine = _run([*command, "-dM", "-E", "-x", language, os.devnull])
@@ -177,8 +243,9 @@ def _compile(units, command, libraries=(), what=""):
     path = _cache() / f"{digest.hexdigest()[:32]}.so"
     if path.exists():
         return ctypes.CDLL(str(path))
-    if what:
-        print(f"rbd: compiling {what}, once: {path}", file=sys.stderr)
+    if what and not os.environ.get("RBD_QUIET"):
+        print(f"rbd: compiling {what}; this is done once, the result is kept: {path} "
+              "(RBD_QUIET=1 hides this line)", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         objects = [f"{folder}/{k}.o" for k in range(len(units))]
 
@@ -199,7 +266,10 @@ def _compile(units, command, libraries=(), what=""):
         if failures:
             raise failures[0]
         _run([*command, "-shared", *objects, "-o", f"{folder}/library", *libraries])
-        os.replace(f"{folder}/library", path)
+        try:
+            os.replace(f"{folder}/library", path)
+        except FileNotFoundError:
+            raise RuntimeError(f"'{shlex.join(command)}' wrote no library: is it a compiler?") from None
     return ctypes.CDLL(str(path))
 
 
@@ -234,28 +304,37 @@ class Library:
 
     real      "double" or "float": the scalar of states, results and models
     flags     of the compiler; None = $RBD_FLAGS, else -O3 -march=native -ffp-contract=fast
-    lanes     states per SIMD instruction in batches, a power of two; None = what the machine has
+    lanes     states per SIMD instruction in batches, a power of two; None = as many as the machine has
     compiler  the C compiler; None = $CC, else cc
     """
+    real: str                #: "double" or "float"
+    scalar: type[Any]        #: the ctypes type of it
+    dtype: np.dtype[Any]     #: the numpy type of it: of all results
+    lanes: int               #: states per SIMD instruction in batches
+    spatial: Spatial         #: the calls of rbd_spatial.h
 
-    def __init__(self, real="double", flags=None, lanes=None, compiler=None):
-        if real not in ("double", "float"):
+    def __init__(self, real: str = "double", flags: str | None = None, lanes: int | None = None,
+                 compiler: str | None = None):
+        if not isinstance(real, str) or real not in ("double", "float"):
             raise ValueError(f"real must be 'double' or 'float', not {real!r}")
-        if lanes is not None and (lanes < 2 or lanes & (lanes - 1)):
-            raise ValueError(f"lanes must be 2, 4, 8 or another power of two, not {lanes}")
+        if lanes is not None:
+            lanes = _whole("Library", "lanes", lanes)
+            if lanes < 2 or lanes & (lanes - 1):
+                raise ValueError(f"lanes must be 2, 4, 8 or another power of two, not {lanes}")
         self._settings = real, flags, lanes, compiler
-        flags = flags or os.environ.get("RBD_FLAGS") or "-O3 -march=native -ffp-contract=fast"
+        if flags is None:
+            flags = os.environ.get("RBD_FLAGS") or "-O3 -march=native -ffp-contract=fast"
         self.real = real
         self.scalar = {"double": ctypes.c_double, "float": ctypes.c_float}[real]
         self.dtype = np.dtype(real.replace("float", "float32"))
-        compiler = shlex.split(compiler) if compiler else _c_compiler()
-        command = [*compiler, *shlex.split(flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
+        compiler = _words("compiler", compiler) if compiler else _c_compiler()
+        command = [*compiler, *_words("flags", flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
         self._c = _compile([_SINGLE + _spatial_unit(), _batch_unit(real, lanes)], command, ["-lm"],
-                           f"rbd.h for {real}")
+                           f"rbd.h for {real}, which takes about a minute")
         self.lanes = self.call("batch_lanes")
         self.spatial = Spatial(self)
 
-    def function(self, name, result=ctypes.c_int, arguments=None):
+    def function(self, name: str, result: Any = ctypes.c_int, arguments: Any = None) -> Any:
         """A C function by its name without `rbd_`: an object of its own, as threads may set its types."""
         try:
             function = self._c[f"rbd_{name}_{self.real}"]
@@ -265,31 +344,34 @@ class Library:
         function.argtypes = arguments
         return function
 
-    def call(self, name, *arguments, result=ctypes.c_int):
+    def call(self, name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
         """Calls C: arrays and structures go as pointers, whole numbers as int."""
         return self.function(name, result)(*(
             ctypes.c_void_p(x.ctypes.data) if isinstance(x, np.ndarray) else
             ctypes.byref(x) if isinstance(x, (ctypes.Structure, ctypes.Array)) else x for x in arguments))
 
-    def status_string(self, status):
-        """The header's sentence for a Status."""
-        return self.call("status_string", int(status), result=ctypes.c_char_p).decode()
+    def status_string(self, status: int) -> str:
+        """The library's sentence for a Status."""
+        text = self.call("status_string", _whole("status_string", "status", status), result=ctypes.c_char_p)
+        return _python_words(text.decode())
 
-    def finding_text(self, finding, function="finding_text"):
-        """The header's sentence for a rbd_finding: it names body (or constraint) and field."""
+    def finding_text(self, finding: ctypes.Structure, function: str = "finding_text") -> str:
+        """The library's sentence for a rbd_finding: it names body (or constraint) and field."""
         text = ctypes.create_string_buffer(400)
         self.call(function, finding, text, ctypes.c_size_t(len(text)), result=ctypes.c_void_p)
-        return text.value.decode(errors="replace")
+        return _python_words(text.value.decode(errors="replace"))
 
-    def check_parameters(self, pi):
+    def check_parameters(self, pi: ArrayLike) -> None:
         """Raises RbdError if no body can have these ten inertial parameters: negative mass, a centre of mass
         without mass, or an inertia that no distribution of mass has. pi: 10, as of Model.body_parameters."""
         status = self.call("check_parameters", _numbers("check_parameters", "pi", pi, (10,), self.dtype))
         if status:
             raise RbdError(Status(status), f"check_parameters: {self.status_string(status)}")
 
-    def set_parameters(self, body, pi):
+    def set_parameters(self, body: Body, pi: ArrayLike) -> Body:
         """A copy of a Body with the mass, com and inertia of these ten inertial parameters."""
+        if not isinstance(body, Body):
+            raise TypeError(f"set_parameters: body must be a Body, not {type(body).__name__}")
         row = structure("rbd_body")()
         status = self.call("set_parameters", row, _numbers("set_parameters", "pi", pi, (10,), self.dtype))
         if status:
@@ -310,7 +392,7 @@ def _default_library():
 
 # ---- arguments ----
 
-# Name, shape, and what it is: of all arguments and results. Docstrings and checks are made of it.
+# Name, shape and meaning of all arguments and results. Docstrings, checks and type stubs are made from it.
 _QUANTITIES = {name: (shape, text) for name, shape, text in (re.split(r"\s{2,}", line) for line in """
 q             nq       configuration: rad, m, quaternions (x, y, z, w)
 q0            nq       configuration
@@ -383,6 +465,8 @@ axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
 _SCALARS = ["dt", "restitution"]             # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
+_GAINS = ["restitution", "weight"]           # have a range: ERR_GAIN
+_MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.intc)}  # are 0 or 1 in C
 
 
 def _shape(text, dims):
@@ -391,29 +475,100 @@ def _shape(text, dims):
     return tuple(int(number or 1) * (dims[name] if name else 1) for number, name in factors)
 
 
-def _numbers(call, name, value, shape, dtype=np.dtype(float)):
-    """An array of finite numbers of this type and shape, in one piece; refuses others by name. A `None` in
-    the shape is any length."""
+def _array(call, name, value, dtype=np.dtype(float)):
+    """value as an array of real numbers, or of whole numbers if dtype is such; refuses others by name."""
     if value is None:
         raise TypeError(f"{call}: {name} is missing")
+    parts = value if isinstance(value, (list, tuple)) else (value,)
+    if any(isinstance(part, (np.ma.MaskedArray, type(np.ma.masked))) for part in parts):
+        raise TypeError(f"{call}: {name} is a masked array, and its mask would be lost: fill it (.filled), "
+                        "or leave the masked entries out (.compressed)")
     try:
         array = np.asarray(value)
-    except ValueError:
-        raise TypeError(f"{call}: {name} is not an array of numbers") from None
+    except (ValueError, TypeError) as error:
+        raise TypeError(f"{call}: {name} is not an array of numbers: {error}") from None
     kinds, what = ("biuf", "real") if dtype.kind == "f" else ("biu", "whole")
     if array.dtype.kind not in kinds:
-        raise TypeError(f"{call}: {name} must be {what} numbers, not {array.dtype}")
-    if len(array.shape) != len(shape) or any(n not in (None, m) for n, m in zip(shape, array.shape)):
-        wanted = str(shape).replace("None", "n")
-        raise ValueError(f"{call}: {name} must have the shape {wanted}, not {array.shape}")
-    with np.errstate(over="ignore"):  # what is too large for float is infinite: refused below
-        array = np.ascontiguousarray(array, dtype)
+        found = {"O": "Python objects", "U": "text", "S": "bytes", "V": "records"}.get(array.dtype.kind, "")
+        found += f" ({array.dtype})" if found else str(array.dtype)
+        if array.dtype.kind == "O" and array.size:
+            found += f" such as {array.flat[0]!r:.60}"
+        raise TypeError(f"{call}: {name} must be {what} numbers, not {found}")
+    return array
+
+
+def _numbers(call, name, value, shape, dtype=np.dtype(float), symbols=None):
+    """An array of finite numbers of this type and shape, in one piece; refuses others by name. A `None` in
+    the shape is any length. symbols: the shape in words, for messages."""
+    array = _array(call, name, value, dtype)
+    if array.ndim != len(shape) or not _ends_in(array.shape, shape):
+        raise _wrong_shape(call, name, array.shape, shape, symbols or shape)
+    return _checked(call, name, array, dtype)
+
+
+def _checked(call, name, array, dtype):
+    """The array in this type and in one piece; refuses numbers that C cannot take."""
+    if name in _MASKS:
+        bad = np.argwhere((array != 0) & (array != 1))
+        if len(bad):
+            raise ValueError(f"{call}: {name} must be 0 or 1 for each degree of freedom, not "
+                             f"{array[tuple(bad[0])]} as at {bad[0].tolist()}")
+    with np.errstate(over="ignore"):  # too large for float: infinite, which is refused next
+        array = np.ascontiguousarray(array, dtype).reshape(array.shape)
     _finite(call, name, array)
     return array
 
 
+def _broadcast(call, inputs, dtype):
+    """The axes of the states, and an array (states, *core) for each input (name, value, core, symbols): the
+    last axes of a value are the core, those before count states and are broadcast, as everywhere in numpy."""
+    arrays = {}
+    for name, value, core, symbols in inputs:
+        array = _array(call, name, value, _MASKS.get(name, dtype))
+        if not _ends_in(array.shape, core):
+            raise _wrong_shape(call, name, array.shape, core, symbols, more=True)
+        arrays[name] = _checked(call, name, array, _MASKS.get(name, dtype)), core
+    loops = {name: array.shape[:array.ndim - len(core)] for name, (array, core) in arrays.items()}
+    length = max(map(len, loops.values()), default=0)
+    shape, chosen = [1] * length, [""] * length
+    for name, loop in loops.items():
+        for k, size in enumerate(loop, length - len(loop)):
+            if size != 1:
+                if chosen[k] and size != shape[k]:
+                    raise ValueError(f"{call}: the numbers of states differ: " + ", ".join(
+                        f"{who} {arrays[who][0].shape} has {n} in axis {k - length + len(loops[who])}"
+                        for who, n in ((chosen[k], shape[k]), (name, size))))
+                shape[k], chosen[k] = size, name
+    loop = tuple(shape)
+    return loop, {name: np.ascontiguousarray(np.broadcast_to(array, loop + core)).reshape(
+        math.prod(loop), *core) for name, (array, core) in arrays.items()}
+
+
+def _ends_in(shape, core):
+    """Whether the last axes of a shape are these."""
+    return len(shape) >= len(core) and all(n in (None, m) for n, m in zip(core[::-1], shape[::-1]))
+
+
+def _wrong_shape(call, name, found, core, symbols, more=False):
+    """The error for a wrong shape: which argument, which axis, which sizes. symbols: the right shape in
+    words; more: whether axes may stand before it."""
+    more = more and len(found) > len(core)
+
+    def text(sizes):
+        words = ["..."] * more + ["n" if size is None else str(size) for size in sizes]
+        return "(" + ", ".join(words) + ("," if len(words) == 1 else "") + ")"
+
+    wanted = " = ".join(dict.fromkeys([text(symbols), text(core)]))
+    where = ""
+    if len(found) == len(core) or more:
+        axis, size = next((k, size) for k, size in enumerate(core, len(found) - len(core))
+                          if size not in (None, found[k]))
+        where = f": axis {axis} is {found[axis]} long, not {size}"
+    return ValueError(f"{call}: {name} must have the shape {wanted}, not {found}{where}")
+
+
 def _finite(call, name, array, error=ValueError):
-    """Refuses what is not finite, by name and index. Where the sum of squares is finite, all is."""
+    """Refuses NaN and infinity, by name and index. Where the sum of squares is finite, all numbers are."""
     flat = array.reshape(-1)
     if array.dtype.kind == "f" and not math.isfinite(np.dot(flat, flat)):
         bad = np.argwhere(~np.isfinite(array))
@@ -423,19 +578,36 @@ def _finite(call, name, array, error=ValueError):
 
 
 def _int(index):
-    """An index as a C int: those that do not fit are as unknown as the largest that does."""
+    """An index as a C int: one that does not fit becomes the largest or smallest, which is as unknown."""
     return max(-2**31, min(index, 2**31 - 1))
+
+
+def _whole(call, name, value):
+    """A whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{call}: {name} must be a whole number, not {value!r}") from None
+
+
+def _flag(call, name, value):
+    """True or False."""
+    if isinstance(value, (bool, np.bool_)) or isinstance(value, int) and value in (0, 1):
+        return bool(value)
+    raise TypeError(f"{call}: {name} must be True or False, not {value!r}")
 
 
 def _axes(call, value):
     """The enumerator of rbd_axes."""
-    if value not in ("world", "link"):
+    if not isinstance(value, str) or value not in ("world", "link"):
         raise ValueError(f"{call}: axes must be 'world' or 'link', not {value!r}")
     return int(value == "link")
 
 
 def _number(call, name, value):
     """A finite number."""
+    if isinstance(value, (str, bytes)):  # which float() would read
+        raise TypeError(f"{call}: {name} must be a number, not {value!r}")
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -448,14 +620,14 @@ def _number(call, name, value):
 # ---- calls ----
 
 def _c(memory, gives="", batch=False, **shapes):
-    """Makes a method of its signature and docstring: it calls the C function of that name, after `rbd_`.
+    """Makes a method from its signature and docstring: it calls the C function of that name, after `rbd_`.
 
     The method's parameters are the inputs, in C's order, and then keywords that leave results out.
-    memory   what C computes in, besides the model
+    memory   the memory that C computes in, besides the model
     gives    the results in C's order; "dtau_dq?" is left out where the keyword dtau_dq is False, "A_dot_v?v"
              where v is None
-    batch    also for n states, by rbd_batch_...
-    shapes   of quantities that are of another shape here than in the table
+    batch    whether C has the call for n states, as rbd_batch_...
+    shapes   of quantities that have another shape here than in the table
     """
     def make(method):
         call = _Call(method, memory, gives, batch, shapes)
@@ -465,6 +637,7 @@ def _c(memory, gives="", batch=False, **shapes):
                   f"(self._calls.get('{method.__name__}') or self._bind(call))({parameters})")
         wrapper = functools.update_wrapper(eval(source, {"call": call}), method)
         wrapper.__doc__ = call.documentation(method)
+        wrapper._rbd_call = call
         return wrapper
     return make
 
@@ -476,7 +649,7 @@ def _results(call, *names):
 
 
 class _Call:
-    """What a method asks of C."""
+    """A method's call of C: memory, inputs, outputs."""
 
     def __init__(self, method, memory, gives, batch, shapes):
         self.name = method.__name__
@@ -486,8 +659,9 @@ class _Call:
         self.inputs = [p.name for p in parameters if p.kind is not p.KEYWORD_ONLY]
         self.optional = {p.name for p in parameters
                          if p.default is None or "None = " in _QUANTITIES.get(p.name, ("", ""))[1]}
-        self.outputs, self.flags = [], []  # names, and which parameter decides on each, None: always there
         names = [p.name for p in parameters]
+        self.keywords = list(enumerate(names))[len(self.inputs):]  # parameters that leave results out
+        self.outputs, self.flags = [], []  # names, and the parameter that decides on each, None: always there
         for item in gives.split():
             name, question, flag = item.partition("?")
             self.outputs.append(name)
@@ -499,8 +673,12 @@ class _Call:
         """One result, or a named tuple of several, or None."""
         return self.tuple(*values) if self.tuple else next(iter(values), None)
 
+    def symbols(self, name):
+        """The shape of a quantity in words, for messages."""
+        return tuple(self.shapes[name].replace("-", "").split())
+
     def documentation(self, method):
-        """The method's docstring, with the arguments and results, their shapes, and what they are."""
+        """The method's docstring, with shape and meaning of the arguments and results."""
         def lines(names):
             for name in names:
                 shape = self.shapes[name].replace(" ", " x ").replace("-", "")
@@ -508,9 +686,9 @@ class _Call:
         text = [inspect.getdoc(method), "", *lines(self.inputs)]
         if self.outputs:
             text += ["gives", *lines(self.outputs)]
-        if self.batch:
-            text += ["For n states give each array n times, one after the other along a first axis; or blocks of",
-                     "as many as the library has lanes, along a first and a last axis: these are not transposed."]
+            if set(self.inputs) - set(_INTEGERS):
+                text += ["Axes before these count states, and are broadcast: " +
+                         ("C computes them together." if self.batch else "one call of C for each state.")]
         return "\n".join(text)
 
 
@@ -533,7 +711,6 @@ class _Bound:
         self.arguments = [owner._address(kind).value for kind in ["model", *call.memory]]
         self.inputs = [(place, name, views.get(name), name in call.optional)
                        for place, name in enumerate(call.inputs, len(self.arguments))]
-        self.first = views.get(call.inputs[0]) if call.inputs else None
         self.arguments += [views[name].ctypes.data if name in views else None for name in call.inputs]
         self.results_at = len(self.arguments)
         self.arguments += [view.ctypes.data for view in self.views]
@@ -557,19 +734,25 @@ class _Bound:
                 if value is None and optional:
                     arguments[place] = None
                 elif view is None:
+                    if name in _SCALARS and isinstance(value, (np.ndarray, list, tuple)) and np.ndim(value):
+                        return self._many(values)
                     arguments[place] = self._convert(name, value)
                 else:
                     if (type(value) is not np.ndarray or value.dtype is not view.dtype
-                            or value.shape != view.shape):
-                        if view is self.first and 0 < np.ndim(value) - view.ndim < 3:
-                            return self._batch(values)
-                        value = _numbers(self.call.name, name, value, view.shape, view.dtype)
+                            or value.shape != view.shape or name in _MASKS):
+                        value = _array(self.call.name, name, value, view.dtype)
+                        if value.ndim > view.ndim:
+                            return self._many(values)
+                        value = _numbers(self.call.name, name, value, view.shape, view.dtype,
+                                         self.call.symbols(name))
                     view[...] = value
             if not math.isfinite(self.arena.dot(self.arena)):
                 self._refuse()
-            for place, flag in self.flagged:
-                if values[flag] is None or values[flag] is False:
-                    arguments[place] = None
+            if self.flagged:
+                wanted = self._wanted(values)
+                for place, flag in self.flagged:
+                    if not wanted[flag]:
+                        arguments[place] = None
             status = self.function(*arguments)
             if status or not math.isfinite(self.output.dot(self.output)):
                 self._fail(status, arguments)
@@ -579,7 +762,14 @@ class _Bound:
         """An argument that is a number."""
         call = self.call.name
         return (_number(call, name, value) if name in _SCALARS else
-                _axes(call, value) if name == "axes" else self.owner._body(value, call))
+                _axes(call, value) if name == "axes" else self.owner._body(value, call, name == "reference"))
+
+    def _wanted(self, values):
+        """For each parameter, whether the results that it decides on are wanted."""
+        wanted = [value is not None for value in values]
+        for place, name in self.call.keywords:
+            wanted[place] = values[place] is True or _flag(self.call.name, name, values[place])
+        return wanted
 
     def _results(self, arguments):
         """The results in memory of their own; None for those not wanted."""
@@ -597,45 +787,83 @@ class _Bound:
             raise
 
     def _fail(self, status, arguments):
-        """Raises what the call ended with, if it is an error, and forgets the results."""
+        """Raises the error of the call, if there is one, and forgets the results."""
+        label = self.call.name
+        if status == Status.ERR_GAIN:
+            label += "".join(f": {name}" for name in self.call.inputs if name in _GAINS)
         try:
             if status:
-                raise self.owner._error(self.call.name, status, self._results(arguments))
+                raise self.owner._error(label, status, self._results(arguments))
             for name, view in zip(self.call.outputs, self.views):
                 _finite(self.call.name, name, view, FloatingPointError)
         except (RbdError, FloatingPointError):
             self.output[...] = 0
             raise
 
-    def _batch(self, values):
-        """The same for n states, whose arrays C reads where they are: rows, or blocks of as many as there are
-        lanes, which stand along a last axis."""
+    def _many(self, values):
+        """The same for many states: the arrays' axes before those of one state, broadcast. C computes them
+        together where it has a batch of the call; else it is called for each."""
         call, owner = self.call, self.owner
-        n, dtype = np.shape(values[0])[0], owner.library.dtype
-        shapes = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
-        if not call.batch:
-            first = call.inputs[0]
-            raise ValueError(f"{call.name}: {first} must have the shape {shapes[first]}, not "
-                             f"{np.shape(values[0])}: this call takes one state at a time")
-        blocks = np.ndim(values[0]) == self.first.ndim + 2
-        shapes = {name: (n, *shape, owner.library.lanes) if blocks else (n, *shape)
-                  for name, shape in shapes.items()}
-        inputs = [None if value is None and name in call.optional else
-                  _numbers(call.name, name, value, shapes[name], dtype)
-                  for name, value in zip(call.inputs, values)]
-        outputs = {name: None if flag is not None and (values[flag] is None or values[flag] is False) else
-                   np.zeros(shapes[name], dtype) for name, flag in zip(call.outputs, call.flags)}
+        if not call.outputs:
+            raise ValueError(f"{call.name}: this call takes one state, which the calls after it read; an "
+                             "argument has more axes")
+        blocks = call.batch and owner._layout() == "blocks"
+        lanes = (owner.library.lanes,) if blocks else ()
+        cores = {name: _shape(call.shapes[name], owner._dims) + lanes for name in call.inputs + call.outputs}
+        dtype, given = owner.library.dtype, dict(zip(call.inputs, values))
+        loop, arrays = _broadcast(call.name, [
+            (name, value, cores[name], call.symbols(name) + ("lanes",) * blocks)
+            for name, value in given.items()
+            if name not in _INTEGERS and (value is not None or name not in call.optional)], dtype)
+        n, wanted = math.prod(loop), self._wanted(values)
+        outputs = {name: None if flag is not None and not wanted[flag] else np.zeros((n, *cores[name]), dtype)
+                   for name, flag in zip(call.outputs, call.flags)}
+
+        def results(found):
+            return call.results([None if x is None else x.reshape(loop + x.shape[1:]) for x in found])
+
+        if call.batch:
+            return self._batch(arrays, outputs, loop, blocks, results)
+
+        def one(k):
+            found = self(*({**given, **{name: array[k] for name, array in arrays.items()}}).values(),
+                         *values[len(given):])
+            for array, result in zip(outputs.values(), found if call.tuple else [found]):
+                if array is not None:
+                    array[k] = result
+        _for_each_state(loop, one)
+        return results(outputs.values())
+
+    def _batch(self, arrays, outputs, loop, blocks, results):
+        """Calls C's batch."""
+        call, owner = self.call, self.owner
+        states = loop + (owner.library.lanes,) if blocks else loop
+        inputs = [arrays.get(name) for name in call.inputs]
         memory = ["batch" if kind == "work" else f"batch_{kind}" for kind in call.memory]
-        if not blocks:
-            return owner._run(f"batch_{call.name}", memory, [n, *inputs], outputs, call.results)
         with owner._lock:
             layout = functools.partial(owner.library.call, "batch_set_layout", owner._address("batch"))
-            layout(1)
+            layout(int(blocks))
             try:
-                return owner._run(f"batch_{call.name}", memory, [n * owner.library.lanes, *inputs], outputs,
-                                  call.results)
+                return owner._run(f"batch_{call.name}", memory, [math.prod(states), *inputs], outputs,
+                                  results, call.name, states)
             finally:
                 layout(0)
+
+
+def _for_each_state(loop, one):
+    """Calls one(k) for all states; an error says which state it was."""
+    for k in range(math.prod(loop)):
+        try:
+            one(k)
+        except (RbdError, FloatingPointError) as error:
+            if loop:
+                error.args, error.results = (f"{error}; state {_state(k, loop)}",), None
+            raise
+
+
+def _state(number, loop):
+    """The index of a state, for messages."""
+    return number if len(loop) < 2 else tuple(map(int, np.unravel_index(number, loop)))
 
 
 class _Owner:
@@ -660,14 +888,15 @@ class _Owner:
                 self._calls[call.name] = _Bound(call, self)
         return self._calls[call.name]
 
-    def _run(self, call, memory, inputs, outputs, results=tuple):
+    def _run(self, function, memory, inputs, outputs, results=tuple, call=None, states=None):
         """Calls C with arrays that are right: whole numbers and inputs, then outputs by name. Gives
-        results(outputs), checked."""
+        results(outputs), checked. call: the name for messages; states: of a batch, the axes of its states."""
+        call = call or function
         with self._lock:
             addresses = map(self._address, ["model", *memory])
-            status = self.library.call(call, *addresses, *inputs, *outputs.values())
+            status = self.library.call(function, *addresses, *inputs, *outputs.values())
             if status:
-                raise self._error(call, status, results(outputs.values()))
+                raise self._error(call, status, results(outputs.values()), states)
         for name, array in outputs.items():
             if array is not None:
                 _finite(call, name, array, FloatingPointError)
@@ -680,24 +909,24 @@ class _Owner:
 class Body:
     """One body and the joint that carries it: a row of a description, rbd_body of rbd.h.
 
-    parent is the index or the name of an earlier body, -1 the world; type a name as "revolute", "floating"
-    (JointType has all). A single number as armature, damping or friction is meant for each degree of freedom.
-    """
+    `parent` is the index or the name of an earlier body; -1 is the world. `type` is a name such as "revolute"
+    or "floating"; JointType has all. A single number as armature, damping or friction counts for each degree
+    of freedom."""
     name: str | None = None             #: of the link; unique
     joint: str | None = None            #: name of the joint; unique
     parent: int | str = -1              #: index or name of an earlier body, -1 = the world
     type: str = "fixed"                 #: of the joint
-    axis: tuple = (0, 0, 0)             #: in the joint frame
-    axis2: tuple = (0, 0, 0)            #: universal: the second axis
+    axis: Numbers = (0, 0, 0)           #: in the joint frame
+    axis2: Numbers = (0, 0, 0)          #: universal: the second axis
     pitch: float = 0.0                  #: helical: m/rad
-    position: tuple = (0, 0, 0)         #: of the joint frame's origin in the parent's link frame, m
-    rotation: tuple = (0,) * 9          #: 3 x 3, joint-frame vectors into the parent's; all 0 = identity
+    position: Numbers = (0, 0, 0)       #: of the joint frame's origin in the parent's link frame, m
+    rotation: Numbers | Matrix = (0,) * 9  #: 3 x 3, joint-frame vectors into the parent's; all 0 = identity
     mass: float = 0.0                   #: kg
-    com: tuple = (0, 0, 0)              #: centre of mass, link frame, m
-    inertia: tuple = (0,) * 6           #: xx xy xz yy yz zz about the centre of mass, link axes, kg m^2
-    armature: tuple | float = 0.0       #: per degree of freedom: rotor inertia seen at the joint
-    damping: tuple | float = 0.0        #: per degree of freedom: see Model.passive
-    friction: tuple | float = 0.0       #: per degree of freedom: see Model.passive
+    com: Numbers = (0, 0, 0)            #: centre of mass, link frame, m
+    inertia: Numbers = (0,) * 6         #: xx xy xz yy yz zz about the centre of mass, link axes, kg m^2
+    armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
+    damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
+    friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
     lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
@@ -714,11 +943,11 @@ class Constraint:
     name: str | None = None             #: for messages
     body1: int | str = -1
     body2: int | str = -1
-    rotation1: tuple = (0,) * 9         #: 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity
-    position1: tuple = (0, 0, 0)        #: of its origin in body 1, m
-    rotation2: tuple = (0,) * 9         #: the same of frame 2 in body 2
-    position2: tuple = (0, 0, 0)
-    axes: tuple = (0,) * 6              #: 1 = held: omega_x _y _z v_x _y _z, along the axes of frame 2
+    rotation1: Numbers | Matrix = (0,) * 9  #: 3 x 3, axes of frame 1 to those of body 1; all 0 = identity
+    position1: Numbers = (0, 0, 0)      #: of its origin in body 1, m
+    rotation2: Numbers | Matrix = (0,) * 9  #: the same of frame 2 in body 2
+    position2: Numbers = (0, 0, 0)
+    axes: Numbers = (0,) * 6            #: 1 = held: omega_x _y _z v_x _y _z, along the axes of frame 2
     kp: float = 0.0                     #: 1/s^2, Baumgarte's stabilisation: J a + gamma = -kd J v - kp e
     kd: float = 0.0                     #: 1/s
 
@@ -787,7 +1016,7 @@ def _rows(bodies):
     return rows
 
 
-def load_table(path, name=None):
+def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:
     """The description in a C table, as rbd-model writes it and models/ has it: a list of Body. The file is
     compiled.
 
@@ -795,11 +1024,17 @@ def load_table(path, name=None):
     name   of the array, where there are several
     """
     path = Path(path).resolve()
-    text = path.read_text()
+    try:
+        text = path.read_text()
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: is not text in UTF-8") from None
     arrays = re.findall(r"\brbd_body\s+(\w+)\s*\[", text)
     if name is None and len(arrays) != 1 or name is not None and name not in arrays:
         raise ValueError(f"{path}: " + (f"has the arrays of rbd_body {', '.join(arrays)}" if arrays
-                                        else "has no array of rbd_body"))
+                                        else "has no array of rbd_body" +
+                                        ("; load_urdf reads URDF files" if "<robot" in text else
+                                         "; a built model (rbd_model) is no description"
+                                         if "rbd_model" in text else "")))
     array = name or arrays[0]
     unit = (f'#include "rbd.h"\n{text}\nconst rbd_body *const table = {array};\n'
             f"const int length = sizeof {array} / sizeof *{array};\n")
@@ -816,22 +1051,28 @@ _URDF = """
 #define RBD_URDF_IMPLEMENTATION
 #include "rbd_urdf.h"
 """
-Frame = namedtuple("Frame", "link joint parent body position rotation")
-Frame.__doc__ = """A link of a URDF: where it is on the bodies, as rbd_urdf_frame.
 
-parent: index of the frame that carries it, -1 = it is the root; body: index of the body that it is, or is
-merged into, -1 = the world; position 3, m, and rotation 3 x 3 in that body's frame."""
+
+
+class Frame(NamedTuple):
+    """A link of a URDF: its place on the bodies, as rbd_urdf_frame."""
+    link: str
+    joint: str | None   #: that carries the link; None for the root
+    parent: int         #: index of the frame that carries it, -1 = it is the root
+    body: int           #: index of the body that it is, or is merged into, -1 = the world
+    position: Array     #: 3, in that body's frame, m
+    rotation: Array     #: 3 x 3, turns vectors of the link into vectors of that body
 
 
 @dataclass
 class Urdf:
-    """What a URDF file holds: `Model(urdf)` takes it."""
+    """The content of a URDF file: `Model(urdf)` takes it."""
     name: str           #: of the robot
-    bodies: list        #: of Body
-    frames: list        #: of Frame: all links, fixed ones too
-    warnings: list      #: sentences
-    gravity: tuple      #: world frame, m/s^2
-    fixed_mass: float   #: kg, of the links that are fixed to the world: in no body
+    bodies: list[Body]
+    frames: list[Frame]     #: all links, fixed ones too
+    warnings: list[str]     #: sentences
+    gravity: Numbers        #: world frame, m/s^2
+    fixed_mass: float       #: kg, of the links that are fixed to the world: in no body
 
 
 @functools.lru_cache(maxsize=None)
@@ -846,58 +1087,121 @@ def _urdf_library():
     libraries = [word for word in words if word.startswith(("-l", "-L"))]
     compiler = shlex.split(os.environ.get("CXX") or "c++")
     command = [*compiler, *_QUICK, "-std=c++17", *(word for word in words if word not in libraries)]
-    return _compile([_URDF], command, libraries, "rbd_urdf.h with urdfdom")
+    return _compile([_URDF], command, libraries, "rbd_urdf.h with urdfdom, which takes some seconds")
 
 
-def load_urdf(path, **options):
-    """A robot from a URDF file.
+def _texts(call, what, names):
+    """A name or several, as a list; refuses others."""
+    try:
+        names = [names] if isinstance(names, str) else list(names)
+    except TypeError:
+        names = [names]
+    for name in names:
+        if not isinstance(name, str):
+            raise TypeError(f"{call}: {what} must be a name or a list of names, not {name!r}")
+    return [name.encode() for name in names]
 
-    root           "fixed" or "floating": the joint of the root link
-    root_joint     its name; None = "root"
-    root_link      take only this link, as the root, and what hangs on it
-    gravity        3, world frame; None = (0, 0, -9.81)
-    keep           names of fixed links to keep as bodies, where others are merged
-    keep_all       keep all fixed links as bodies
-    lock           {joint: value}: joints to hold still, rad or m
-    lock_massless  hold joints still that move no mass
+
+def _urdf_options(call, *, floating: bool = False, root: str | None = None, root_joint: str | None = None,
+                  gravity: ArrayLike | None = None, keep: str | Iterable[str] = (), keep_all: bool = False,
+                  lock: str | Iterable[str] | Mapping[str, float] = (), lock_massless: bool = False,
+                  strict: bool = False, messages: bool = False):
+    """The options are those of the command-line tools (rbd-model --help).
+
+    floating       the root link is on a floating joint, not fixed to the world
+    root           take only this link, as the root, and what hangs on it; None = all
+    root_joint     the name of the floating joint; None = "root"
+    gravity        3, world frame, m/s^2; None = (0, 0, -9.81)
+    keep           links on fixed joints to keep as bodies; others are merged: a name or several
+    keep_all       keep all links on fixed joints
+    lock           joints to hold still, and those that mimic them: {joint: value, rad or m}, or names (at 0)
+    lock_massless  hold joints still that move no mass, which else are an error
     strict         warnings are errors
-    show_messages  leave urdfdom's messages to standard error
+    messages       let urdfdom write its messages to standard error
     """
-    path = os.fspath(path)
-    return _urdf("rbd_urdf_load", [os.fsencode(path)], path, **options)
-
-
-def parse_urdf(text, **options):
-    """A robot from the text of a URDF; options as of load_urdf."""
-    text = text.encode() if isinstance(text, str) else bytes(text)
-    return _urdf("rbd_urdf_parse", [text, ctypes.c_size_t(len(text))], "URDF", **options)
-
-
-def _urdf(function, arguments, source, *, root="fixed", root_joint=None, root_link=None, gravity=None,
-          keep=(), keep_all=False, lock=None, lock_massless=False, strict=False, show_messages=False):
-    """Counts, makes room, and reads."""
-    load = _urdf_library()[function]
-    if root not in ("fixed", "floating"):
-        raise ValueError(f"root must be 'fixed' or 'floating', not {root!r}")
-    if isinstance(keep, str):
-        raise TypeError("keep must be a list of names")
-    g = None if gravity is None else (ctypes.c_double * 3)(*_numbers("load_urdf", "gravity", gravity, (3,)))
-    kept = (ctypes.c_char_p * (len(keep) + 1))(*(name.encode() for name in keep))
-    locks = (structure("rbd_urdf_lock") * (len(lock or {}) + 1))(
-        *((name.encode(), _number("load_urdf", f"lock '{name}'", at)) for name, at in (lock or {}).items()))
+    for name, value in ("root", root), ("root_joint", root_joint):
+        if value is not None and not isinstance(value, str):
+            raise TypeError(f"{call}: {name} must be a name or None, not {value!r}")
+    flags = {"keep_all": keep_all, "lock_massless": lock_massless, "strict": strict, "messages": messages}
+    flags = {name: _flag(call, name, value) for name, value in flags.items()}
+    flags["show_messages"] = flags.pop("messages")
+    g = None if gravity is None else (ctypes.c_double * 3)(*_numbers(call, "gravity", gravity, (3,)))
+    kept = _texts(call, "keep", keep)
+    kept = (ctypes.c_char_p * (len(kept) + 1))(*kept)
+    values = [_number(call, f"lock['{joint}']", at) for joint, at in lock.items()] if isinstance(
+        lock, Mapping) else None
+    joints = _texts(call, "lock", lock)
+    locks = (structure("rbd_urdf_lock") * (len(joints) + 1))(*zip(joints, values or [0] * len(joints)))
     options = structure("rbd_urdf_options")(
-        root=JointType[root.upper()], root_joint=root_joint and root_joint.encode(), keep_all=keep_all,
-        root_link=root_link and root_link.encode(), lock_massless=lock_massless, strict=strict,
-        show_messages=show_messages, gravity=g and ctypes.addressof(g), keep=ctypes.addressof(kept),
-        lock=ctypes.addressof(locks))
+        root=JointType.FLOATING if _flag(call, "floating", floating) else JointType.FIXED,
+        root_joint=root_joint and root_joint.encode(), root_link=root and root.encode(),
+        gravity=g and ctypes.addressof(g), keep=ctypes.addressof(kept), lock=ctypes.addressof(locks), **flags)
+    options.memory = g, kept, locks  # the structure has their addresses alone
+    return options
+
+
+def _takes_urdf_options(function):
+    """Puts the options of _urdf_options into the signature and the docstring of a function that takes
+    **options: their one place is there."""
+    own, options = inspect.signature(function), inspect.signature(_urdf_options)
+    parameters = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    first = [p for p in parameters if p.kind is not p.KEYWORD_ONLY]
+    options = list(options.parameters.values())[1:]
+    signature = own.replace(parameters=[*first, *options, *parameters[len(first):]])
+    known = list(signature.parameters)
+
+    @functools.wraps(function)
+    def wrapper(*arguments, **keywords):
+        for name in keywords:
+            if name not in known:
+                near = difflib.get_close_matches(name, known, 1)
+                raise TypeError(f"{function.__name__}: there is no option '{name}'" +
+                                (f"; did you mean '{near[0]}'?" if near else ""))
+        return function(*arguments, **keywords)
+    wrapper.__signature__ = signature
+    wrapper.__doc__ = f"{inspect.getdoc(function)}\n\n{inspect.getdoc(_urdf_options)}"
+    return wrapper
+
+
+@_takes_urdf_options
+def load_urdf(path: str | os.PathLike[str], **options) -> Urdf:
+    """A robot from a URDF file."""
+    return _load_urdf("load_urdf", path, options)
+
+
+@_takes_urdf_options
+def parse_urdf(text: str | bytes, **options) -> Urdf:
+    """A robot from the text of a URDF."""
+    if not isinstance(text, (str, bytes, bytearray)):
+        raise TypeError(f"parse_urdf: text must be str or bytes, not {type(text).__name__}")
+    if text and ("<" if isinstance(text, str) else b"<") not in text:
+        raise ValueError(f"parse_urdf: this is no XML: {text[:60]!r}; load_urdf takes the name of a file")
+    text = text.encode() if isinstance(text, str) else bytes(text)
+    return _read_urdf("parse_urdf", text, "URDF", options)
+
+
+def _load_urdf(call, path, options):
+    """Reads a file, and the robot in it."""
+    path = os.fspath(path)
+    with open(path, "rb") as file:
+        text = file.read()
+    return _read_urdf(call, text, os.fsdecode(path), options)
+
+
+def _read_urdf(call, text, source, options):
+    """Counts, makes room, and reads."""
+    options = _urdf_options(call, **options)
+    load, arguments = _urdf_library()["rbd_urdf_parse"], [text, ctypes.c_size_t(len(text))]
     robot = structure("rbd_urdf")()
+
+    def said(finding):
+        line = f":{finding.line}" if finding.line else ""
+        return f"{source}{line}: {_python_words(finding.text.decode(errors='replace'))}"
 
     def read():
         status = load(*arguments, ctypes.byref(options), ctypes.byref(robot))
         if status:
-            error = robot.error
-            line = f":{error.line}" if error.line else ""
-            raise RbdError(UrdfStatus(status), f"{source}{line}: {error.text.decode(errors='replace')}")
+            raise RbdError(UrdfStatus(status), said(robot.error))
 
     read()
     bodies = (structure("rbd_body") * robot.nb)()
@@ -909,9 +1213,8 @@ def _urdf(function, arguments, source, *, root="fixed", root_joint=None, root_li
     robot.warnings, robot.warnings_max = ctypes.addressof(findings), len(findings)
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
     read()
-    sentences = [f"{source}:{finding.line}: {finding.text.decode(errors='replace')}" for finding in findings]
-    for sentence in sentences:
-        warnings.warn(sentence, RbdWarning, stacklevel=4)
+    sentences = [said(finding) for finding in findings]
+    _warn(sentences)
     return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
                        np.array(frame.position), np.array(frame.rotation).reshape(3, 3)) for frame in frames],
@@ -920,10 +1223,20 @@ def _urdf(function, arguments, source, *, root="fixed", root_joint=None, root_li
 
 # ---- model ----
 
-JointInfo = namedtuple("JointInfo", "type iq nq iv nv lower upper velocity effort")
-JointInfo.__doc__ = """Where a joint lies in q and in v, and how much of them it has; limits.
+class JointInfo(NamedTuple):
+    """A joint: its type, place in q and in v, and limits.
 
-A mimic or fixed joint has nq = nv = 0 and iq = iv = -1. No limits if lower >= upper."""
+    A mimic or fixed joint has nq = nv = 0 and iq = iv = -1. No limits if lower >= upper."""
+    type: JointType
+    iq: int
+    nq: int
+    iv: int
+    nv: int
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+
 
 _HYBRID, _MOMENTA = _results("hybrid", "a", "tau"), _results("batch_momentum", "h", "h_dot")
 _MEMORIES = {  # what C computes in, and what it stands on
@@ -937,18 +1250,42 @@ _MEMORIES = {  # what C computes in, and what it stands on
 class Model(_Owner):
     """A robot: constants, and the memory that one thread computes in.
 
-    bodies   list of Body, parents first; or what load_urdf gave, whose gravity it takes
+    bodies   list of Body, parents first; or the result of load_urdf, whose gravity it takes
     gravity  3, world frame, m/s^2; None = (0, 0, -9.81)
     library  a Library; None = double, compiled for this machine
 
-    What no real body can have, but can be computed with, is an RbdWarning, and is kept in `warnings`.
+    If a body cannot be real, but can be computed with, an RbdWarning says so; `warnings` keeps the sentences.
+    Of a URDF these are those of the loader, which sees the single links and their lines.
     """
+    library: Library
+    bodies: list[Body]
+    warnings: list[str]     #: sentences
+    nb: int                 #: number of bodies
+    nq: int                 #: number of coordinates: the length of q
+    nv: int                 #: number of degrees of freedom: the length of v
 
-    def __init__(self, bodies, *, gravity=None, library=None):
-        super().__init__(library or _default_library(), threading.RLock())
-        if isinstance(bodies, Urdf):
-            gravity = bodies.gravity if gravity is None else gravity
-            bodies = bodies.bodies
+    def __init__(self, bodies: Urdf | Iterable[Body], *, gravity: ArrayLike | None = None,
+                 library: Library | None = None):
+        urdf = bodies if isinstance(bodies, Urdf) else None
+        if urdf:
+            gravity = urdf.gravity if gravity is None else gravity
+            bodies = urdf.bodies
+        self._setup(bodies, gravity, library or _default_library())
+        if urdf and urdf.warnings:
+            self.warnings = list(urdf.warnings)
+        else:
+            _warn(self.warnings)
+
+    def _setup(self, bodies, gravity, library, layout="rows"):
+        """What a new model and a copy have in common."""
+        if not isinstance(library, Library):
+            raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
+        super().__init__(library, threading.RLock())
+        if isinstance(bodies, (str, bytes, os.PathLike, Body)) or not hasattr(bodies, "__iter__"):
+            file = isinstance(bodies, (str, os.PathLike))
+            raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
+                            f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
+        self._batch_layout = layout
         self.bodies = list(bodies)
         self._rows = _rows(self.bodies)
         self._build()
@@ -958,9 +1295,10 @@ class Model(_Owner):
             self.set_gravity(gravity)
 
     @classmethod
-    def from_urdf(cls, path, *, library=None, **options):
-        """A model of a URDF file; options as of load_urdf."""
-        return cls(load_urdf(path, **options), library=library)
+    @_takes_urdf_options
+    def from_urdf(cls, path: str | os.PathLike[str], *, library: Library | None = None, **options) -> Model:
+        """A model of a URDF file."""
+        return cls(_load_urdf("from_urdf", path, options), library=library)
 
     def _build(self):
         """Builds the model from its rows."""
@@ -974,8 +1312,6 @@ class Model(_Owner):
             raise RbdError(Status(status), self.library.finding_text(report.error))
         found = report.warning[:min(report.warnings, len(report.warning))]
         self.warnings = [self.library.finding_text(finding) for finding in found]
-        for sentence in self.warnings:
-            warnings.warn(sentence, RbdWarning, stacklevel=4)
 
     def _prepare(self, kind):
         """Makes this part of memory, or makes it anew in its place."""
@@ -992,40 +1328,56 @@ class Model(_Owner):
         if kind == "batch":
             call("batch_set_gravity", address, self.get_gravity())
 
-    def _error(self, call, status, results=None):
-        """The exception for a status: the header's sentence, and where it happened."""
+    def _error(self, call, status, results=None, states=None):
+        """The exception for a status: the library's sentence, and where it happened. states: of a batch, the
+        axes of its states."""
         text = f"{call}: {self.library.status_string(status)}"
         if status in (Status.ERR_SINGULAR, Status.ERR_NAN):
-            dof, state = self.singular_dof(), None
-            if call.startswith("batch_"):
+            dof = self.singular_dof()
+            if states is not None:
                 state, dof = self.batch_singular()
-                text += f"; state {state}"
+                text += f"; state {_state(state, states)}"
             if dof >= 0:
                 text += f"; degree of freedom {dof}, '{self.dof_names[dof]}'"
         return RbdError(Status(status), text, results)
 
-    def _body(self, body, call):
-        """The index of a body, from its name too."""
-        if isinstance(body, str):
-            return self.body_index(body)
-        try:
-            return _int(operator.index(body))
-        except TypeError:
-            raise TypeError(f"{call}: a body is an index or the name of a link, not {body!r}") from None
+    def _layout(self):
+        return self._batch_layout
 
-    def copy(self):
+    def _body(self, body, call, world=False):
+        """The index of a body, from its name too. world: whether -1, the world, may be meant."""
+        if isinstance(body, str):
+            return self._index(call, "body_index", body)
+        try:
+            index = operator.index(body)
+        except TypeError:
+            raise TypeError(f"{call}: a body is an index or a name, not {body!r}") from None
+        if not -world <= index < self.nb:
+            last = f"the model has 0 to {self.nb - 1}" + ", and -1 for the world" * world
+            raise RbdError(Status.ERR_INDEX, f"{call}: no such body: {index}; {last}")
+        return index
+
+    def copy(self) -> Model:
         """Another Model of the same robot, with memory of its own: for another thread."""
-        return _again(self.bodies, self.get_gravity(), self.library)
+        return _again(*self.__reduce__()[1])
 
     def __reduce__(self):
-        return _again, (self.bodies, self.get_gravity(), self.library)
+        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout)
 
     def __repr__(self):
         return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
 
     # -- gravity, payload, errors --
 
-    def set_gravity(self, gravity):
+    def batch_set_layout(self, layout: Literal["rows", "blocks"]) -> None:
+        """Sets how the states of a batch stand in arrays, for the calls that C computes together: "rows", as
+        in numpy, or "blocks" of as many states as the library has lanes, which stand along a last axis: q (n,
+        nq, lanes), M (n, nv, nv, lanes). C need not transpose blocks. See rbd_layout."""
+        if not isinstance(layout, str) or layout not in ("rows", "blocks"):
+            raise ValueError(f"batch_set_layout: layout must be 'rows' or 'blocks', not {layout!r}")
+        self._batch_layout = layout
+
+    def set_gravity(self, gravity: ArrayLike) -> None:
         """Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow."""
         gravity = _numbers("set_gravity", "gravity", gravity, (3,), self.library.dtype)
         with self._lock:
@@ -1033,14 +1385,15 @@ class Model(_Owner):
             if "batch" in self._addresses:
                 self.library.call("batch_set_gravity", self._address("batch"), gravity)
 
-    def get_gravity(self):
-        """What gravity is set to: 3, world frame, m/s^2."""
+    def get_gravity(self) -> Array:
+        """Gravity as it is set: 3, world frame, m/s^2."""
         gravity = np.empty(3, self.library.dtype)
         self.library.call("get_gravity", self._address("work"), gravity)
         return gravity
 
-    def add_payload(self, body, mass, com=(0, 0, 0), inertia=None):
-        """Adds mass to a body, as a new build would see it: what a hand took up. With what was added negated,
+    def add_payload(self, body: int | str, mass: float, com: ArrayLike = (0, 0, 0),
+                    inertia: ArrayLike | None = None) -> None:
+        """Adds mass to a body, as a load that a hand took up. The same call with mass and inertia negated
         takes it off again, to rounding.
 
             body      index, or name of the link
@@ -1061,12 +1414,12 @@ class Model(_Owner):
                     self._prepare(kind)
             self.bodies[index] = self.library.set_parameters(self.bodies[index], self.body_parameters(index))
 
-    def singular_dof(self):
+    def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
         or not a number; else -1."""
         return self.library.call("singular_dof", self._address("work"))
 
-    def batch_singular(self):
+    def batch_singular(self) -> tuple[int, int]:
         """After that error of a batch: (the first singular state, its degree of freedom); else (-1, -1)."""
         dof = ctypes.c_int(-1)
         return self.library.call("batch_singular", self._address("batch"), ctypes.byref(dof)), dof.value
@@ -1106,9 +1459,10 @@ class Model(_Owner):
     def fd_cholesky(self, q, v, tau, f_ext=None):
         """Forward dynamics by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6."""
 
-    def hybrid(self, q, v, given, a, tau, f_ext=None):
-        """Hybrid dynamics: of each degree of freedom the acceleration or the torque is given, and the other
-        computed; M a + c = tau + sum J' f_ext. RBDA section 9.2. Gives (a, tau), all of both.
+    def hybrid(self, q: ArrayLike, v: ArrayLike, given: ArrayLike, a: ArrayLike, tau: ArrayLike,
+               f_ext: ArrayLike | None = None) -> hybrid_results:
+        """Hybrid dynamics: the acceleration or the torque of each degree of freedom is given, and the other
+        is computed; M a + c = tau + sum J' f_ext. RBDA section 9.2. Gives (a, tau), all of both.
 
             q            nq        configuration
             v            nv        velocity
@@ -1116,17 +1470,24 @@ class Model(_Owner):
             a            nv        accelerations, read where they are given
             tau          nv        torques, read where they are given
             f_ext        nb x 6    wrenches on the bodies; None = none
-        """
-        call = "hybrid"
-        flags = _numbers(call, "given", given, (self.nv,), np.dtype(np.intc)) != 0
-        return self._hybrid(call, "work", q, v, [flags.view(np.uint8)], a, tau, f_ext)
 
-    def _hybrid(self, call, memory, q, v, given, a, tau, f_ext):
-        dtype, n = self.library.dtype, (self.nv,)
-        inputs = [_numbers(call, "q", q, (self.nq,), dtype), _numbers(call, "v", v, n, dtype), *given,
-                  None if f_ext is None else _numbers(call, "f_ext", f_ext, (self.nb, 6), dtype)]
-        outputs = {name: _numbers(call, name, x, n, dtype).copy() for name, x in (("a", a), ("tau", tau))}
-        return self._run(call, [memory], inputs, outputs, _HYBRID._make)
+        Axes before these count states, and are broadcast: one call of C for each state."""
+        return self._hybrid("hybrid", "work", {"q": q, "v": v, "given": given}, a, tau, f_ext)
+
+    def _hybrid(self, call, memory, inputs, a, tau, f_ext):
+        inputs = {**inputs, "f_ext": f_ext, "a": a, "tau": tau}
+        shapes = {name: _QUANTITIES[name][0] for name in inputs}
+        loop, arrays = _broadcast(call, [
+            (name, value, _shape(shapes[name], self._dims), tuple(shapes[name].split()))
+            for name, value in inputs.items() if name != "f_ext" or value is not None], self.library.dtype)
+
+        def one(k):  # C writes a and tau, of which it reads the parts that are given
+            state = {name: array[k] for name, array in arrays.items()}
+            outputs = {name: state.pop(name) for name in ("a", "tau")}
+            self._run(call, [memory], [state.get(name) for name in inputs if name not in outputs], outputs)
+        arrays["a"], arrays["tau"] = arrays["a"].copy(), arrays["tau"].copy()
+        _for_each_state(loop, one)
+        return _HYBRID(*(arrays[name].reshape(*loop, self.nv) for name in ("a", "tau")))
 
     @_c("work", "Minv", batch=True)
     def minverse(self, q):
@@ -1137,36 +1498,40 @@ class Model(_Owner):
         """Factor of M = L' D L that keeps the tree's zeros, RBDA section 6.5: packed like crba_packed, L
         below the diagonal, 1/D on it. Only the lower triangle of M is read."""
 
-    def cholesky_factor_packed(self, H):
+    def cholesky_factor_packed(self, H: ArrayLike) -> Array:
         """The same of a packed mass matrix (crba_packed): a new packed array."""
-        factor = _numbers("cholesky_factor_packed", "H", H, (self._dims["nh"],), self.library.dtype).copy()
-        return self._run("cholesky_factor_packed", ["work"], [], {"L": factor})[0]
+        call, nh = "cholesky_factor_packed", self._dims["nh"]
+        loop, arrays = _broadcast(call, [("H", H, (nh,), ("nh",))], self.library.dtype)
+        factor = arrays["H"].copy()
+        _for_each_state(loop, lambda k: self._run(call, ["work"], [], {"L": factor[k]}))
+        return factor.reshape(*loop, nh)
 
     @_c("work", "x")
     def cholesky_solve(self, L, b):
-        """Solves M x = b with the factor L."""
+        """Solves M x = b with the factor L. Right-hand sides as columns: cholesky_solve_many."""
 
-    def cholesky_solve_many(self, L, B):
+    def cholesky_solve_many(self, L: ArrayLike, B: ArrayLike) -> Array:
         """Solves M X = B with the factor L. B: nv x n, right-hand sides as columns; gives X, nv x n."""
         call, dtype = "cholesky_solve_many", self.library.dtype
-        B = _numbers(call, "B", B, (self.nv, None), dtype)
-        L = _numbers(call, "L", L, (self._dims["nh"],), dtype)
+        B = _numbers(call, "B", B, (self.nv, None), dtype, ("nv", "n"))
+        L = _numbers(call, "L", L, (self._dims["nh"],), dtype, ("nh",))
         return self._run(call, ["work"], [L, B.shape[1], B], {"X": np.zeros_like(B)})[0]
 
-    def packed_size(self):
+    def packed_size(self) -> int:
         """Number of entries of a packed matrix."""
         return self.library.call("packed_size", self._address("model"))
 
-    def packed_index(self, i, j):
+    def packed_index(self, i: int, j: int) -> int:
         """Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero."""
-        return self.library.call("packed_index", self._address("model"), _int(i), _int(j))
+        return self.library.call("packed_index", self._address("model"),
+                                 *(_int(_whole("packed_index", name, x)) for name, x in (("i", i), ("j", j))))
 
     @_c("work", "tau")
     def passive(self, v):
         """Passive torque of the joints, -damping v - friction sign(v): add it to the tau given to forward
         dynamics, subtract it from the tau that inverse dynamics gives."""
 
-    # -- kinematics: the calls after `kinematics` read what it left --
+    # -- kinematics: the calls after `kinematics` read its results --
 
     @_c("work")
     def kinematics(self, q, v=None, a=None):
@@ -1198,7 +1563,7 @@ class Model(_Owner):
     def com(self):
         """Centre of mass of those bodies, its velocity and acceleration, world frame, after `kinematics`."""
 
-    def mass(self):
+    def mass(self) -> float:
         """Mass of all bodies that a joint moves, kg."""
         return self.library.call("mass", self._address("model"), result=self.library.scalar)
 
@@ -1242,24 +1607,29 @@ class Model(_Owner):
     def momentum(self):
         """Centroidal momentum of all bodies that a joint moves, and its rate."""
 
-    def batch_jacobian(self, q, body, point=None, axes="world"):
-        """Jacobians, n x 6 x nv, of a point of a body at n configurations, n x nq; point and axes as of
-        `jacobian`."""
+    def batch_jacobian(self, q: ArrayLike, body: int | str, point: ArrayLike | None = None,
+                       axes: Literal["world", "link"] = "world") -> Array:
+        """Jacobians (..., 6, nv) of a point of a body at configurations q (..., nq); point and axes as of
+        `jacobian`. It needs no `kinematics`."""
         call, dtype = "batch_jacobian", self.library.dtype
-        q = _numbers(call, "q", q, (None, self.nq), dtype)
+        loop, arrays = _broadcast(call, [("q", q, (self.nq,), ("nq",))], dtype)
+        q = arrays["q"]
         point = None if point is None else _numbers(call, "point", point, (3,), dtype)
         J = np.zeros((len(q), 6, self.nv), dtype)
         inputs = [len(q), q, self._body(body, call), point, _axes(call, axes)]
-        return self._run(call, ["batch"], inputs, {"J": J})[0]
+        return self._run(call, ["batch"], inputs, {"J": J})[0].reshape(*loop, 6, self.nv)
 
-    def batch_momentum(self, q, v=None, a=None):
-        """Centroidal momenta h and their rates h_dot, n x 6 each, of n states. None = zero."""
+    def batch_momentum(self, q: ArrayLike, v: ArrayLike | None = None,
+                       a: ArrayLike | None = None) -> batch_momentum_results:
+        """Centroidal momenta h and their rates h_dot, (..., 6) each, of states q (..., nq), v and a (...,
+        nv). None = zero. It needs no `kinematics`."""
         call, dtype = "batch_momentum", self.library.dtype
-        q = _numbers(call, "q", q, (None, self.nq), dtype)
-        v, a = (None if x is None else _numbers(call, name, x, (len(q), self.nv), dtype)
-                for name, x in (("v", v), ("a", a)))
-        outputs = {"h": np.zeros((len(q), 6), dtype), "h_dot": np.zeros((len(q), 6), dtype)}
-        return self._run(call, ["batch"], [len(q), q, v, a], outputs, _MOMENTA._make)
+        inputs = [("q", q, (self.nq,), ("nq",)), ("v", v, (self.nv,), ("nv",)), ("a", a, (self.nv,), ("nv",))]
+        loop, arrays = _broadcast(call, [x for x in inputs if x[0] == "q" or x[1] is not None], dtype)
+        n = math.prod(loop)
+        outputs = {"h": np.zeros((n, 6), dtype), "h_dot": np.zeros((n, 6), dtype)}
+        results = self._run(call, ["batch"], [n, *map(arrays.get, "qva")], outputs)
+        return _MOMENTA(*(x.reshape(*loop, 6) for x in results))
 
     # -- configuration manifold --
 
@@ -1284,10 +1654,12 @@ class Model(_Owner):
     def velocity_from_rates(self, q, rates):
         """The velocity from such rates."""
 
-    def random(self, seed, n=None):
+    def random(self, seed: int, n: int | None = None) -> Array:
         """A random configuration, nq, or n of them, n x nq: uniform within limits where given, else angles in
-        (-pi, pi), lengths in (-1, 1), orientations uniform. The same whole number as seed gives the same."""
-        state = ctypes.c_uint64(seed)
+        (-pi, pi), lengths in (-1, 1), orientations uniform. The same seed, a whole number, gives the same."""
+        state = ctypes.c_uint64(_whole("random", "seed", seed))
+        if n is not None and _whole("random", "n", n) < 0:
+            raise ValueError(f"random: n must not be negative, it is {n}")
         q = np.zeros((1 if n is None else n, self.nq), self.library.dtype)
         for row in q:
             self.library.call("random", self._address("model"), ctypes.byref(state), row)
@@ -1295,50 +1667,68 @@ class Model(_Owner):
 
     # -- names --
 
-    def _index(self, function, name, names):
+    def _index(self, call, function, name):
+        """Index of a body by the name of its link or joint; a KeyError says which names there are."""
+        if not isinstance(name, str):
+            raise TypeError(f"{call}: a name must be text, not {name!r}")
         index = self.library.call(function, self._address("model"), os.fsencode(name))
-        if index < 0:
-            near = difflib.get_close_matches(name, [known for known in names if known], 1)
-            raise KeyError(f"'{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
-        return index
+        if index >= 0:
+            return index
+        kind, names, others = "link", self.body_names, self.joint_names
+        if function == "joint_index":
+            kind, names, others = "joint", others, names
+        where = others.index(name) if name in others else None
+        text = f"{call}: no {kind} is called '{name}'"
+        if where is not None and names[where]:
+            other = {"link": "joint", "joint": "link"}[kind]
+            text += f"; the {other} '{name}' belongs to {kind} '{names[where]}'"
+        names = [known for known in names if known]
+        near = difflib.get_close_matches(name, names, 1)
+        text += f"; did you mean '{near[0]}'? " if near and where is None else ". "
+        text += f"There are: {', '.join(names[:12])}"
+        text += f", ..., {len(names)} in all." if len(names) > 12 else "."
+        if kind == "link":
+            text += " Links on fixed joints are bodies only if load_urdf(keep=...) names them."
+        raise KeyError(text)
 
-    def body_index(self, name):
+    def body_index(self, name: str) -> int:
         """Index of a body by the name of its link; KeyError if there is none."""
-        return self._index("body_index", name, self.body_names)
+        return self._index("body_index", "body_index", name)
 
-    def joint_index(self, name):
+    def joint_index(self, name: str) -> int:
         """Index of a body by the name of the joint that carries it; KeyError if there is none."""
-        return self._index("joint_index", name, self.joint_names)
+        return self._index("joint_index", "joint_index", name)
 
     def _name(self, function, body):
-        name = self.library.call(function, self._address("model"), _int(body), result=ctypes.c_char_p)
+        body = _int(_whole(function, "body", body))
+        name = self.library.call(function, self._address("model"), body, result=ctypes.c_char_p)
         return None if name is None else os.fsdecode(name)
 
-    def body_name(self, body):
+    def body_name(self, body: int) -> str | None:
         """Name of a body's link; None if nameless or no such body."""
         return self._name("body_name", body)
 
-    def joint_name(self, body):
+    def joint_name(self, body: int) -> str | None:
         """Name of the joint that carries a body; None if nameless or no such body."""
         return self._name("joint_name", body)
 
-    @functools.cached_property
-    def body_names(self):
+    @property
+    def body_names(self) -> list[str | None]:
         """Names of all links, by body."""
         return [self.body_name(body) for body in range(self.nb)]
 
-    @functools.cached_property
-    def joint_names(self):
+    @property
+    def joint_names(self) -> list[str | None]:
         """Names of all joints, by body."""
         return [self.joint_name(body) for body in range(self.nb)]
 
-    @functools.cached_property
-    def dof_names(self):
+    @property
+    def dof_names(self) -> list[str]:
         """Names of the degrees of freedom: the joint's, with [k] where it has several."""
         return self._coordinates("iv", "nv", self.nv)
 
-    @functools.cached_property
-    def q_names(self):
+    @property
+    def q_names(self) -> list[str]:
         """Names of the coordinates, likewise."""
         return self._coordinates("iq", "nq", self.nq)
 
@@ -1351,19 +1741,28 @@ class Model(_Owner):
                 names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
         return names
 
-    def joint(self, body):
-        """JointInfo: type, place in q and v, and limits of the joint that carries a body."""
+    def joint(self, joint: int | str) -> JointInfo:
+        """JointInfo: type, place in q and v, and limits of a joint.
+
+            joint        the name of the joint, or the body that it carries: index, or name of the link
+        """
+        try:
+            body = self._body(joint, "joint")
+        except KeyError:
+            body = -1
+        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
+            body = self._index("joint", "joint_index", joint)
         info = structure("rbd_joint_info", self.library.scalar)()
-        status = self.library.call("joint", self._address("model"), self._body(body, "joint"), info)
+        status = self.library.call("joint", self._address("model"), body, info)
         if status:
             raise self._error("joint", status)
         return JointInfo(JointType(info.type), *(getattr(info, name) for name in JointInfo._fields[1:]))
 
-    def dof_body(self, dof):
+    def dof_body(self, dof: int) -> int:
         """The body whose joint has this degree of freedom, -1 if there is none."""
-        return self.library.call("dof_body", self._address("model"), _int(dof))
+        return self.library.call("dof_body", self._address("model"), _int(_whole("dof_body", "dof", dof)))
 
-    def describe(self, body):
+    def describe(self, body: int | str) -> Body:
         """A Body read back from the model, from which a build makes the same, to rounding: its parent is the
         body whose joint carries it, axes are of unit length, an added payload is in it."""
         row = structure("rbd_body")()
@@ -1388,17 +1787,20 @@ class Model(_Owner):
         """The matrix C with C v = c - g and dM/dt - 2 C skew, of all such the one without torsion. Echeandia
         and Wensing (2021)."""
 
-    def rnea_free_base(self, q, v, a, tau, f_ext=None):
-        """Inverse dynamics of a robot that stands on nothing: hybrid with the accelerations of all joints given
-        but floating ones on the world, of which the torques are, in less time. Gives (a, tau), all of both.
+    def rnea_free_base(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
+                       f_ext: ArrayLike | None = None) -> hybrid_results:
+        """Inverse dynamics of a robot that stands on nothing: the accelerations of all joints but those of
+        floating bases are given, and the torques of these. The same as `hybrid`, in less time. Gives (a,
+        tau), all of both.
 
             q            nq        configuration
             v            nv        velocity
             a            nv        accelerations, read but for floating bases
             tau          nv        torques, read for floating bases: 0 in flight
             f_ext        nb x 6    wrenches on the bodies; None = none
-        """
-        return self._hybrid("rnea_free_base", "derivatives", q, v, [], a, tau, f_ext)
+
+        Axes before these count states, and are broadcast: one call of C for each state."""
+        return self._hybrid("rnea_free_base", "derivatives", {"q": q, "v": v}, a, tau, f_ext)
 
     @_c("derivatives", "dtau_dq? dtau_dv? M?", batch=True)
     def rnea_derivatives(self, q, v, a, f_ext=None, *, dtau_dq=True, dtau_dv=True, M=True):
@@ -1436,54 +1838,60 @@ class Model(_Owner):
 
     # -- constraints: rbd_constraints.h --
 
-    def constraints(self, rows):
+    def constraints(self, rows: Iterable[Constraint]) -> Constraints:
         """A set of constraints that hold together, from a list of Constraint: see Constraints."""
         return Constraints(self, rows)
 
     def _constraint(self, function, *arguments):
         """The Constraint of a function of C: names and indices are bodies, all else points and axes."""
+        names = list(inspect.signature(getattr(Model, function)).parameters)[1:]
         row = self.library.call(function, *(
-            self._body(x, function) if isinstance(x, (int, str)) else
-            x if x is None else _numbers(function, "a point or axis", x, (3,)) for x in arguments),
+            self._body(x, function, world=True) if name.startswith("body") else
+            None if x is None and name == "place" else _numbers(function, name, x, (3,))
+            for name, x in zip(names, arguments)),
             result=structure("rbd_constraint"))
         values = {member: getattr(row, member) for member, _ in row._fields_}
         return Constraint(**{member: tuple(value) if isinstance(value, ctypes.Array) else value
                              for member, value in values.items()})
 
-    def point_contact(self, body, point=(0, 0, 0), place=None):
+    def point_contact(self, body: int | str, point: ArrayLike = (0, 0, 0),
+                      place: ArrayLike | None = None) -> Constraint:
         """A Constraint: a point of a body (3, body axes) held at a place (3, world; None = anywhere); 3
         rows."""
         return self._constraint("point_contact", body, point, place)
 
-    def flat_contact(self, body, point=(0, 0, 0), place=None):
+    def flat_contact(self, body: int | str, point: ArrayLike = (0, 0, 0),
+                     place: ArrayLike | None = None) -> Constraint:
         """The same of a whole surface: 6 rows."""
         return self._constraint("flat_contact", body, point, place)
 
-    def ball_loop(self, body1, point1, body2, point2):
+    def ball_loop(self, body1: int | str, point1: ArrayLike, body2: int | str,
+                  point2: ArrayLike) -> Constraint:
         """A Constraint: points of two bodies, each in its body's axes, coincide; 3 rows."""
         return self._constraint("ball_loop", body1, point1, body2, point2)
 
-    def hinge_loop(self, body1, point1, axis1, body2, point2, axis2):
+    def hinge_loop(self, body1: int | str, point1: ArrayLike, axis1: ArrayLike, body2: int | str,
+                   point2: ArrayLike, axis2: ArrayLike) -> Constraint:
         """The same, and the lines along axis1 and axis2 there coincide; 5 rows."""
         return self._constraint("hinge_loop", body1, point1, axis1, body2, point2, axis2)
 
     # -- for firmware --
 
-    def c_model(self, name, source="a Model in Python"):
-        """The built model as a C table for firmware, to be written to NAME_model.h: what rbd-model --c-model
-        NAME writes. It serves double and float. source: what its head says that it was made of."""
+    def c_model(self, name: str, source: str = "a Model in Python") -> str:
+        """The built model as a C table for firmware, for a file NAME_model.h: the same as rbd-model --c-model
+        NAME writes. It serves double and float. source: the origin that its head names."""
         return _print_c(self, name, source, built=True)
 
-    def c_table(self, name, source="a Model in Python"):
-        """The description as a C table, to be written to NAME.h: what rbd-model --c NAME writes."""
+    def c_table(self, name: str, source: str = "a Model in Python") -> str:
+        """The description as a C table, for a file NAME.h: the same as rbd-model --c NAME writes."""
         return _print_c(self, name, source, built=False)
 
 
-def _again(bodies, gravity, library):
+def _again(bodies, gravity, library, layout):
     """A Model that was built before, and has warned."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RbdWarning)
-        return Model(bodies, gravity=gravity, library=library)
+    model = Model.__new__(Model)
+    model._setup(bodies, gravity, library, layout)
+    return model
 
 
 # ---- constraints ----
@@ -1492,18 +1900,25 @@ class Constraints(_Owner):
     """Contacts and closed loops that hold together, rbd_constraints of a Model; made by
     Model.constraints(rows).
 
-    They compute in the Model's memory: what `kinematics` left there is gone after a call. `rows` is their
-    number: axes held by all. """
+    They compute in the Model's memory: after a call `kinematics` must be called anew."""
+    model: Model
+    list: Sequence[Constraint]
+    rows: int                   #: the number of axes that all constraints hold
+    nv: int                     #: number of degrees of freedom
+    library: Library
 
-    def __init__(self, model, rows):
+    def __init__(self, model: Model, rows: Iterable[Constraint]):
         super().__init__(model.library, model._lock)
+        if isinstance(rows, Constraint) or not hasattr(rows, "__iter__"):
+            raise TypeError(f"constraints: rows must be a list of Constraint, not {type(rows).__name__}")
         self.model, self.nv, self.list = model, model.nv, list(rows)
         self._rows = (structure("rbd_constraint") * len(self.list))()
         for number, constraint in enumerate(self.list):
             if not isinstance(constraint, Constraint):
                 raise TypeError(f"constraint {number} must be a Constraint, not {type(constraint).__name__}")
             where = f"constraint {number}" + (f" '{constraint.name}'" if constraint.name else "")
-            bodies = {side: model._body(getattr(constraint, side), where) for side in ("body1", "body2")}
+            bodies = {side: model._body(getattr(constraint, side), where, world=True)
+                      for side in ("body1", "body2")}
             _to_c(replace(constraint, **bodies), self._rows[number], where)
         self._prepare("constraints", "work")
         self.rows = self.library.call("constraint_rows", self._addresses["constraints"])
@@ -1526,28 +1941,29 @@ class Constraints(_Owner):
             self._prepare(kind, "batch")
         return self._addresses[kind] if kind in self._addresses else self.model._address(kind)
 
-    def _body(self, body, call):
-        return self.model._body(body, call)
+    def _layout(self):
+        return self.model._layout()
 
-    def _error(self, call, status, results=None):
-        error = self.model._error(call, status, results)
+    def _error(self, call, status, results=None, states=None):
+        error = self.model._error(call, status, results, states)
         row = self.infeasible_row()
-        if status == Status.ERR_INFEASIBLE and row >= 0 and not call.startswith("batch_"):
+        if status == Status.ERR_INFEASIBLE and row >= 0 and states is None:
             number = max(k for k in range(len(self.list)) if self.first(k) <= row)
             name = self.list[number].name
             error.args = (f"{error}; row {row}, of constraint {number}" + (f" '{name}'" if name else ""),)
         return error
 
-    def first(self, constraint):
+    def first(self, constraint: int) -> int:
         """The first row of a constraint, -1 if there is none (rbd_constraint_first)."""
-        return self.library.call("constraint_first", self._addresses["constraints"], _int(constraint))
+        number = _int(_whole("first", "constraint", constraint))
+        return self.library.call("constraint_first", self._addresses["constraints"], number)
 
-    def rank(self):
+    def rank(self) -> int:
         """After constrained_fd and impact: the rank of J (rbd_constraint_rank)."""
         address, scalar = self._addresses["constraints"], self.library.scalar
         return int(self.library.call("constraint_rank", address, result=scalar))
 
-    def infeasible_row(self):
+    def infeasible_row(self) -> int:
         """After Status.ERR_INFEASIBLE: the first row that contradicts those behind it, else -1."""
         return self.library.call("infeasible_row", self._addresses["constraints"])
 
@@ -1640,13 +2056,17 @@ _print_lock = threading.Lock()
 
 
 def _print_c(model, name, source, built):
-    """What rbd-model writes of this robot: it builds anew, in double, from the description."""
+    """The text that rbd-model writes of this robot. It builds anew, in double, from the description."""
+    for what, text in ("name", name), ("source", source):
+        if not isinstance(text, str):
+            raise TypeError(f"{what} must be text, not {text!r}")
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.A):
         raise ValueError(f"{name!r} is not a C identifier")
     files = ("print", "print_c", "print_c_indices", "print_c_model")
     units = [_PRINT, *(f'{_TO_FILE}#line 1 "{file}.c"\n' + (SOURCES / f"tools/{file}.c").read_text()
                        for file in files)]
-    library = _compile(units, [*_c_compiler(), *_QUICK, "-ffp-contract=off", f"-I{SOURCES / 'tools'}"], ["-lm"])
+    command = [*_c_compiler(), *_QUICK, "-ffp-contract=off", f"-I{SOURCES / 'tools'}"]
+    library = _compile(units, command, ["-lm"])
     rows = _rows(model.bodies)
     gravity = (ctypes.c_double * 3)(*model.get_gravity())
     with tempfile.TemporaryDirectory() as folder, _print_lock:
@@ -1659,10 +2079,19 @@ def _print_c(model, name, source, built):
 
 # ---- spatial algebra: rbd_spatial.h ----
 
-Placement = namedtuple("Placement", "rotation position")
-AxisAngle = namedtuple("AxisAngle", "axis angle")
+class Placement(NamedTuple):
+    """The place of a frame `of` in a frame `in`."""
+    rotation: Array     #: 3 x 3, turns vectors from of's axes into in's
+    position: Array     #: 3, of's origin, in in's axes
 
-# Of each kind of quantity: its C type, None = an array of numbers; its shape; how the docstrings call it.
+
+class AxisAngle(NamedTuple):
+    """A rotation about an axis."""
+    axis: Array         #: 3, of unit length
+    angle: float        #: rad
+
+
+# For each kind of quantity: its C type, None = an array of numbers; its shape; its name in docstrings.
 _KINDS = {
     "number": ("rbd_real", (), "a number"),
     "vector": ("rbd_vec3", (3,), "3"),
@@ -1677,7 +2106,7 @@ _KINDS = {
     "array3": (None, (3,), "3"),
     "array6": (None, (6,), "6: xx xy xz yy yz zz"),
 }
-# The calls: name(parameters: kinds) -> kind, what it is, and the C expression where it is not just the call.
+# The calls: name(parameters: kinds) -> kind, meaning, and the C expression where it is not just the call.
 _SPATIAL = [re.fullmatch(r"(\w+)\((.*)\) -> (\w+) \| ([^|]*?)(?:\n +\| (.*))?", line).groups()
             for line in re.split(r"\n(?=\w)", """
 rotation_product(a: rotation, b: rotation) -> rotation | a b: first b, then a.
@@ -1743,29 +2172,42 @@ class Spatial:
 
     Spatial vectors are 6 numbers, angular first. A placement says where frame `of` stands in frame `in`: a
     pair of the rotation, which turns vectors from of's axes into in's, and the position of of's origin, in
-    in's axes. up: from `of` to `in`, as from a child to its parent; down: back. What adds or scales them is
-    numpy's + and *. """
+    in's axes. up: from `of` to `in`, as from a child to its parent; down: back. Use numpy's + and * to add
+    and scale them. Axes before those of one quantity are broadcast, as everywhere in numpy."""
 
-    def __init__(self, library):
+    def __init__(self, library: Library):
         self._library = library
 
     def _call(self, name, values):
         parameters, result, _, _ = _SPATIAL[name]
-        dtype, arrays = self._library.dtype, []
+        dtype, inputs = self._library.dtype, []
         for (parameter, kind), value in zip(parameters, values):
             if kind == "placement":
-                rotation = _numbers(name, f"{parameter}.rotation", value[0], (3, 3), dtype)
-                position = _numbers(name, f"{parameter}.position", value[1], (3,), dtype)
-                arrays.append(np.concatenate([rotation.reshape(-1), position]))
+                try:
+                    rotation, position = value
+                except (TypeError, ValueError):
+                    raise TypeError(
+                        f"{name}: {parameter} must be a pair (rotation 3 x 3, position 3)") from None
+                inputs += [(f"{parameter}.rotation", rotation, (3, 3), ("3", "3")),
+                           (f"{parameter}.position", position, (3,), ("3",))]
             else:
-                arrays.append(_numbers(name, parameter, value, _KINDS[kind][1], dtype))
-        out = np.zeros(_KINDS[result][1], dtype)
-        self._library.call(f"array_{name}", *arrays, out, result=None)
+                shape = _KINDS[kind][1]
+                inputs.append((parameter, value, shape, tuple(map(str, shape))))
+        loop, arrays = _broadcast(name, inputs, dtype)
+        n, flat = math.prod(loop), []
+        for parameter, kind in parameters:  # rotation and position of a placement are one argument of C
+            parts = [arrays[parameter + part] for part in
+                     ((".rotation", ".position") if kind == "placement" else ("",))]
+            flat.append(np.concatenate([part.reshape(n, math.prod(part.shape[1:])) for part in parts], 1))
+        out = np.zeros((n, *_KINDS[result][1]), dtype)
+        for k in range(n):
+            self._library.call(f"array_{name}", *(array[k] for array in flat), out[k:k + 1], result=None)
+        out = out.reshape(loop + out.shape[1:])
         _finite(name, result, out, FloatingPointError)
         if result == "placement":
-            return Placement(out[:9].reshape(3, 3), out[9:])
+            return Placement(out[..., :9].reshape(*loop, 3, 3).copy(), out[..., 9:].copy())
         if result == "axis_angle":
-            return AxisAngle(out[:3], out[3].item())
+            return AxisAngle(out[..., :3].copy(), out[..., 3] if loop else out[3].item())
         return out if out.ndim else out.item()
 
 

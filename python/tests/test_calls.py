@@ -3,11 +3,13 @@
 import ctypes
 import inspect
 import multiprocessing
+import os
 import pickle
 import re
 import subprocess
 import sys
 import threading
+import warnings
 from dataclasses import fields, replace
 
 import numpy as np
@@ -15,7 +17,7 @@ import pytest
 
 import rbd
 
-HERE = rbd.Path(rbd.__file__).resolve()
+HERE = rbd.Path(rbd.__file__).resolve().parent
 
 # Public functions of the headers that Python has no call of, and why.
 NOT_WRAPPED = {
@@ -51,7 +53,6 @@ ELSEWHERE = {
     "rbd_constraint_rank": "Constraints.rank",
     "rbd_nb": "Model.nb", "rbd_nq": "Model.nq", "rbd_nv": "Model.nv",
     "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
-    "rbd_batch_set_layout": "the arrays' shape",
     "rbd_constraint_finding_text": "Constraints",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
 }
@@ -89,9 +90,8 @@ def test_every_public_function_is_wrapped_or_excused():
 
 def table_calls():
     """The calls that the decorator made."""
-    found = [getattr(method, "__globals__", {}).get("call") for owner in (rbd.Model, rbd.Constraints)
-             for method in vars(owner).values()]
-    return [call for call in found if isinstance(call, rbd._Call)]
+    return [method._rbd_call for owner in (rbd.Model, rbd.Constraints) for method in vars(owner).values()
+            if hasattr(method, "_rbd_call")]
 
 
 def test_arguments_are_those_of_the_header():
@@ -110,7 +110,7 @@ def test_arguments_are_those_of_the_header():
 
 def test_help_shows_signature_shapes_and_units():
     assert str(inspect.signature(rbd.Model.rnea)) == "(self, q, v, a, f_ext=None)"
-    for words in ("Inverse dynamics", "nb x 6", "in its axes", "N m", "For n states"):
+    for words in ("Inverse dynamics", "nb x 6", "in its axes", "N m", "count states"):
         assert words in rbd.Model.rnea.__doc__
 
 
@@ -131,21 +131,48 @@ def test_structures_are_those_of_the_header(double):
 # ---- what is refused ----
 
 q = v = a = np.zeros(7)
+masked = np.ma.masked_array(q, mask=[True] + [False] * 6)
 WRONG = [
-    (lambda m: m.rnea(q, v, a[:6]), ValueError, r"rnea: a must have the shape \(7,\), not \(6,\)"),
-    (lambda m: m.rnea(q, v, a.reshape(7, 1)), ValueError, "rnea: a must have the shape"),
-    (lambda m: m.rnea(q, v, a, f_ext=np.zeros(6)), ValueError, r"rnea: f_ext must have the shape \(7, 6\)"),
-    (lambda m: m.rnea(np.zeros((3, 7)), v, a), ValueError, r"rnea: v must .* \(3, 7\), not \(7,\)"),
-    (lambda m: m.rnea(np.zeros((3, 8)), v, a), ValueError, r"rnea: q must .* \(3, 7\), not \(3, 8\)"),
-    (lambda m: m.rnea(np.zeros((2, 3, 7)), v, a), ValueError, "rnea: q must have the shape"),
-    (lambda m: m.gravity(np.zeros((3, 7))), ValueError, "gravity: q .* one state at a time"),
+    (lambda m: m.rnea(q, v, a[:6]), ValueError, r"rnea: a must have the shape \(nv,\) = \(7,\), not \(6,\): "
+     "axis 0 is 6 long, not 7"),
+    (lambda m: m.rnea(q, v, a.reshape(7, 1)), ValueError,
+     r"a must have the shape \(\.\.\., nv\) = .*: axis 1 is 1"),
+    (lambda m: m.rnea(q, v, 0), ValueError, r"rnea: a must have the shape \(nv,\) = \(7,\), not \(\)"),
+    (lambda m: m.rnea(q, v, a, f_ext=np.zeros(6)), ValueError,
+     r"f_ext must .* \(nb, 6\) = \(7, 6\), not \(6,\)"),
+    (lambda m: m.rnea(q, v, a, np.zeros((7, 6, 1))), ValueError,
+     r"f_ext must .*, not \(7, 6, 1\): axis 1 is 6 long"),
+    (lambda m: m.rnea(np.zeros((3, 7)), np.zeros((2, 7)), a), ValueError,
+     r"rnea: the numbers of states differ: q "
+     r"\(3, 7\) has 3 in axis 0, v \(2, 7\) has 2 in axis 0"),
+    (lambda m: m.rnea(np.zeros((4, 3, 7)), v, np.zeros((4, 1, 1, 7)) + np.zeros((5, 1, 7))), ValueError,
+     r"q \(4, 3, 7\) has 4 in axis 0, a \(4, 5, 1, 7\) has 5 in axis 1"),
+    (lambda m: m.rnea(np.zeros((3, 8)), v, a), ValueError,
+     r"rnea: q must .* \(..., nq\) = \(..., 7\), not \(3, 8\)"),
+    (lambda m: m.kinematics(np.zeros((3, 7))), ValueError, "kinematics: this call takes one state"),
+    (lambda m: m.integrate(np.zeros((3, 7)), v, [0.1, 0.2]), ValueError,
+     r"q \(3, 7\) has 3 .*, dt \(2,\) has 2 in axis 0"),
+    (lambda m: m.hybrid(np.zeros((3, 7)), np.zeros((2, 7)), q.astype(int), a, a), ValueError,
+     "hybrid: the numbers of st"),
+    (lambda m: m.rnea(masked, v, a), TypeError, "rnea: q is a masked array, and its mask would be lost"),
+    (lambda m: m.rnea(np.ma.masked_array(q), v, a), TypeError, "rnea: q is a masked array"),
+    (lambda m: m.rnea([masked, masked], v, a), TypeError, "rnea: q is a masked array"),
+    (lambda m: m.rnea([0.0] * 6 + [np.ma.masked], v, a), TypeError, "rnea: q is a masked array"),
+    (lambda m: m.integrate(q, v, np.ma.masked_array([0.1])), TypeError, "integrate: dt is a masked array"),
+    (lambda m: m.library.spatial.rotation_exp(masked[:3]), TypeError, "rotation_exp: turn is a masked array"),
+    (lambda m: m.set_gravity(masked[:3]), TypeError, "set_gravity: gravity is a masked array"),
     (lambda m: m.rnea(q, v, None), TypeError, "rnea: a is missing"),
     (lambda m: m.rnea(q, v), TypeError, "missing 1 required positional argument: 'a'"),
     (lambda m: m.rnea(q, v, a, tau=1), TypeError, "unexpected keyword argument 'tau'"),
     (lambda m: m.rnea(q, v, a * 1j), TypeError, "rnea: a must be real numbers, not complex128"),
-    (lambda m: m.rnea(q, v, "seven77"), TypeError, "rnea: a must be real numbers"),
+    (lambda m: m.rnea(q, v, "seven77"), TypeError, "rnea: a must be real numbers, not text"),
+    (lambda m: m.rnea(q, v, [b"1"] * 7), TypeError, "rnea: a must be real numbers, not bytes"),
+    (lambda m: m.rnea(q, v, [None] * 7), TypeError,
+     "rnea: a must be real numbers, not Python objects .*None"),
+    (lambda m: m.rnea(q, v, (x for x in a)), TypeError, "rnea: a must be .*, not Python objects .*generator"),
+    (lambda m: m.rnea(q, v, np.zeros(7, "m8[s]")), TypeError, "rnea: a must be real numbers, not timedelta"),
     (lambda m: m.rnea(q, v, [1, [2]]), TypeError, "rnea: a"),
-    (lambda m: m.rnea(q, v, a.astype(object)), TypeError, "rnea: a must be real numbers, not object"),
+    (lambda m: m.rnea(q, v, a.astype(object)), TypeError, "rnea: a must be real numbers, not Python objects"),
     (lambda m: m.rnea(q, [0, 0, np.nan, 0, 0, 0, 0], a), ValueError, r"rnea: v\[2\] is nan"),
     (lambda m: m.rnea(q, v, a, np.full((7, 6), np.inf)), ValueError, r"rnea: f_ext\[0, 0\] is inf"),
     (lambda m: m.rnea([q, q], [v, v], [a, a + np.nan]), ValueError, r"rnea: a\[1, 0\] is nan"),
@@ -159,15 +186,42 @@ WRONG = [
     (lambda m: m.set_gravity([0, 0]), ValueError, r"set_gravity: gravity must have the shape \(3,\)"),
     (lambda m: m.cholesky_solve_many(np.ones(28), np.ones((6, 2))), ValueError, r"B must .* \(7, n\)"),
     (lambda m: m.jacobian(0, axes="body"), ValueError, "jacobian: axes must be 'world' or 'link', not 'b"),
-    (lambda m: m.jacobian(0.5), TypeError, "jacobian: a body is an index or the name of a link, not 0.5"),
-    (lambda m: m.jacobian("lbr_iiwa_link_9"), KeyError, "did you mean 'lbr_iiwa_link_"),
-    (lambda m: m.body_index("hand"), KeyError, "'hand'"),
-    (lambda m: m.random("x"), TypeError, ""),
+    (lambda m: m.hybrid(q, v, [2] + [0] * 6, a, a), ValueError,
+     r"hybrid: given must be 0 or 1 .*, not 2 as at \[0\]"),
+    (lambda m: m.hybrid(q, v, [256] + [0] * 6, a, a), ValueError, "hybrid: given must be 0 or 1"),
+    (lambda m: m.constraints([]).constrained_id(q, v, a, actuated=np.full(7, 3, np.intc)), ValueError,
+     "constrained_id: actuated must be 0 or 1"),
+    (lambda m: m.fd_derivatives(q, v, a, Minv="no"), TypeError,
+     "fd_derivatives: Minv must be True or False, not 'no'"),
+    (lambda m: m.jacobian(0.5), TypeError, "jacobian: a body is an index or a name, not 0.5"),
+    (lambda m: m.jacobian("lbr_iiwa_link_9"), KeyError, "jacobian: no link .* did you mean 'lbr_iiwa_link_"),
+    (lambda m: m.jacobian("lbr_iiwa_joint_3"), KeyError,
+     "the joint 'lbr_iiwa_joint_3' belongs to link 'lbr_iiwa_link_3'"),
+    (lambda m: m.joint("elbow"), KeyError,
+     "joint: no joint is called 'elbow'. There are: lbr_iiwa_joint_1, .*_7"),
+    (lambda m: m.joint("lbr_iiwa_joint3"), KeyError, "joint: no joint .* did you mean 'lbr_iiwa_joint_3'?"),
+    (lambda m: m.body_index("hand"), KeyError, "body_index: no link is called 'hand'. There are: .*keep="),
+    (lambda m: m.body_index(3), TypeError, "body_index: a name must be text, not 3"),
+    (lambda m: m.body_name("x"), TypeError, "body_name: body must be a whole number, not 'x'"),
+    (lambda m: m.packed_index(0.5, 0), TypeError, "packed_index: i must be a whole number, not 0.5"),
+    (lambda m: m.dof_body("x"), TypeError, "dof_body: dof must be a whole number, not 'x'"),
+    (lambda m: m.random("x"), TypeError, "random: seed must be a whole number, not 'x'"),
+    (lambda m: m.random(1, -1), ValueError, "random: n must not be negative"),
+    (lambda m: m.batch_set_layout("columns"), ValueError, "layout must be 'rows' or 'blocks', not 'columns'"),
     (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
     (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
     (lambda m: m.constraints(["foot"]), TypeError, "constraint 0 must be a Constraint"),
+    (lambda m: m.constraints(m.point_contact(6)), TypeError,
+     "rows must be a list of Constraint, not Constraint"),
+    (lambda m: m.c_model("iiwa", None), TypeError, "source must be text, not None"),
+    (lambda m: rbd.Model("robot.urdf"), TypeError,
+     "a list of Body.*, not str; Model.from_urdf takes the name of a file"),
+    (lambda m: rbd.Model(None), TypeError, "a list of Body.*, not NoneType"),
+    (lambda m: rbd.Model(m.bodies, library="float"), TypeError, "library must be a Library"),
+    (lambda m: m.library.set_parameters(None, np.ones(10)), TypeError, "body must be a Body, not NoneType"),
+    (lambda m: m.library.spatial.placement_inverse(5), TypeError, "x must be a pair"),
     (lambda m: m.constraints([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
-    (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop"),
+    (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop: point1 must have the shape"),
 ]
 
 
@@ -181,14 +235,16 @@ def test_wrong_arguments_are_refused_by_name(iiwa, number):
 
 
 FAILING = [
-    (lambda m: m.body_pose(7), "ERR_INDEX", "body_pose: "),
+    (lambda m: m.body_pose(7), "ERR_INDEX", "body_pose: no such body: 7; the model has 0 to 6"),
     (lambda m: m.body_pose(-1), "ERR_INDEX", "body_pose: "),
+    (lambda m: m.relative_jacobian(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
     (lambda m: m.body_pose(2**40), "ERR_INDEX", "body_pose: "),
-    (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: rbd_kinematics must be called first"),
+    (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: kinematics must be called first"),
     (lambda m: m.joint(7), "ERR_INDEX", "joint: "),
     (lambda m: m.describe(2**33), "ERR_INDEX", "describe: "),
     (lambda m: m.add_payload(2, -100), "ERR_MASS", "add_payload: "),
     (lambda m: m.batch_jacobian(np.zeros((2, 7)), 99), "ERR_INDEX", "batch_jacobian: "),
+    (lambda m: m.constraints([m.point_contact(6)]).impact(q, v, 2), "ERR_GAIN", "impact: restitution: "),
     (lambda m: m.constraints([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
     (lambda m: m.constraints([rbd.Constraint("tip", 2**32, axes=[1] * 6)]), "ERR_INDEX", "0 'tip'"),
     (lambda m: m.library.check_parameters([-1] + [0] * 9), "ERR_MASS", "check_parameters: "),
@@ -285,12 +341,90 @@ def test_blocks_of_lanes_are_not_transposed(iiwa):
     constraints = iiwa.constraints([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
     for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
                          (iiwa.rnea_derivatives, rows), (constraints.constrained_fd, rows)):
-        expected, found = call(*inputs), call(*map(blocks, inputs))
-        for x, y in zip(*[[r] if isinstance(r, np.ndarray) else r for r in (expected, found)]):
+        expected = call(*inputs)
+        iiwa.batch_set_layout("blocks")
+        found, one = call(*map(blocks, inputs)), call(*(blocks(x)[0] for x in inputs))
+        iiwa.batch_set_layout("rows")
+        for x, y, z in zip(*[[r] if isinstance(r, np.ndarray) else r for r in (expected, found, one)]):
             np.testing.assert_array_equal(blocks(x), y)
+            np.testing.assert_array_equal(z, y[0])
         np.testing.assert_array_equal(call(*inputs)[0], expected[0])  # and the rows after them are rows
-    with pytest.raises(ValueError, match="rnea: q must have the shape"):
+    iiwa.batch_set_layout("blocks")
+    with pytest.raises(ValueError, match=r"rnea: q must have the shape \(..., nq, lanes\) = .*: axis 2 is"):
         iiwa.rnea(*np.zeros((3, 2, 7, lanes + 1)))
+    copy = iiwa.copy()
+    np.testing.assert_array_equal(copy.rnea(*map(blocks, rows)), iiwa.rnea(*map(blocks, rows)))
+
+
+def test_axes_before_those_of_a_state_are_broadcast(iiwa, library):
+    """As in numpy's generalized functions: the same results as a loop, with and without a batch in C."""
+    rng = np.random.default_rng(3)
+    Q, V = iiwa.random(1, 12).reshape(4, 3, 7), rng.uniform(-1, 1, (3, 7))
+    u, f = rng.uniform(-1, 1, 7), rng.uniform(-9, 9, (4, 1, 7, 6))
+    held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+    given = np.array([[1, 0, 1, 0, 1, 0, 1]] * 3)
+    steps = np.array([[0.1], [0.2], [0.3], [0.4]])
+    weight = rng.uniform(1, 2, (4, 1, 3))
+    calls = [
+        (iiwa.rnea, [Q, V, u], (1, 1, 1)), (iiwa.aba, [Q, V, u, f], (1, 1, 1, 2)),
+        (iiwa.rnea, [u, u, u, f], (1, 1, 1, 2)), (iiwa.crba, [Q], (1,)),
+        (iiwa.rnea_derivatives, [Q, u, V], (1, 1, 1)), (iiwa.gravity, [Q], (1,)),
+        (iiwa.integrate, [Q, V, 0.1], (1, 1, 0)), (iiwa.integrate, [u, V, steps], (1, 1, 0)),
+        (iiwa.difference, [Q, u], (1, 1)), (iiwa.cholesky_factor, [iiwa.crba(Q)], (2,)),
+        (iiwa.cholesky_factor_packed, [iiwa.crba_packed(Q)], (1,)),
+        (iiwa.hybrid, [Q, u, given, V, u, f], (1, 1, 1, 1, 1, 2)),
+        (iiwa.rnea_free_base, [Q, V, u, u], (1, 1, 1, 1)),
+        (iiwa.batch_momentum, [Q, V], (1, 1)), (iiwa.joint_wrench, [Q, V, u], (1, 1, 1)),
+        (iiwa.energy_regressors, [Q, V], (1, 1)), (held.constrained_fd, [Q, V, u], (1, 1, 1)),
+        (held.constrained_id, [Q, V, u, None, given, weight], (1, 1, 1, 0, 1, 1)),
+        (held.constraint_jacobian, [Q, V], (1, 1)), (held.impact, [Q, u, steps], (1, 1, 0)),
+        (iiwa.library.spatial.rotate, [iiwa.library.spatial.rotation_exp(Q[..., :3]), V[:, :3]], (2, 1)),
+    ]
+    for call, inputs, cores in calls:
+        loops = [x if x is None else np.shape(x)[:np.ndim(x) - core] for x, core in zip(inputs, cores)]
+        loop = np.broadcast_shapes(*(x for x in loops if x is not None))
+        spread = [x if x is None else np.broadcast_to(x, loop + np.shape(x)[np.ndim(x) - core:])
+                  for x, core in zip(inputs, cores)]
+        found = call(*inputs)
+        found = found if isinstance(found, tuple) else (found,)
+        for index in np.ndindex(*loop):
+            expected = call(*(x if x is None else x[index] for x in spread))
+            for x, y in zip(found, expected if isinstance(expected, tuple) else (expected,)):
+                assert x.shape[:len(loop)] == loop
+                np.testing.assert_allclose(x[index], y, rtol=1e-9, atol=1e-9 * max(1, np.abs(y).max()),
+                                           err_msg=call.__name__)
+    iiwa.kinematics(Q[0, 0])
+    points = rng.uniform(-1, 1, (5, 3))
+    for k, point in enumerate(points):
+        np.testing.assert_array_equal(iiwa.point_position(6, points)[k], iiwa.point_position(6, point))
+        np.testing.assert_array_equal(iiwa.jacobian(6, points)[k], iiwa.jacobian(6, point))
+    s = library.spatial
+    pose = s.placement_exp(rng.uniform(-1, 1, (2, 1, 6)))
+    both = s.placement_compose(pose, s.placement_exp(rng.uniform(-1, 1, (3, 6))))
+    assert both.rotation.shape == (2, 3, 3, 3) and both.position.shape == (2, 3, 3)
+    assert s.rotation_to_axis_angle(pose.rotation).angle.shape == (2, 1)
+    assert iiwa.rnea(np.zeros((0, 7)), v, np.zeros((4, 1, 7))).shape == (4, 0, 7)
+    assert iiwa.gravity(np.zeros((0, 7))).shape == (0, 7)
+    assert s.rotation_log(np.zeros((0, 3, 3))).shape == (0, 3)
+    assert iiwa.fd_derivatives(Q, V, u, a=0, Minv=np.False_).a is None
+
+
+def test_errors_of_many_states_name_the_state(double):
+    m = rbd.Model([rbd.Body("slider", "rail", -1, "prismatic", (1, 0, 0), mass=1,
+                            inertia=(1, 0, 0, 1, 0, 1))],
+                  library=double)
+    Q = np.zeros((2, 3, 1))
+    heavy = rbd.Model([replace(m.bodies[0], mass=1e10)], library=double)
+    fast = np.zeros((2, 3, 1))
+    fast[1, 0] = 1e300
+    with pytest.raises(FloatingPointError, match=r"generalized_momentum: p\[0\] is inf; state \(1, 0\)"):
+        heavy.generalized_momentum(Q, fast)
+    held = m.constraints([rbd.Constraint("wall", "slider", axes=(0, 0, 0, 1, 0, 0))])
+    tau = np.zeros((2, 3, 1))
+    np.testing.assert_allclose(held.constrained_fd(Q, Q, tau).a, 0)
+    with pytest.raises(rbd.RbdError, match=r"impact: restitution: .*; state \(1, 2\)") as caught:
+        held.impact(Q, Q, [[1, 1, 1], [1, 1, 7]])
+    assert caught.value.status == rbd.Status.ERR_GAIN and caught.value.results is None
 
 
 def test_results_are_arrays_of_their_own(iiwa):
@@ -359,6 +493,7 @@ def test_names(hyq):
     assert hyq.dof_names[:7] == [f"root[{k}]" for k in range(6)] + ["lf_haa_joint"]
     assert hyq.q_names[6:8] == ["root[6]", "lf_haa_joint"]
     assert hyq.body_index("lf_upperleg") == 5 == hyq.joint_index("lf_hfe_joint")
+    assert hyq.joint("lf_hfe_joint") == hyq.joint("lf_upperleg") == hyq.joint(5) and hyq.joint("root").nv == 6
     assert hyq.joint("lf_upperleg").iv == 10 and hyq.dof_body(10) == 5 and hyq.dof_body(99) == -1
     assert hyq.body_name(99) is None
     joint = hyq.joint("lf_hipassembly")
@@ -397,13 +532,13 @@ def test_passive_mass_and_parameters(double):
 
 
 def test_from_urdf_is_the_table(double, hyq):
-    urdf = rbd.load_urdf(rbd.SOURCES / "models/hyq.urdf", root="floating", gravity=(0, 0, -1))
+    urdf = rbd.load_urdf(rbd.SOURCES / "models/hyq.urdf", floating=True, gravity=(0, 0, -1))
     assert urdf.bodies == hyq.bodies and urdf.name == "hyq" and urdf.fixed_mass == 0
     assert [frame.link for frame in urdf.frames] == hyq.body_names
     m = rbd.Model(urdf, library=double)
     np.testing.assert_array_equal(m.get_gravity(), [0, 0, -1])
     x = hyq.random(8)
-    np.testing.assert_array_equal(rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", root="floating",
+    np.testing.assert_array_equal(rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", floating=True,
                                                       library=double).crba(x), hyq.crba(x))
 
 
@@ -431,15 +566,82 @@ def test_urdf_options():
     with pytest.raises(rbd.RbdError, match="elbow") as caught:
         rbd.parse_urdf(text, lock={"elbow": 0.5})
     assert caught.value.status == rbd.UrdfStatus.ERR_OPTION
-    with pytest.raises(rbd.RbdError, match="nowhere.urdf") as caught:
-        rbd.load_urdf("nowhere.urdf")
-    assert caught.value.status == rbd.UrdfStatus.ERR_FILE
-    with pytest.raises(ValueError, match="root must be"):
-        rbd.parse_urdf(text, root="free")
-    with pytest.raises(TypeError, match="keep"):
-        rbd.parse_urdf(text, keep="tool")
+    assert rbd.parse_urdf(text, floating=True, root_joint="free").bodies[0].joint == "free"
+    part = rbd.parse_urdf(text, floating=True, root="rod", keep="tool")
+    assert [body.name for body in part.bodies] == ["rod", "tool"]
+    locked = rbd.parse_urdf(text, floating=True, lock={"hinge": 0.5})
+    np.testing.assert_allclose(locked.frames[1].rotation[0, 0], np.cos(0.5))
+    for names in "hinge", ["hinge"], {"hinge"}:
+        assert rbd.parse_urdf(text, floating=True, lock=names).frames[1].rotation[0, 0] == 1
+    with pytest.raises(rbd.RbdError, match=r"let the root link float \(floating=True\)"):
+        rbd.parse_urdf(text, lock="hinge")
+    massless = re.sub(r'(value|i[xyz]{2})="1"', r'\1="0"', text)
+    with pytest.raises(rbd.RbdError, match="hold it still: lock='hinge', or lock_massless=True for all such"):
+        rbd.parse_urdf(massless)
+    with pytest.raises(TypeError, match="parse_urdf: there is no option 'flaoting'; did you mean 'floating'"):
+        rbd.parse_urdf(text, flaoting=True)
+    with pytest.raises(TypeError, match="floating must be True or False, not 'yes'"):
+        rbd.parse_urdf(text, floating="yes")
+    with pytest.raises(TypeError, match="keep must be a name or a list of names, not 3"):
+        rbd.parse_urdf(text, keep=[3])
+    with pytest.raises(TypeError, match="text must be str or bytes, not int"):
+        rbd.parse_urdf(5)
+    with pytest.raises(ValueError, match="'arm.urdf'; load_urdf takes the name of a file"):
+        rbd.parse_urdf("arm.urdf")
     with pytest.warns(rbd.RbdWarning, match="name"):
         rbd.parse_urdf(text.replace(' name="arm"', ""))
+
+
+def test_options_of_urdf_are_in_the_signatures_and_those_of_the_tools():
+    """Each option of rbd-model that says how a URDF is read is a keyword of the same name, and none else."""
+    tool = (rbd.SOURCES / "tools/robot.c").read_text()
+    help_text = re.search(r"settings_help\[\] =\n(.*?)\";\n", tool, re.S)[1]
+    options = set(re.findall(r'^    "  --([a-z-]+)', help_text, re.M)) - {"help"}
+    assert len(options) >= 10
+    expected = {name.replace("-", "_") for name in options}
+    for function, others in ((rbd.load_urdf, {"path"}), (rbd.parse_urdf, {"text"}),
+                             (rbd.Model.from_urdf, {"path", "library"})):
+        parameters = inspect.signature(function).parameters
+        assert set(parameters) - others == expected, function
+        assert all(name in function.__doc__ for name in expected)
+        assert parameters["floating"].default is False and parameters["floating"].kind.name == "KEYWORD_ONLY"
+
+
+def test_files_that_cannot_be_read_are_os_errors(tmp_path, double):
+    """As of open(), with the name of the file."""
+    for read in rbd.load_urdf, rbd.load_table, rbd.Model.from_urdf:
+        with pytest.raises(FileNotFoundError) as caught:
+            read(tmp_path / "nowhere.urdf")
+        assert caught.value.filename == str(tmp_path / "nowhere.urdf")
+        with pytest.raises(IsADirectoryError):
+            read(tmp_path)
+        with pytest.raises(TypeError):
+            read(3)
+    secret = tmp_path / "secret.urdf"
+    secret.write_text(URDF.format(mass=1))
+    secret.chmod(0)
+    if not os.access(secret, os.R_OK):  # root reads all
+        with pytest.raises(PermissionError):
+            rbd.load_urdf(secret)
+
+
+def test_warnings_come_once_and_at_the_callers_line(double, tmp_path):
+    """The loader and the build see the same odd body: one warning, of the loader, with file and line."""
+    path = tmp_path / "odd.urdf"
+    path.write_text(URDF.format(mass=1).replace('izz="1"', 'izz="5"'))
+    for make in (lambda: rbd.Model.from_urdf(path, library=double),
+                 lambda: rbd.Model(rbd.load_urdf(path), library=double),
+                 lambda: rbd.Model(rbd.parse_urdf(path.read_text()), library=double),
+                 lambda: rbd.Model([rbd.Body("rod", "hinge", -1, "revolute", (0, 0, 1), mass=1,
+                                             inertia=(1, 0, 0, 1, 0, 5))], library=double)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            model = make()
+            model.copy(), pickle.loads(pickle.dumps(model))
+        assert [w.category for w in caught] == [rbd.RbdWarning] and caught[0].filename == __file__
+        assert model.warnings == [str(caught[0].message)] and "inertia" in model.warnings[0]
+        urdf = "body" not in model.warnings[0]
+        assert not urdf or re.match(r".*:\d+: link 'rod'", model.warnings[0])
 
 
 def test_c_tables_are_those_of_rbd_model(hyq):
@@ -611,10 +813,44 @@ def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
         rbd.Library("half")
     with pytest.raises(ValueError, match="lanes must be"):
         rbd.Library(lanes=3)
+    with pytest.raises(TypeError, match="lanes must be a whole number, not '4'"):
+        rbd.Library(lanes="4")
+    with pytest.raises(TypeError, match="flags must be text"):
+        rbd.Library(flags=["-O0"])
+    with pytest.raises(RuntimeError, match="^false -.* /dev/null: exit status 1; it printed nothing$"):
+        rbd.Library(compiler="false")
+    with pytest.raises(RuntimeError, match="killed by SIGTERM; it printed nothing$"):
+        rbd.Library(compiler="sh -c 'kill -TERM $$'")
+    with pytest.raises(RuntimeError, match="wrote no library: is it a compiler?"):
+        rbd.Library(compiler="true")
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("RBD_CACHE", str(tmp_path / "file/cache"))
-    with pytest.raises(RuntimeError, match=r"\$RBD_CACHE may name another folder"):
+    with pytest.raises(RuntimeError, match=r"set \$RBD_CACHE to a folder"):
         rbd.load_table(rbd.SOURCES / "models/pendulum.h")
+
+
+def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
+    monkeypatch.setenv("RBD_CACHE", str(tmp_path / "cache"))
+    rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
+    assert re.fullmatch(r"rbd: compiling x, which takes a minute; .*RBD_QUIET.*\n", capfd.readouterr().err)
+    rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
+    assert capfd.readouterr().err == ""
+    monkeypatch.setenv("RBD_QUIET", "1")
+    rbd._compile(["int y;"], ["cc"], what="y")
+    assert capfd.readouterr().err == ""
+
+
+def test_names_are_those_of_python():
+    assert set(rbd.__all__) <= set(dir(rbd)) and dir(rbd.Model)
+    assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
+    for sentence, expected in (
+            ("rbd_kinematics must be called first", "kinematics must be called first"),
+            ("RBD_URDF_ERR_FILE rbd_urdf_load", "ERR_FILE load"),
+            ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
+             "still: lock='a b', or lock_massless=True for all"),
+            ("float (options.root, rbd-model --floating)", "float (floating=True)"),
+            ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
+        assert rbd._python_words(sentence) == expected
 
 
 def test_without_urdfdom_the_error_says_what_to_do(monkeypatch):

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""The type stubs are made from the module, agree with it, and find a user's mistakes."""
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+import rbd
+
+PYTHON = rbd.Path(rbd.__file__).resolve().parents[1]
+
+RIGHT = '''
+import numpy as np
+import rbd
+
+library = rbd.Library("float")
+model = rbd.Model.from_urdf("x.urdf", floating=True, lock={"a": 0.5}, keep="tool", library=library)
+q = model.neutral()
+tau = model.rnea(q, [0.0] * model.nv, np.zeros(model.nv), f_ext=None) * 2
+d = model.fd_derivatives(q, tau, tau, Minv=False)
+work: float = model.energy().kinetic + model.mass()
+product = d.da_dq @ d.da_dv.T
+R, p = model.body_pose("hand")
+J = model.jacobian("hand", (0, 0, 1), axes="link")
+held = model.constraints([model.point_contact("foot"), rbd.Constraint("tip", 0, rotation1=np.eye(3))])
+force = held.constrained_fd(q, tau, tau).lambda_.sum()
+names = [name.upper() for name in model.dof_names]
+spatial = model.library.spatial
+pose = spatial.placement_compose(model.body_pose(0), spatial.placement_exp(np.zeros(6)))
+body = rbd.Body("rod", type="revolute", axis=[0, 1, 0], com=np.zeros(3))
+same = body.com[0] == pose.rotation[0, 0] and model.joint("knee").type == rbd.JointType.REVOLUTE
+try:
+    model.aba(q, tau, tau)
+except rbd.RbdError as error:
+    if error.status == rbd.Status.ERR_SINGULAR:
+        print(error.results)
+'''
+WRONG = '''
+import rbd
+model = rbd.Model.from_urdf("x.urdf", floating="yes")   # arg-type
+model.rnea([0.0], [0.0])                                # call-arg
+model.rnae([0.0])                                       # attr-defined
+model.jacobian("hand", axes="body")                     # arg-type
+model.joint(1.5)                                        # arg-type
+model.fd_derivatives([0.0], [0.0], [0.0]).tau           # attr-defined
+rbd.load_urdf("x", rooot="a")                           # call-arg
+rbd.Library(lanes="4")                                  # arg-type
+rbd.Path                                                # attr-defined
+'''
+
+
+def test_stubs_are_made_from_the_module():
+    spec = importlib.util.spec_from_file_location("stubs", PYTHON / "stubs.py")
+    stubs = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(stubs)
+    assert (PYTHON / "rbd/__init__.pyi").read_text() == stubs.text(), "run python3 python/stubs.py"
+    assert (PYTHON / "rbd/py.typed").is_file()
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
+def test_stubs_pass_mypy(tmp_path):
+    """mypy --strict accepts the right program and finds each wrong line; stubtest compares with the module."""
+    (tmp_path / "right.py").write_text(RIGHT)
+    (tmp_path / "wrong.py").write_text(WRONG)
+    environment = {**os.environ, "MYPYPATH": str(PYTHON), "PYTHONPATH": str(PYTHON)}
+
+    def run(*command):
+        return subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, env=environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+    printed = run("mypy", "--strict", "-p", "rbd", "-m", "right", "-m", "wrong").stdout
+    found = re.findall(r"^(\S+):(\d+): error: .*\[(\S+)\]$", printed, re.M)
+    expected = [("wrong.py", str(number), line.partition("# ")[2])
+                for number, line in enumerate(WRONG.splitlines(), 1) if "# " in line]
+    assert found == expected and len(expected) == 9, printed
+    compared = run("mypy.stubtest", "rbd", "--concise")
+    assert compared.returncode == 0, compared.stdout
