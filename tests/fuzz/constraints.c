@@ -422,8 +422,8 @@ static int check_motion(const question *k, const answer *found) {
     forces_of(found->x, f, size);
     check_equation(EQUATION, f, size, found->lambda);
     if (!regular) return 0;
-    if (found->status == RBD_OK && (clear_rank ? k->feasible > 0 : 1))
-        check_rows(clear_rank ? ROWS : ROWS_UNCLEAR, k, found->x);
+    if (found->status == RBD_OK && k->feasible >= 0)
+        check_rows(clear_rank && k->feasible > 0 ? ROWS : ROWS_UNCLEAR, k, found->x);
     return check_answer(k, found, ACCELERATION, LAMBDA, REFUSED);
 }
 
@@ -835,7 +835,7 @@ static void show_one(int class_of_problem, int number) {
     printf("rank %d (%s), distance of M from a singular matrix %.2g, singular values", rank,
            clear_rank ? "clear" : "unclear", (double)exact.distance);
     for (int k = 0; k < exact.rows; k++) printf(" %.2g", (double)exact.sigma[k]);
-    printf("\n");
+    printf("\nleast share of a row in what its levers allow %.2g\n", (double)exact.least_share);
     for (int k = 0; k < QUANTITIES; k++) printf("%-36s %.2e\n", quantities[k].name, current[k]);
 }
 
