@@ -34,6 +34,7 @@
                   options.lock, it is held still where that puts it
      axis         what is not of unit length is made so
      limits       zero velocity or effort, or lower >= upper: none
+     angles       rad. What looks like degrees, as limits of -90 and 90, is a warning
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
      rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them; entries of the matrix
@@ -102,13 +103,14 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_MODEL = -15,    /* rbd_model_build would refuse it */
     RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
     RBD_URDF_WARN_INERTIA = 1,   /* no real body has this mass and inertia */
-    RBD_URDF_WARN_LIMIT = 2,   /* limits make no sense: read as none; or a joint is held still beyond them */
-    RBD_URDF_WARN_ROOT = 3,    /* a floating root link without mass */
-    RBD_URDF_WARN_LOCKED = 4,  /* a joint that moves no mass, or mimics one at rest, is held still */
-    RBD_URDF_WARN_AXIS = 5,    /* an axis is not of unit length: made so */
-    RBD_URDF_WARN_NAME = 6,    /* the robot has no name: it is called "robot" */
-    RBD_URDF_WARN_MIMIC = 7,   /* a fixed joint mimics another: ignored */
-    RBD_URDF_WARN_SINGULAR = 8 /* neither a joint nor what mimics it moves mass */
+    RBD_URDF_WARN_LIMIT = 2,    /* limits make no sense: read as none; or a joint is held still beyond them */
+    RBD_URDF_WARN_ROOT = 3,     /* a floating root link without mass */
+    RBD_URDF_WARN_LOCKED = 4,   /* a joint that moves no mass, or mimics one at rest, is held still */
+    RBD_URDF_WARN_AXIS = 5,     /* an axis is not of unit length: made so */
+    RBD_URDF_WARN_NAME = 6,     /* the robot has no name: it is called "robot" */
+    RBD_URDF_WARN_MIMIC = 7,    /* a fixed joint mimics another: ignored */
+    RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor what mimics it moves mass */
+    RBD_URDF_WARN_DEGREES = 9   /* an angle is taken as rad, and looks like degrees */
 } rbd_urdf_status;
 
 /* A few words for a status, English, static. */
@@ -195,6 +197,7 @@ int rbd_urdf_link(const rbd_urdf *robot, const char *link);
 #endif
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -204,6 +207,7 @@ int rbd_urdf_link(const rbd_urdf *robot, const char *link);
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -237,6 +241,13 @@ inline str lock_hint(const str &joint) {
 }
 
 inline str massless_hint(const str &joint) { return lock_hint(joint) + ", or --lock-massless for all such"; }
+
+/* Whether an angle larger than `usual` is likely to be in degrees: no multiple of ten degrees, as rad. */
+inline bool looks_like_degrees(double x, double usual) {
+    const double ten = 0.17453292519943295;
+    return std::fabs(x) > usual && std::fabs(x) <= 720 && std::fabs(std::remainder(x, ten)) > 0.002;
+}
+const double a_turn = 7, two_turns = 13; /* as rad, rounded up */
 
 inline char lower_case(char c) { return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c; }
 
@@ -313,6 +324,7 @@ class reader {
 
     element document() {
         element top;
+        if (p == end) fail("it is empty");
         if (starts("\xef\xbb\xbf")) p += 3;
         while (between_elements()) {
         }
@@ -724,8 +736,15 @@ class checked {
             fail(RBD_URDF_ERR_NUMBER, *o, "<origin quat_xyzw> is not supported: give rpy");
         text += "<origin";
         copy(*o, "xyz", 3, x);
-        copy(*o, "rpy", 3, x);
+        if (copy(*o, "rpy", 3, x) && (looks_like_degrees(x[0], a_turn) || looks_like_degrees(x[1], a_turn) ||
+                                      looks_like_degrees(x[2], a_turn)))
+            warn_of_degrees(*o, "<origin rpy>, " + text_of(x[0]) + " " + text_of(x[1]) + " " + text_of(x[2]) +
+                                    ",");
         text += "/>";
+    }
+    void warn_of_degrees(const element &e, const str &what) const {
+        warnings.add(RBD_URDF_WARN_DEGREES, e.line,
+                     who + ": " + what + " looks like degrees; it is read as rad");
     }
 
     void add_link(const element &e) {
@@ -776,9 +795,12 @@ class checked {
                      {"fixed", RBD_FIXED},       {"floating", RBD_FLOATING},     {"planar", RBD_PLANAR}};
         const str *type = e.attribute("type");
         if (!type) fail(RBD_URDF_ERR_JOINT, e, "it has no type");
-        for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+        std::map<str, int> known;
+        for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
             if (*type == types[i].name) return types[i].type;
-        fail(RBD_URDF_ERR_JOINT, e, "unknown type " + quoted(*type));
+            known[types[i].name] = types[i].type;
+        }
+        fail(RBD_URDF_ERR_JOINT, e, "unknown type " + quoted(*type) + nearest(*type, known));
         return RBD_FIXED;
     }
 
@@ -848,6 +870,9 @@ class checked {
             no_limit(*l, "the lower limit exceeds the upper");
         const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
         if (bounds) j.lower = x[0], j.upper = x[1];
+        if (j.type == RBD_REVOLUTE &&
+            (looks_like_degrees(j.lower, two_turns) || looks_like_degrees(j.upper, two_turns)))
+            warn_of_degrees(*l, "<limit>, " + text_of(j.lower) + " .. " + text_of(j.upper) + ",");
         text += "<limit";
         for (int i = 0; i < 4; ++i) {
             if (i < 2 ? bounds : x[i] > 0)
@@ -913,6 +938,8 @@ class checked {
         text += "<mimic joint=\"" + escaped(*name) + "\"";
         copy(*m, "multiplier", 1, &j.ratio);
         copy(*m, "offset", 1, &j.offset);
+        if (j.type != RBD_PRISMATIC && looks_like_degrees(j.offset, two_turns))
+            warn_of_degrees(*m, "<mimic offset>, " + text_of(j.offset) + ",");
         text += "/>";
     }
 
@@ -940,6 +967,9 @@ class checked {
             warnings.add(RBD_URDF_WARN_LIMIT, j.line,
                          joint + ": " + at + ", beyond its limits " + text_of(j.lower) + " .. " +
                              text_of(j.upper));
+        else if (j.motion != RBD_PRISMATIC && looks_like_degrees(value, two_turns))
+            warnings.add(RBD_URDF_WARN_DEGREES, j.line,
+                         joint + ": " + at + ", which looks like degrees; it is read as rad");
         hold(j, value);
     }
 
@@ -1695,15 +1725,16 @@ inline rbd_urdf_status guarded(const char *text, size_t length, const rbd_urdf_o
     return status;
 }
 
-/* Reads a whole file. */
-inline bool read_file(const char *path, str &text) {
+/* Reads a whole file; returns errno if it cannot be read, else 0. */
+inline int read_file(const char *path, str &text) {
     char block[65536];
+    errno = 0;
     std::FILE *file = std::fopen(path, "rb");
-    if (!file) return false;
+    if (!file) return errno ? errno : EIO;
     for (size_t n; (n = std::fread(block, 1, sizeof block, file)) > 0;) text.append(block, n);
-    const bool good = !std::ferror(file);
+    const int reason = !std::ferror(file) ? 0 : errno ? errno : EIO;
     std::fclose(file);
-    return good;
+    return reason;
 }
 
 } // namespace rbdi_urdf
@@ -1724,9 +1755,12 @@ rbd_urdf_status rbd_urdf_load(const char *path, const rbd_urdf_options *options,
     if (!path) return rbdi_urdf::report(robot, RBD_URDF_ERR_NULL, 0, "path is NULL");
     try {
         std::string text;
-        if (rbdi_urdf::read_file(path, text)) return rbd_urdf_parse(text.data(), text.size(), options, robot);
+        const int reason = rbdi_urdf::read_file(path, text);
+        if (!reason) return rbd_urdf_parse(text.data(), text.size(), options, robot);
         return rbdi_urdf::report(robot, RBD_URDF_ERR_FILE, 0,
-                                 ("the file '" + std::string(path) + "' cannot be read").c_str());
+                                 ("the file '" + std::string(path) +
+                                  "' cannot be read: " + std::generic_category().message(reason))
+                                     .c_str());
     } catch (...) {
         return rbdi_urdf::report(robot, RBD_URDF_ERR_MEMORY, 0, "out of memory");
     }
@@ -1759,6 +1793,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_WARN_NAME: return "the robot has no name";
     case RBD_URDF_WARN_MIMIC: return "a fixed joint mimics another";
     case RBD_URDF_WARN_SINGULAR: return "neither a joint nor what mimics it moves mass";
+    case RBD_URDF_WARN_DEGREES: return "an angle looks like degrees";
     }
     return "unknown status";
 }

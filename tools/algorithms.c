@@ -165,9 +165,16 @@ static const algorithm algorithms[] = {
 /* clang-format on */
 enum { ALGORITHMS = sizeof algorithms / sizeof *algorithms };
 
+static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
+enum { OTHERS = sizeof others / sizeof *others };
+
+void see_algorithms(nearest *n) {
+    for (int i = 0; i < ALGORITHMS; i++) nearest_see(n, algorithms[i].name, strlen(algorithms[i].name));
+    for (int i = 0; i < OTHERS; i++) nearest_see(n, others[i][0], strlen(others[i][0]));
+}
+
 const algorithm *find_algorithm(const char *name) {
-    static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    for (int i = 0; i < OTHERS; i++)
         if (strcmp(others[i][0], name) == 0) name = others[i][1];
     for (int i = 0; i < ALGORITHMS; i++)
         if (strcmp(algorithms[i].name, name) == 0) return &algorithms[i];

@@ -2,6 +2,7 @@
 #ifndef TOOLS_ALGORITHMS_H
 #define TOOLS_ALGORITHMS_H
 
+#include "nearest.h"
 #include "print.h"
 
 #include "rbd_constraints.h"
@@ -48,6 +49,7 @@ typedef struct algorithm {
 /* The algorithm of this name, or NULL; all of them with what they take and give, to standard output. */
 const algorithm *find_algorithm(const char *name);
 void print_algorithms(void);
+void see_algorithms(nearest *n); /* all their names */
 
 /* Names of columns. Zeroed before the first is added. */
 typedef struct columns {

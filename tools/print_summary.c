@@ -156,5 +156,8 @@ void print_summary(const robot *r) {
     printf("\n\n");
     print_table(u);
     printf("\n%d warning%s\n", u->nwarnings, plural(u->nwarnings));
-    for (int i = 0; i < u->nwarnings; i++) printf("line %d: %s\n", u->warnings[i].line, u->warnings[i].text);
+    for (int i = 0; i < u->nwarnings; i++) {
+        if (u->warnings[i].line) printf("line %d: ", u->warnings[i].line);
+        printf("%s\n", u->warnings[i].text);
+    }
 }

@@ -1,14 +1,17 @@
 /* rbd-codegen: writes rbd.h's functions for one robot as straight-line C. SPDX-License-Identifier: MIT */
 extern "C" {
+#include "nearest.h"
 #include "print.h"
 #include "robot.h"
 }
 #include "codegen/emit.h"
 #include "codegen/limbs.h"
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <stdexcept>
 
@@ -44,6 +47,8 @@ const char help_end[] =
     "\n"
     "Exit status: 0, 1 if the file has an error (with --strict: or a warning), 2 for bad arguments.\n";
 
+const char *const options_helps[] = {help, help_more, settings_help, nullptr};
+
 struct options {
     codegen::target target;
     codegen::robot robot;
@@ -62,20 +67,34 @@ bool is_identifier(const std::string &s) {
     return true;
 }
 
+/* NAME, or NAME:LINK where it is a link's. */
+int check_algorithm(const std::string &given) {
+    const std::string name = given.substr(0, given.find(':'));
+    const bool has_link = name != given;
+    nearest n = nearest_to(name.c_str());
+    bool is_known = false;
+    for (const std::string &x : codegen::algorithm_names()) {
+        const std::string known = x.substr(0, x.find(':'));
+        nearest_see(&n, known.c_str(), known.size());
+        is_known = is_known || name == known;
+        if (name != known || has_link == (known != x)) continue;
+        return has_link ? usage_error("--algorithm: '%s' takes no link", name.c_str())
+                        : usage_error("--algorithm: '%s' is a link's: '%s'", name.c_str(), x.c_str());
+    }
+    if (is_known) return 0;
+    if (*n.best)
+        return usage_error("--algorithm: there is no '%s'; did you mean '%s'?", name.c_str(), n.best);
+    return usage_error("--algorithm: there is no '%s'", name.c_str());
+}
+
 int read_algorithms(options *o, const char *list) {
-    const std::vector<std::string> all = codegen::algorithm_names();
     std::string rest = std::string(list) + ",";
     o->algorithms.clear();
     for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
         const std::string name = rest.substr(0, comma);
-        bool known = false, again = false;
-        for (const std::string &x : all) {
-            const size_t colon = x.find(':'); /* NAME:LINK */
-            known =
-                known || x == name || (colon != x.npos && name.compare(0, colon + 1, x, 0, colon + 1) == 0);
-        }
+        bool again = false;
         for (const std::string &x : o->algorithms) again = again || x == name;
-        if (!known) return usage_error("--algorithm: there is no '%s'", name.c_str());
+        if (check_algorithm(name) != 0) return EXIT_USAGE;
         if (again) return usage_error("--algorithm: '%s' stands twice", name.c_str());
         o->algorithms.push_back(name);
     }
@@ -164,8 +183,7 @@ int read_options(options *o, char **argv) {
         if (strcmp(argv[i], "--version") == 0) return puts("rbd-codegen " RBD_VERSION), 1;
         int status = read_own(o, argv, &i);
         if (status < 0) status = settings_read(&o->read, argv, &i);
-        if (status < 0 && argv[i][0] == '-' && argv[i][1])
-            status = usage_error("unknown option '%s'", argv[i]);
+        if (status < 0 && argv[i][0] == '-' && argv[i][1]) status = unknown_option(argv[i], options_helps);
         if (status < 0) {
             status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;
             o->path = argv[i];
@@ -224,7 +242,8 @@ codegen::tested record(const options *o, const std::string &algorithm) {
 /* Makes standard output that file. */
 void begin(const options *o, const robot *r, const char *ending, const char *what) {
     const std::string path = o->folder + o->target.name + "_code." + ending;
-    if (!freopen(path.c_str(), "w", stdout)) throw std::runtime_error("cannot write " + path);
+    if (!freopen(path.c_str(), "w", stdout))
+        throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
     printf("/* %s_code.%s - ", o->target.name.c_str(), ending);
     print_in_comment(r->urdf.name);
     printf(", %s\n", what);
@@ -270,6 +289,21 @@ void print_source(const options *o, const robot *r, const std::vector<codegen::t
     end();
 }
 
+/* Before the work, and not after it. */
+void check_folder(const options *o) {
+    std::error_code error;
+    if (o->folder.empty() || std::filesystem::is_directory(o->folder, error)) return;
+    throw std::runtime_error("--output: there is no folder '" + o->folder.substr(0, o->folder.size() - 1) +
+                             "'");
+}
+
+void check_link(const robot *r, const std::string &algorithm) {
+    const size_t colon = algorithm.find(':');
+    char reason[REASON];
+    if (colon == algorithm.npos || robot_link(r, algorithm.c_str() + colon + 1, reason) >= 0) return;
+    throw std::runtime_error("--algorithm " + algorithm + ": " + reason);
+}
+
 int run(options *o) {
     robot r;
     int status = robot_open(&r, o->path, &o->read);
@@ -280,6 +314,8 @@ int run(options *o) {
         const double usual[3] = {0, 0, -9.81};
         std::memcpy(o->robot.gravity, o->read.urdf.gravity ? o->read.gravity : usual, sizeof usual);
         try {
+            check_folder(o);
+            for (const std::string &name : o->algorithms) check_link(&r, name);
             std::vector<codegen::tested> functions;
             if (o->target.limbs > 1)
                 o->target.limbs = codegen::like_limbs(codegen::joints(o->robot), o->target.limbs);

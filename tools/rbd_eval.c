@@ -3,6 +3,7 @@
 #include "algorithms.h"
 #include "constraints.h"
 #include "csv.h"
+#include "nearest.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,13 +43,19 @@ static const char help_columns[] =
     "  --given DOF         its a is given in hybrid, of all others tau; a joint's name for all of its; may "
     "stand\n"
     "                      several times\n"
-    "  --constraints FILE  table of constraints, for constrained: a row each with the columns body1 x1 y1 z1 "
-    "r1_0 ... r1_8\n"
-    "                      body2 x2 y2 z2 r2_0 ... r2_8 axes, and kp kd if wanted: two links, or world; "
-    "origin and\n"
-    "                      rotation, row by row, of a frame on each; the axes of the second that are held, "
-    "six\n"
-    "                      characters 0 or 1 in the order of ROW. lambda.0 is the first of them\n"
+    "  --constraints FILE  table of constraints, for constrained: a row each with the columns body1 and "
+    "axes, "
+    "and of\n"
+    "                      body2 x1 y1 z1 x2 y2 z2 r1_0 ... r1_8 r2_0 ... r2_8 kp kd those that are wanted: "
+    "two "
+    "links\n"
+    "                      (world), origin (0) and rotation (identity), row by row, of a frame on each; the "
+    "axes "
+    "of\n"
+    "                      the second that are held, six characters 0 or 1 in the order of ROW. lambda.0 is "
+    "the "
+    "first\n"
+    "                      of them. docs/tools.md has examples\n"
     "  --layout            only print the names that the algorithm takes and gives\n";
 static const char help_end[] =
     "\n"
@@ -69,9 +76,21 @@ static void list_cells(const csv *header, char *text, size_t size) {
     }
 }
 
-static int report_missing(const csv *header, const char *name) {
+static int is_name(const columns *names, const char *cell) {
+    for (int i = 0; i < names->n; i++)
+        if (strcmp(names->name[i], cell) == 0) return 1;
+    return 0;
+}
+
+static int report_missing(const csv *header, const columns *names, const char *name) {
     char found[120];
+    nearest n = nearest_to(name);
+    for (int k = 0; k < header->n; k++)
+        if (!is_name(names, header->cells[k])) nearest_see(&n, header->cells[k], strlen(header->cells[k]));
     list_cells(header, found, sizeof found);
+    if (*n.best)
+        return csv_error(header, "column '%s' is missing (--layout prints all); is '%s' meant for it?", name,
+                         n.best);
     return csv_error(header, "column '%s' is missing (--layout prints all); found, between commas: %s", name,
                      found);
 }
@@ -85,7 +104,7 @@ static int find_columns(const csv *header, const columns *names, int *where) {
             if (where[i] >= 0) return csv_error(header, "column '%s' stands twice", names->name[i]);
             where[i] = k;
         }
-        if (where[i] < 0) return report_missing(header, names->name[i]);
+        if (where[i] < 0) return report_missing(header, names, names->name[i]);
     }
     return 0;
 }
@@ -182,6 +201,13 @@ typedef struct options {
     settings settings;
 } options;
 
+static int report_algorithm(const char *name) {
+    nearest n = nearest_to(name);
+    see_algorithms(&n);
+    if (*n.best) return usage_error("--algorithm: there is no '%s'; did you mean '%s'?", name, n.best);
+    return usage_error("--algorithm: there is no '%s'", name);
+}
+
 static int read_own(options *o, char **argv, int *i) {
     const char *value;
     if (strcmp(argv[*i], "--layout") == 0) {
@@ -200,7 +226,7 @@ static int read_own(options *o, char **argv, int *i) {
     value = option_value(argv, i);
     if (!value) return EXIT_USAGE;
     o->algorithm = find_algorithm(value);
-    return o->algorithm ? 0 : usage_error("--algorithm: there is no '%s'", value);
+    return o->algorithm ? 0 : report_algorithm(value);
 }
 
 /* Returns 0 to go on, or 1 + the exit status to end with. */
@@ -219,6 +245,8 @@ static int read_options(options *o, char **argv) {
         }
         status = read_own(o, argv, &i);
         if (status < 0) status = settings_read(&o->settings, argv, &i);
+        if (status < 0 && argv[i][0] == '-')
+            status = unknown_option(argv[i], (const char *const[]){help_columns, settings_help, NULL});
         if (status < 0) status = usage_error("unknown argument '%s'", argv[i]);
         if (status > 0) return 1 + status;
     }
@@ -238,21 +266,33 @@ static void print_layout(const columns *in, const columns *out) {
     for (int i = 0; i < out->n; i++) printf("gives %s\n", out->name[i]);
 }
 
-static int report_name(const char *option, const char *what, const char *name) {
-    fprintf(stderr, "%s: %s: the robot has no %s '%s'\n", program, option, what, name);
+/* Of --given. */
+static int report_dof(const rbd_model *m, const char *name) {
+    nearest n = nearest_to(name);
+    columns dofs = {0};
+    char hint[140];
+    add_dofs(&dofs, m, "");
+    for (int i = 0; i < dofs.n; i++) nearest_see(&n, dofs.name[i], strlen(dofs.name[i]));
+    for (int b = 0; b < rbd_nb(m); b++)
+        if (rbd_joint_name(m, b)) nearest_see(&n, rbd_joint_name(m, b), strlen(rbd_joint_name(m, b)));
+    free_columns(&dofs);
+    fprintf(stderr, "%s: --given: the robot has no degree of freedom '%s'%s\n", program, name,
+            nearest_hint(&n, hint));
     return EXIT_BAD;
 }
 
 /* The set of constraints of a table; returns 0, or EXIT_BAD after a message. */
-static int prepare_constraints(state *s, const char *path, void **memory) {
+static int prepare_constraints(state *s, const char *path, const robot *r, void **memory) {
     rbd_constraint *list;
-    const int n = constraints_read(path, s->m, s->w, &list, memory, &s->c);
+    const int n = constraints_read(path, r, s->w, &list, memory, &s->c);
     free(list);
     return n < 0 ? EXIT_BAD : 0;
 }
 
 /* Everything of a state but its numbers. Returns 0, or EXIT_BAD after a message. */
-static int prepare(state *s, const options *o, const rbd_model *m) {
+static int prepare(state *s, const options *o, const robot *r) {
+    const rbd_model *m = r->model;
+    char reason[REASON];
     const size_t size = rbd_work_size(m), more = rbd_derivatives_size(m);
     unsigned char *memory = allocate(size + more + (size_t)rbd_nv(m), 1);
     s->m = m;
@@ -261,11 +301,13 @@ static int prepare(state *s, const options *o, const rbd_model *m) {
     rbd_derivatives_init(m, s->w, memory + size, more, &s->d);
     s->given = memory + size + more;
     memcpy(s->point, o->point, sizeof s->point);
-    s->body = o->body ? rbd_body_index(m, o->body) : -1;
-    if (o->body && s->body < 0) return report_name("--body", "link", o->body);
+    s->body = o->body ? robot_link(r, o->body, reason) : -1;
+    if (o->body && s->body < 0) {
+        fprintf(stderr, "%s: --body: %s\n", program, reason);
+        return EXIT_BAD;
+    }
     for (int i = 0; i < o->ngiven; i++)
-        if (mark_dofs(m, o->given[i], s->given) != 0)
-            return report_name("--given", "degree of freedom", o->given[i]);
+        if (mark_dofs(m, o->given[i], s->given) != 0) return report_dof(m, o->given[i]);
     return 0;
 }
 
@@ -273,8 +315,8 @@ static int run_on(const options *o, const robot *r) {
     columns in = {0}, out = {0};
     state s = {0};
     void *constraints = NULL;
-    int status = prepare(&s, o, r->model);
-    if (status == 0 && o->constraints) status = prepare_constraints(&s, o->constraints, &constraints);
+    int status = prepare(&s, o, r);
+    if (status == 0 && o->constraints) status = prepare_constraints(&s, o->constraints, r, &constraints);
     add_inputs(&in, s.m, o->algorithm);
     add_outputs(&out, &s, o->algorithm);
     if (status == 0 && o->layout)

@@ -84,7 +84,7 @@ static int read_options(options *o, char **argv) {
         status = read_output(o, argv, &i);
         if (status < 0) status = settings_read(&o->settings, argv, &i);
         if (status < 0 && argv[i][0] == '-' && argv[i][1])
-            status = usage_error("unknown option '%s'", argv[i]);
+            status = unknown_option(argv[i], (const char *const[]){help, settings_help, NULL});
         if (status < 0) {
             status = o->path ? usage_error("more than one file: '%s'", argv[i]) : 0;
             o->path = argv[i];
@@ -119,7 +119,7 @@ static int read_constraints(const options *o, const robot *r, rbd_constraint **l
     rbd_work *w;
     int n = -1;
     if (rbd_work_init(r->model, work_memory, size, &w) == RBD_OK)
-        n = constraints_read(o->constraints, r->model, w, list, &memory, &c);
+        n = constraints_read(o->constraints, r, w, list, &memory, &c);
     free(memory);
     free(work_memory);
     return n;

@@ -1,5 +1,7 @@
 /* Robots from URDF files, and the options that say how. SPDX-License-Identifier: MIT */
 #include "robot.h"
+#include "nearest.h"
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,13 +28,25 @@ void *grown(void *memory, size_t size) {
 /* ---- options ---- */
 
 int usage_error(const char *format, ...) {
+    const size_t length = strlen(format);
     va_list arguments;
     fprintf(stderr, "%s: ", program);
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "; see %s --help\n", program);
+    fprintf(stderr, "%s %s --help\n", length && format[length - 1] == '?' ? " See" : "; see", program);
     return EXIT_USAGE;
+}
+
+int unknown_option(const char *argument, const char *const *helps) {
+    const char *start = argument + strspn(argument, "-");
+    char name[100];
+    nearest n;
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(start, "="), start);
+    n = nearest_to(name);
+    for (; *helps; helps++) nearest_see_options(&n, *helps);
+    if (*n.best) return usage_error("unknown option '%s'; did you mean '--%s'?", argument, n.best);
+    return usage_error("unknown option '%s'", argument);
 }
 
 int option_is(const char *argument, const char *name) {
@@ -181,7 +195,7 @@ void robot_print_warnings(const robot *r) {
     for (int i = 0; i < r->urdf.nwarnings; i++) print_finding(r->path, "warning", &r->urdf.warnings[i]);
 }
 
-/* The whole of a file, or of standard input for "-"; NULL if it cannot be read. */
+/* The whole of a file, or of standard input for "-"; NULL if it cannot be read, as errno says. */
 static char *read_file(const char *path, size_t *length) {
     FILE *file = strcmp(path, "-") == 0 ? stdin : fopen(path, "rb");
     char *text = NULL;
@@ -193,10 +207,14 @@ static char *read_file(const char *path, size_t *length) {
         *length += n = fread(text + *length, 1, room - *length, file);
     } while (n > 0);
     if (ferror(file)) {
+        const int reason = errno;
         free(text);
         text = NULL;
+        if (file != stdin) fclose(file);
+        errno = reason;
+    } else if (file != stdin) {
+        fclose(file);
     }
-    if (file != stdin) fclose(file);
     return text;
 }
 
@@ -215,7 +233,7 @@ static int load(robot *r, const settings *s) {
     char *text = read_file(r->path, &length);
     int status;
     if (!text) {
-        fprintf(stderr, "%s: error: the file cannot be read\n", r->path);
+        fprintf(stderr, "%s: error: it cannot be read: %s\n", r->path, strerror(errno));
         return EXIT_BAD;
     }
     status = load_text(&r->urdf, text, length, s);
@@ -246,6 +264,26 @@ int robot_open(robot *r, const char *path, const settings *s) {
     r->path = path;
     r->command = s->command;
     return load(r, s) == 0 ? build(r) : EXIT_BAD;
+}
+
+int robot_link(const robot *r, const char *link, char text[REASON]) {
+    const int body = rbd_body_index(r->model, link);
+    const rbd_urdf_frame *f = NULL;
+    nearest n = nearest_to(link);
+    char hint[140];
+    if (body >= 0) return body;
+    for (int i = 0; i < r->urdf.nframes; i++) {
+        const char *known = r->urdf.frames[i].link;
+        if (strcmp(known, link) == 0) f = &r->urdf.frames[i];
+        nearest_see(&n, known, strlen(known));
+    }
+    if (f)
+        snprintf(text, REASON,
+                 "link '%.100s' is fixed to %.100s and no body of its own; for that: --keep %.100s", link,
+                 f->body < 0 ? "the world" : r->urdf.bodies[f->body].name, link);
+    else
+        snprintf(text, REASON, "the robot has no link '%.100s'%s", link, nearest_hint(&n, hint));
+    return -1;
 }
 
 void robot_close(robot *r) {

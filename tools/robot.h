@@ -5,6 +5,7 @@
 
 #include "rbd_urdf.h"
 
+enum { REASON = 500 };                 /* characters of a sentence */
 enum { EXIT_BAD = 1, EXIT_USAGE = 2 }; /* a bad file or row; bad arguments */
 
 /* Of the command, for messages; set by main. */
@@ -12,6 +13,9 @@ extern const char *program;
 
 /* Prints "PROGRAM: ..." with a hint at --help to standard error; returns EXIT_USAGE. */
 int usage_error(const char *format, ...);
+
+/* The same of an option that is none of these texts, which a command's --help prints, ended by NULL. */
+int unknown_option(const char *argument, const char *const *helps);
 
 /* How to load, as options say, and the command itself. */
 typedef struct settings {
@@ -52,6 +56,9 @@ typedef struct robot {
  * 0 or EXIT_BAD. */
 int robot_open(robot *r, const char *path, const settings *s);
 void robot_close(robot *r);
+
+/* The body that is this link, or -1, with the reason in text: it is merged into another, or is not there. */
+int robot_link(const robot *r, const char *link, char text[REASON]);
 
 /* Prints the warnings, "FILE:LINE: warning: ...", to standard error. */
 void robot_print_warnings(const robot *r);

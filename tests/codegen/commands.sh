@@ -47,9 +47,19 @@ expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
 expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
 expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
-expect 2 "--algorithm: there is no 'jacobian'$see" --algorithm jacobian a
-expect 1 "jacobian:foot: there is no such link" --algorithm jacobian:foot "$iiwa"
-expect 1 "cannot write nowhere/iiwa_code.h" --output nowhere "$iiwa"
+expect 2 "unknown option '--bounded-angle'; did you mean '--bounded-angles'? See rbd-codegen --help" --bounded-angle a
+expect 2 "unknown option '--floatin'; did you mean '--floating'? See rbd-codegen --help" --floatin a
+expect 2 "--algorithm: there is no 'FD'; did you mean 'fd'? See rbd-codegen --help" --algorithm id,FD a
+expect 2 "--algorithm: there is no 'jacobain'; did you mean 'jacobian'? See rbd-codegen --help" --algorithm jacobain:x a
+expect 2 "--algorithm: 'jacobian' is a link's: 'jacobian:LINK'$see" --algorithm jacobian a
+expect 2 "--algorithm: 'id' takes no link$see" --algorithm id:foot a
+expect 1 "--algorithm jacobian:foot: the robot has no link 'foot'" --algorithm jacobian:foot "$iiwa"
+expect 1 "--algorithm pose:lbr_iiwa_link7: the robot has no link 'lbr_iiwa_link7'; did you mean 'lbr_iiwa_link_7'?" \
+    --algorithm id,pose:lbr_iiwa_link7 "$iiwa"
+expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
+expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
+mkdir -p there/iiwa_code.h
+expect 1 "cannot write there/iiwa_code.h: Is a directory" --output there --algorithm gravity "$iiwa"
 ls ./*_code.* >/dev/null 2>&1 && fail "files in spite of an error"
 
 # ---- self-tests ----

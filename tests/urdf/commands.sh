@@ -70,12 +70,20 @@ expect 2 "rbd-model: no file given; see rbd-model --help" "$rbd_model"
 expect 2 "rbd-model: no file given (--lock takes a joint, --lock-massless nothing); see rbd-model --help" \
     "$rbd_model" --lock robot
 expect 2 "rbd-model: more than one file: 'b'; see rbd-model --help" "$rbd_model" a b
-expect 2 "rbd-model: unknown option '--cc'; see rbd-model --help" "$rbd_model" --cc
+expect 2 "rbd-model: unknown option '--x'; see rbd-model --help" "$rbd_model" --x
+expect 2 "rbd-model: unknown option '--gravty=0,0,0'; did you mean '--gravity'? See rbd-model --help" "$rbd_model" --gravty=0,0,0
+expect 2 "rbd-model: unknown option '-floating'; did you mean '--floating'? See rbd-model --help" "$rbd_model" -floating
+expect 2 "rbd-model: unknown option '--c_model'; did you mean '--c-model'? See rbd-model --help" "$rbd_model" --c_model x
+expect 2 "rbd-model: unknown option '--float'; did you mean '--floating'? See rbd-model --help" "$rbd_model" --float
+expect 2 "rbd-eval: unknown option '--Model'; did you mean '--model'? See rbd-eval --help" "$rbd_eval" --Model
 expect 2 "rbd-model: --c: '1x' is not a C identifier; see rbd-model --help" "$rbd_model" --c 1x a
 expect 2 "rbd-model: --urdf: there is only one output; see rbd-model --help" "$rbd_model" --c x --urdf a
 expect 2 "rbd-eval: --model is missing; see rbd-eval --help" "$rbd_eval" --algorithm id
 expect 2 "rbd-eval: --algorithm is missing; see rbd-eval --help" "$rbd_eval" --model a
-expect 2 "rbd-eval: --algorithm: there is no 'ABA'; see rbd-eval --help" "$rbd_eval" --algorithm ABA
+expect 2 "rbd-eval: --algorithm: there is no 'ABA'; did you mean 'aba'? See rbd-eval --help" "$rbd_eval" --algorithm ABA
+expect 2 "rbd-eval: --algorithm: there is no 'fdderivatives'; did you mean 'fd_derivatives'? See rbd-eval --help" \
+    "$rbd_eval" --algorithm fdderivatives
+expect 2 "rbd-eval: --algorithm: there is no 'kinematics'; see rbd-eval --help" "$rbd_eval" --algorithm kinematics
 expect 2 "rbd-eval: --model: standard input has the table, so it cannot have the robot; see rbd-eval --help" \
     "$rbd_eval" --model - --algorithm id
 for output in "--c x" --urdf --dot; do
@@ -88,9 +96,13 @@ expect 2 "rbd-eval: unknown argument 'x'; see rbd-eval --help" "$rbd_eval" x
 # ---- rbd-model: files ----
 
 cp "$root/tests/urdf/nasty.urdf" "$root/tests/urdf/broken/mass_negative.urdf" "$root"/models/*.urdf .
-expect 1 "/no: error: the file cannot be read" "$rbd_model" /no
-expect 1 "/: error: the file cannot be read" "$rbd_model" /
-expect 1 "-:1: error: the text ends before any element" "$rbd_model" -
+expect 1 "/no: error: it cannot be read: No such file or directory" "$rbd_model" /no
+expect 1 "/: error: it cannot be read: Is a directory" "$rbd_model" /
+expect 1 "-:1: error: it is empty" "$rbd_model" -
+if [ "$(id -u)" -ne 0 ]; then # who may read everything
+    cp iiwa.urdf mine.urdf && chmod 0 mine.urdf
+    expect 1 "mine.urdf: error: it cannot be read: Permission denied" "$rbd_model" mine.urdf
+fi
 "$rbd_model" --check - <iiwa.urdf || fail "standard input"
 expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" "$rbd_model" --check mass_negative.urdf
 expect 1 "iiwa.urdf: error: there is no link 'hand' to keep" "$rbd_model" iiwa.urdf --keep hand
@@ -398,6 +410,8 @@ grep -qF 'n0 -> n1 [label="rail\nprismatic"];' out || fail "--dot does not have 
 
 # ---- rbd-eval: tables, good and bad ----
 
+eval_row 1 "row 1: column 'q.rail' is missing (--layout prints all); is 'q.rial' meant for it?" "q.hinge,q.rial" "0,0"
+
 eval_row 0 "" "q.hinge,q.rail" "0,0" "" "0.5,1"
 [ "$(wc -l <out)" -eq 3 ] || fail "two rows in, not two out"
 [ "$(sed -n 1p out)" = tau.rail,tau.hinge ] || fail "names of gravity's results"
@@ -435,22 +449,65 @@ expect 2 "rbd-eval: --constraints is missing: constrained takes a table of them;
 expect 1 "rbd-eval: nowhere.csv: No such file or directory" \
     "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints nowhere.csv --layout
 same=1,0,0,0,1,0,0,0,1
-constraints_row "row 2: the robot has no link 'leg' (one on a fixed joint needs --keep)" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
-constraints_row "row 2: column 'axes': '00011' is not six characters 0 or 1" \
+constraints_row "row 2: column 'body1': the robot has no link 'leg'" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
+constraints_row "row 2: column 'body2': the robot has no link 'polw'; did you mean 'pole'?" "cart,0,0,0,$same,polw,0,0,0,$same,000111,0,0"
+constraints_row "row 2: column 'body1': the robot has no link ''" ",0,0,0,$same,cart,0,0,0,$same,000111,0,0"
+constraints_row "row 2: column 'axes': '0001112' is not six characters 0 or 1" \
+    "pole,0,0,0,$same,world,0,0,0,$same,0001112,0,0"
+constraints_row "row 2: column 'axes': '111' is not six characters 0 or 1; did a spreadsheet take leading zeros away?" \
+    "pole,0,0,0,$same,world,0,0,0,$same,111,0,0"
+constraints_row "row 2: column 'r2_4' is missing or empty: a rotation has nine numbers, or none" \
+    "pole,0,0,0,$same,world,0,0,0,1,0,0,0,,0,0,0,1,000111,0,0"
+constraints_row "row 2: column 'axes': '00011' is not six characters 0 or 1; did a spreadsheet take leading zeros away?" \
     "pole,0,0,0,$same,world,0,0,0,$same,00011,0,0"
 constraints_row "row 3: column 'z2': 'up' is not a finite number" "pole,0,0,0,$same,world,0,0,0,$same,000111,0,0" \
     "pole,0,0,0,$same,world,0,0,up,$same,000111,0,0"
 constraints_row "row 2: it has 3 cells, the header 29" "pole,0,0"
-constraints_row "constraint 0, field 'axes': none is held, or one is neither 0 nor 1" \
+constraints_row "row 2: axes: none is held, or one is neither 0 nor 1" \
     "pole,0,0,0,$same,world,0,0,0,$same,000000,0,0"
-constraints_row "constraint 0, field 'kd': negative, not finite or out of range" "pole,0,0,0,$same,world,0,0,0,$same,000001,0,-1"
-printf 'body1,x1\npole,0\n' >constraints
-expect 1 "rbd-eval: constraints: row 1: column 'y1' is missing" "$rbd_eval" \
-    --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints constraints --layout
+constraints_row "row 4: kd: negative, not finite or out of range" "pole,0,0,0,$same,world,0,0,0,$same,000001,0,0" "" \
+    "pole,0,0,0,$same,world,0,0,0,$same,000001,0,-1"
+# header MESSAGE NAMES: a table with these columns is refused
+header() {
+    printf '%s\n' "$2" >constraints
+    expect 1 "rbd-eval: constraints: row 1: $1" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
+        --algorithm constrained --constraints constraints --layout
+}
+header "column 'axes' is missing" body1,x1
+header "column 'body1' is missing" axes,body2
+header "column 'kp' stands twice" body1,kp,axes,kp
+header "column 'axis' is unknown; did you mean 'axes'?" body1,axis
+header "column 'Body1' is unknown; did you mean 'body1'?" Body1,axes
+header "column 'r1-0' is unknown; did you mean 'r1_0'?" body1,axes,r1-0
+header "column 'colour' is unknown" body1,axes,colour
+header "column '' is unknown" body1,axes,
+: >constraints
+expect 1 "rbd-eval: constraints: row 1: no header: the table is empty" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
+    --algorithm constrained --constraints constraints --layout
+
+# what a table leaves out is the world, 0 and the identity
+printf 'q.rail,q.hinge,v.rail,v.hinge,tau.rail,tau.hinge\n0.1,0.2,0.3,0.4,5,6\n' >table
+# held COLUMNS ROW...: the cart-pole under these constraints
+held() {
+    printf '%s\n' "$@" >constraints
+    "$rbd_eval" --model cart_pole.urdf --algorithm constrained --constraints constraints <table >out || fail "constraints: $*"
+}
+held "$(for body in 1 2; do
+    printf 'body%s,x%s,y%s,z%s,' $body $body $body $body
+    for i in 0 1 2 3 4 5 6 7 8; do printf 'r%s_%s,' $body $i; done
+done)axes,kp,kd" "pole,0,0,-0.5,$same,world,0,0,0,$same,000100,0,3"
+cp out full
+held body1,z1,axes,kd pole,-0.5,000100,3
+cmp -s out full || { fail "columns that are left out"; diff out full; }
+held axes,kd,z1,body1,body2,kp,r1_0,r1_1,r1_2,r1_3,r1_4,r1_5,r1_6,r1_7,r1_8 000100,3,-0.5,pole,,,,,,,,,,,
+cmp -s out full || { fail "cells that are empty"; diff out full; }
+held body1,z1,axes,kd,r2_0,r2_1,r2_2,r2_3,r2_4,r2_5,r2_6,r2_7,r2_8 pole,-0.5,010000,3,0,-1,0,1,0,0,0,0,1
+cmp -s out full && fail "columns of a rotation make no difference"
 
 # ---- rbd-model: the same tables as C ----
 
-expect 1 "rbd-model: constraints: row 1: column 'y1' is missing" "$rbd_model" "$root/models/cart_pole.urdf" \
+printf 'body1,x1\npole,0\n' >constraints
+expect 1 "rbd-model: constraints: row 1: column 'axes' is missing" "$rbd_model" "$root/models/cart_pole.urdf" \
     --c-model held --constraints constraints
 [ -s out ] && fail "a table of a robot without its constraints"
 expect 2 "rbd-model: --constraints: only a C table has them (--c, --c-model); see rbd-model --help" \
@@ -476,6 +533,21 @@ END
 # shellcheck disable=SC2086 # CC may be "ccache cc"
 ${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror $unforced -I"$root" -I. held.c -o held -lm && ./held || fail "held_model.h"
 
+# a link on a fixed joint is no body, unless it is kept
+cat >fixed.urdf <<'END'
+<robot name="fixed"><link name="base"/><link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0"
+iyy="1" iyz="0" izz="1"/></inertial></link><link name="tip"/>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
+<joint name="k" type="fixed"><parent link="arm"/><child link="tip"/></joint></robot>
+END
+printf 'body1,axes\ntip,000111\n' >constraints
+expect 1 "rbd-model: constraints: row 2: column 'body1': link 'tip' is fixed to arm and no body of its own; for that: --keep tip" \
+    "$rbd_model" fixed.urdf --c held --constraints constraints
+expect 0 "" "$rbd_model" fixed.urdf --c held --constraints constraints --keep tip
+printf 'body1,body2,axes\narm,base,000111\n' >constraints
+expect 1 "rbd-model: constraints: row 2: column 'body2': link 'base' is fixed to the world and no body of its own; for that: \
+--keep base" "$rbd_model" fixed.urdf --c held --constraints constraints
+
 for pair in rnea=id crba=mm aba=fd; do
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair%=*}" --layout >a.txt || fail "--algorithm ${pair%=*}"
     "$rbd_eval" --model cart_pole.urdf --algorithm "${pair#*=}" --layout >b.txt
@@ -500,6 +572,8 @@ expect 2 "rbd-eval: --body is missing: jacobian takes a point of a link; see rbd
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian
 expect 2 "rbd-eval: --point: '1,2,3,' is not three numbers X,Y,Z; see rbd-eval --help" \
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole --point 1,2,3,
+expect 1 "rbd-eval: --body: the robot has no link 'pole2'; did you mean 'pole'?" \
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole2
 expect 1 "rbd-eval: --body: the robot has no link 'arm'" \
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body arm
 printf 'q.rail,q.hinge\n5,0\n' |
@@ -509,7 +583,11 @@ J.vy.rail,J.vy.hinge,J.vz.rail,J.vz.hinge ] || fail "names of a Jacobian"
 [ "$(sed -n 2p out)" = 0,0,0,-1,0,0,1,2,0,0,0,0 ] || { fail "the Jacobian of a hanging pole"; cat out; }
 
 # degrees of freedom whose acceleration is given, by name or by joint
-expect 1 "rbd-eval: --given: the robot has no degree of freedom 'root.w'" \
+expect 1 "rbd-eval: --given: the robot has no degree of freedom 'lf_hfe'" \
+    "$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given lf_hfe
+expect 1 "rbd-eval: --given: the robot has no degree of freedom 'lf_hfe_jiont'; did you mean 'lf_hfe_joint'?" \
+    "$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given lf_hfe_jiont
+expect 1 "rbd-eval: --given: the robot has no degree of freedom 'root.w'; did you mean 'root.wx'?" \
     "$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --given root.w
 "$rbd_eval" --model hyq.urdf --floating --algorithm hybrid --layout >layout || fail "hybrid"
 {

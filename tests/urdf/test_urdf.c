@@ -244,8 +244,11 @@ START_TEST(arguments_are_checked) {
     ck_assert_int_eq(rbd_urdf_load(NULL, NULL, &robot), RBD_URDF_ERR_NULL);
     ck_assert_int_eq(rbd_urdf_parse(NULL, 3, NULL, &robot), RBD_URDF_ERR_NULL);
     ck_assert_int_eq(rbd_urdf_load("/no/such.urdf", NULL, &robot), RBD_URDF_ERR_FILE);
-    ck_assert_str_eq(robot.error.text, "the file '/no/such.urdf' cannot be read");
+    ck_assert_str_eq(robot.error.text, "the file '/no/such.urdf' cannot be read: No such file or directory");
     ck_assert_int_eq(rbd_urdf_load("/", NULL, &robot), RBD_URDF_ERR_FILE);
+    ck_assert_str_eq(robot.error.text, "the file '/' cannot be read: Is a directory");
+    ck_assert_int_eq(rbd_urdf_load("/dev/null", NULL, &robot), RBD_URDF_ERR_XML);
+    ck_assert_str_eq(robot.error.text, "it is empty");
     ck_assert_int_eq(parse(&robot, good, &options), RBD_URDF_ERR_OPTION);
     ck_assert_str_eq(robot.error.text, "there is no link 'c' to keep");
     const char *const misspelt[] = {"B", NULL};
@@ -847,6 +850,60 @@ START_TEST(odd_files_give_the_warning_expected) {
 }
 END_TEST
 
+/* A joint's type and what it has; the text of its only warning, NULL if it has none. */
+#define DEGREES(type, inside, warning) \
+    {ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") JOINT("j", type, "a", "b", inside) \
+               JOINT("k", "continuous", "a", "c", "")), \
+     warning}
+#define BOUNDS(lower, upper) "<limit lower='" lower "' upper='" upper "' velocity='3' effort='4'/>"
+#define LOOK " looks like degrees; it is read as rad"
+static const struct {
+    const char *text, *warning;
+} degrees[] = {
+    DEGREES("revolute", BOUNDS("-90", "90"), "joint 'j': <limit>, -90 .. 90," LOOK),
+    DEGREES("revolute", BOUNDS("0", "170"), "joint 'j': <limit>, 0 .. 170," LOOK),
+    DEGREES("revolute", BOUNDS("-114.591559", "1"), "joint 'j': <limit>, -114.592 .. 1," LOOK),
+    DEGREES("revolute", BOUNDS("-360", "360"), "joint 'j': <limit>, -360 .. 360," LOOK),
+    DEGREES("revolute", BOUNDS("-12.566", "12.566"), NULL),   /* two turns */
+    DEGREES("revolute", BOUNDS("-62.8319", "17.4533"), NULL), /* ten turns, 1000 degrees */
+    DEGREES("revolute", BOUNDS("-1e6", "1e6"), NULL),         /* no limit, as some write it */
+    DEGREES("revolute", BOUNDS("90", "-90"), "joint 'j': the lower limit exceeds the upper; read as none"),
+    DEGREES("prismatic", BOUNDS("-90", "90"), NULL),  /* m */
+    DEGREES("continuous", BOUNDS("-90", "90"), NULL), /* not used */
+    DEGREES("continuous", "<origin rpy='0 90 0'/>", "joint 'j': <origin rpy>, 0 90 0," LOOK),
+    DEGREES("fixed", "<origin rpy='0 0 -45'/>", "joint 'j': <origin rpy>, 0 0 -45," LOOK),
+    DEGREES("continuous", "<origin xyz='90 90 90' rpy='3.1416 -6.2832 0'/>", NULL),
+    DEGREES("continuous", "<mimic joint='k' offset='90'/>", "joint 'j': <mimic offset>, 90," LOOK),
+    DEGREES("prismatic", BOUNDS("0", "1") "<mimic joint='k' offset='90'/>", NULL),
+};
+
+START_TEST(what_looks_like_degrees_gives_a_warning) {
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, degrees[_i].text, NULL), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, degrees[_i].warning != NULL);
+    if (degrees[_i].warning) ck_assert_str_eq(robot.warnings[0].text, degrees[_i].warning);
+}
+END_TEST
+
+START_TEST(a_joint_held_still_at_degrees_gives_a_warning) {
+    static const char text[] = ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") JOINT(
+        "j", "continuous", "a", "b", "") JOINT("k", "continuous", "b", "c", ""));
+    static room x;
+    rbd_urdf_lock lock[] = {{"j", -90}, {NULL, 0}};
+    const rbd_urdf_options options = {.lock = lock};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, text, &options), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 1);
+    ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_DEGREES);
+    ck_assert_str_eq(robot.warnings[0].text,
+                     "joint 'j': held still at -90, which looks like degrees; it is read as rad");
+    lock[0].value = -1.5707963267948966;
+    ck_assert_int_eq(parse(&robot, text, &options), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 0);
+}
+END_TEST
+
 START_TEST(a_robot_without_a_name_is_called_robot) {
     static room x;
     static const char *const heads[] = {"<robot>", "<robot name=''>"};
@@ -1337,6 +1394,8 @@ int main(void) {
     tcase_add_test(c, a_joint_moves_the_mass_of_those_that_mimic_it);
     tcase_add_test(c, a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning);
     tcase_add_test(c, odd_files_give_the_warning_expected);
+    tcase_add_loop_test(c, what_looks_like_degrees_gives_a_warning, 0, sizeof degrees / sizeof *degrees);
+    tcase_add_test(c, a_joint_held_still_at_degrees_gives_a_warning);
     tcase_add_test(c, a_robot_without_a_name_is_called_robot);
     tcase_add_test(c, axes_of_any_length_are_made_unit_vectors);
     tcase_add_test(c, fixed_joints_have_no_axis);

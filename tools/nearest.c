@@ -1,0 +1,56 @@
+/* nearest.c - see nearest.h; rbd_urdf.h has the same rule. SPDX-License-Identifier: MIT */
+#include "nearest.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LONGEST = 99 }; /* the time goes with the square */
+
+nearest nearest_to(const char *name) {
+    nearest n = {name, strlen(name) / 3 + 1, ""};
+    return n;
+}
+
+/* How many characters must be put in, left out or changed to make one of the other (Levenshtein); upper and lower
+   case are the same. */
+static size_t difference(const char *a, const char *b, size_t length) {
+    size_t row[LONGEST + 1];
+    for (size_t k = 0; k <= length; k++) row[k] = k;
+    for (; *a; a++) {
+        size_t diagonal = row[0]++;
+        for (size_t k = 0; k < length; k++) {
+            const size_t changed = diagonal + (tolower((unsigned char)*a) != tolower((unsigned char)b[k]));
+            const size_t shorter = row[k] < row[k + 1] ? row[k] : row[k + 1];
+            diagonal = row[k + 1];
+            row[k + 1] = changed < shorter + 1 ? changed : shorter + 1;
+        }
+    }
+    return row[length];
+}
+
+static void take(nearest *n, const char *known, size_t length, size_t d) {
+    if (d >= n->least) return;
+    n->least = d;
+    memcpy(n->best, known, length);
+    n->best[length] = 0;
+}
+
+void nearest_see(nearest *n, const char *known, size_t length) {
+    if (length <= LONGEST && strlen(n->name) <= LONGEST)
+        take(n, known, length, difference(n->name, known, length));
+}
+
+void nearest_see_options(nearest *n, const char *help) {
+    const size_t given = strlen(n->name);
+    while ((help = strstr(help, "  --")) != NULL) {
+        const size_t length = strcspn(help += 4, " ,\n");
+        if (given >= 3 && given < length && strncmp(n->name, help, given) == 0) take(n, help, length, 1);
+        nearest_see(n, help, length);
+    }
+}
+
+const char *nearest_hint(const nearest *n, char text[140]) {
+    text[0] = 0;
+    if (*n->best) snprintf(text, 140, "; did you mean '%s'?", n->best);
+    return text;
+}
