@@ -11,8 +11,8 @@ nearest nearest_to(const char *name) {
     return n;
 }
 
-/* How many characters must be put in, left out or changed to make one of the other (Levenshtein); upper and lower
-   case are the same. */
+/* How many characters must be put in, left out or changed to make one of the other (Levenshtein); upper and
+   lower case are the same. */
 static size_t difference(const char *a, const char *b, size_t length) {
     size_t row[LONGEST + 1];
     for (size_t k = 0; k <= length; k++) row[k] = k;

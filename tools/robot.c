@@ -96,8 +96,8 @@ static int is_plain(const char *argument) {
     return *argument && argument[strspn(argument, plain)] == 0;
 }
 
-/* The argument behind the end of a text, in quotes if need be: they part what would begin or end a comment or a
-   trigraph. Returns the end. */
+/* The argument behind the end of a text, in quotes if need be: they part what would begin or end a comment
+   or a trigraph. Returns the end. */
 static char *append_argument(char *end, const char *argument) {
     if (is_plain(argument)) return end + sprintf(end, " %s", argument);
     end += sprintf(end, " '");
