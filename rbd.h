@@ -91,7 +91,7 @@
      RBD_NO_PAYLOAD   add_payload; goes with build
      RBD_NO_WRENCH    joint_wrench; goes with kinematics
                       fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
-                      mimic joints then: rbd_work_init refuses them, RBD_ERR_MIMIC
+                      mimic joints then: rbd_work_init refuses them, RBD_ERR_LEFT_OUT
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
@@ -492,6 +492,7 @@ typedef enum rbd_status {
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
     RBD_ERR_GAIN = -26,       /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
+    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_... leaves out what solves them */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -569,7 +570,7 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
-   Errors: RBD_ERR_NULL, _MEMORY, _VERSION. */
+   Errors: RBD_ERR_NULL, _MEMORY, _VERSION, _LEFT_OUT. */
 RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
 
 /* Bytes that rbd_work_init needs for this model. */
@@ -6011,7 +6012,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
 #if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_ABA
-    if (m->nmimic) return RBD_ERR_MIMIC; /* rbd_aba would need it */
+    if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic;
@@ -6150,6 +6151,9 @@ RBD_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_ERR_GAIN: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
+    case RBD_ERR_LEFT_OUT:
+        return "the model has mimic joints, but RBD_NO_RNEA, RBD_NO_CRBA or RBD_NO_CHOLESKY leaves out what "
+               "rbd_aba needs for them: define none of these, or RBD_NO_ABA too";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
