@@ -185,13 +185,13 @@ void print_algorithms(void) {
     static const char *const parts[] = {"",       ".XYZ",      ".ROW",      ".COORDINATE",
                                         ".DOF",   ".LINK.PAR", ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...",
                                         ".NUMBER"};
-    printf("  %-21s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
+    printf("  %-22s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
         char takes[20];
         snprintf(takes, sizeof takes, "q%s%s%s", a->takes & TAKES_V ? " v" : "",
                  a->takes & TAKES_A ? " a" : "", a->takes & TAKES_TAU ? " tau" : "");
-        printf("  %-21s  %-27s  %-9s ", a->name, a->what, takes);
+        printf("  %-22s  %-27s  %-9s ", a->name, a->what, takes);
         for (const output *o = a->gives; o->name; o++)
             printf("%s%s%s%s", o == a->gives ? " " : ", ", o->name, parts[o->rows], parts[o->columns]);
         printf("\n");

@@ -19,16 +19,16 @@ const char *program = "rbd-codegen";
 
 namespace {
 
-const char help[] = "usage: rbd-codegen [OPTION...] FILE.urdf\n"
-                    "\n"
-                    "Writes NAME_code.h and NAME_code.c: functions of one robot as straight-line C99, which "
-                    "need no rbd.h. What\n"
-                    "they compute is what rbd.h computes: it is run once, on a scalar that records, and the "
-                    "record is written.\n"
-                    "  --name NAME         what files, functions and constants begin with (the file's name)\n"
-                    "  --output FOLDER     where to write (here)\n"
-                    "  --algorithm LIST    which functions, with commas between (id,mm,fd); there are\n"
-                    "                     ";
+const char help[] =
+    "usage: rbd-codegen [OPTION...] FILE.urdf\n"
+    "\n"
+    "Writes NAME_code.h and NAME_code.c: functions of one robot as straight-line C99, which "
+    "need no rbd.h. What\n"
+    "they compute is what rbd.h computes: it is run once, on a scalar that records, and the "
+    "record is written.\n"
+    "  --name NAME         what files, functions and constants begin with (the file's name)\n"
+    "  --output FOLDER     where to write (here)\n"
+    "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); there are\n";
 const char help_more[] =
     "\n"
     "  --scalar SCALAR     double or float (double)\n"
@@ -87,11 +87,16 @@ int check_algorithm(const std::string &given) {
     return usage_error("--algorithm: there is no '%s'", name.c_str());
 }
 
+/* What this command calls an algorithm of rbd.h's name, as rbd-eval does. */
+std::string own_name(const std::string &name) {
+    return name == "rnea" ? "id" : name == "crba" ? "mm" : name == "aba" ? "fd" : name;
+}
+
 int read_algorithms(options *o, const char *list) {
     std::string rest = std::string(list) + ",";
     o->algorithms.clear();
     for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
-        const std::string name = rest.substr(0, comma);
+        const std::string name = own_name(rest.substr(0, comma));
         bool again = false;
         for (const std::string &x : o->algorithms) again = again || x == name;
         if (check_algorithm(name) != 0) return EXIT_USAGE;
@@ -134,7 +139,7 @@ int read_name(options *o, const char *text) {
 }
 
 int read_folder(options *o, const char *text) {
-    o->folder = std::string(text) + "/";
+    o->folder = *text ? std::string(text) + "/" : "";
     return 0;
 }
 
@@ -166,7 +171,11 @@ int read_own(options *o, char **argv, int *i) {
 
 void print_help() {
     printf("%s", help);
-    for (const std::string &name : codegen::algorithm_names()) printf(" %s", name.c_str());
+    size_t column = 0;
+    for (const std::string &name : codegen::algorithm_names()) {
+        if (column > 0 && column + 1 + name.size() > 105) column = (puts(""), 0);
+        column += size_t(printf(column ? " %s" : "                      %s", name.c_str()));
+    }
     printf("%s%s%s", help_more, settings_help, help_end);
 }
 

@@ -45,7 +45,10 @@ static int read_name(options *o, char **argv, int *i) {
     const char *option = argv[*i];
     o->name = option_value(argv, i);
     if (!o->name) return EXIT_USAGE;
-    return is_identifier(o->name) ? 0 : usage_error("%s: '%s' is not a C identifier", option, o->name);
+    return is_identifier(o->name)
+               ? 0
+               : usage_error("%s: '%s' is not a C identifier: it takes the name of the table", option,
+                             o->name);
 }
 
 /* Reads an option that says what to write; -1 if the argument is none. */

@@ -56,6 +56,7 @@ expect 2 "--algorithm: 'id' takes no link$see" --algorithm id:foot a
 expect 1 "--algorithm jacobian:foot: the robot has no link 'foot'" --algorithm jacobian:foot "$iiwa"
 expect 1 "--algorithm pose:lbr_iiwa_link7: the robot has no link 'lbr_iiwa_link7'; did you mean 'lbr_iiwa_link_7'?" \
     --algorithm id,pose:lbr_iiwa_link7 "$iiwa"
+expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h
@@ -118,6 +119,8 @@ grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does no
 selftest none --limbs 2 --algorithm gravity "$iiwa"
 grep -q "LIMBS" none_code.c && fail "like limbs of an arm"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
+selftest named --algorithm rnea,crba,aba --output= "$root/models/cart_pole.urdf"
+grep -q "^int named_fd(" named_code.h || fail "aba is not fd"
 selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
 
 # the sines

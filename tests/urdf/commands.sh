@@ -76,7 +76,7 @@ expect 2 "rbd-model: unknown option '-floating'; did you mean '--floating'? See 
 expect 2 "rbd-model: unknown option '--c_model'; did you mean '--c-model'? See rbd-model --help" "$rbd_model" --c_model x
 expect 2 "rbd-model: unknown option '--float'; did you mean '--floating'? See rbd-model --help" "$rbd_model" --float
 expect 2 "rbd-eval: unknown option '--Model'; did you mean '--model'? See rbd-eval --help" "$rbd_eval" --Model
-expect 2 "rbd-model: --c: '1x' is not a C identifier; see rbd-model --help" "$rbd_model" --c 1x a
+expect 2 "rbd-model: --c: '1x' is not a C identifier: it takes the name of the table; see rbd-model --help" "$rbd_model" --c 1x a
 expect 2 "rbd-model: --urdf: there is only one output; see rbd-model --help" "$rbd_model" --c x --urdf a
 expect 2 "rbd-eval: --model is missing; see rbd-eval --help" "$rbd_eval" --algorithm id
 expect 2 "rbd-eval: --algorithm is missing; see rbd-eval --help" "$rbd_eval" --model a
