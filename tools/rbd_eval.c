@@ -12,7 +12,7 @@
 const char *program = "rbd-eval";
 
 static const char help[] =
-    "usage: rbd-eval --model FILE.urdf --algorithm NAME [OPTION...] < states.csv > results.csv\n"
+    "usage: rbd-eval FILE.urdf --algorithm NAME [OPTION...] < states.csv > results.csv\n"
     "\n"
     "Evaluates an algorithm on every row of a table of states, 17 digits out. The first row of a table "
     "names\n"
@@ -35,7 +35,7 @@ static const char help_columns[] =
     "ixx ixy ixz iyy iyz izz (about the link's origin), in link axes. Matrices row by row; column k of a\n"
     "derivative by q is along the step v = e_k.\n"
     "\n"
-    "  --model FILE        of the robot\n"
+    "  --model FILE        the same as FILE alone\n"
     "  --algorithm NAME    one of these; rnea, crba and aba are id, mm and fd\n"
     "  --body LINK         that has the point of jacobian and point\n"
     "  --point X,Y,Z       in the link's axes, m (0,0,0)\n"
@@ -200,6 +200,12 @@ typedef struct options {
     settings settings;
 } options;
 
+static int take_model(options *o, const char *path) {
+    if (o->model) return usage_error("more than one file: '%s'", path);
+    o->model = path;
+    return 0;
+}
+
 static int report_algorithm(const char *name) {
     nearest n = nearest_to(name);
     see_algorithms(&n);
@@ -213,7 +219,8 @@ static int read_own(options *o, char **argv, int *i) {
         o->layout = 1;
         return 0;
     }
-    if (option_is(argv[*i], "--model")) return (o->model = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (option_is(argv[*i], "--model"))
+        return (value = option_value(argv, i)) ? take_model(o, value) : EXIT_USAGE;
     if (option_is(argv[*i], "--body")) return (o->body = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--constraints"))
         return (o->constraints = option_value(argv, i)) ? 0 : EXIT_USAGE;
@@ -244,14 +251,14 @@ static int read_options(options *o, char **argv) {
         }
         status = read_own(o, argv, &i);
         if (status < 0) status = settings_read(&o->settings, argv, &i);
-        if (status < 0 && argv[i][0] == '-')
+        if (status < 0 && argv[i][0] == '-' && argv[i][1])
             status = unknown_option(argv[i], (const char *const[]){help_columns, settings_help, NULL});
-        if (status < 0) status = usage_error("unknown argument '%s'", argv[i]);
+        if (status < 0) status = take_model(o, argv[i]);
         if (status > 0) return 1 + status;
     }
-    if (!o->model) return 1 + usage_error("--model is missing");
+    if (!o->model) return 1 + usage_error("no file given");
     if (!o->layout && strcmp(o->model, "-") == 0)
-        return 1 + usage_error("--model: standard input has the table, so it cannot have the robot");
+        return 1 + usage_error("'-': standard input has the table, so it cannot have the robot");
     if (!o->algorithm) return 1 + usage_error("--algorithm is missing");
     if (o->algorithm->takes & TAKES_POINT && !o->body)
         return 1 + usage_error("--body is missing: %s takes a point of a link", o->algorithm->name);

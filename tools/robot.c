@@ -277,7 +277,9 @@ int robot_link(const robot *r, const char *link, char text[REASON]) {
         if (strcmp(known, link) == 0) f = &r->urdf.frames[i];
         nearest_see(&n, known, strlen(known));
     }
-    if (f)
+    if (f && f->body < 0 && strcmp(link, "world") == 0)
+        snprintf(text, REASON, "link 'world' is the world and no body");
+    else if (f)
         snprintf(text, REASON,
                  "link '%.100s' is fixed to %.100s and no body of its own; for that: --keep %.100s", link,
                  f->body < 0 ? "the world" : r->urdf.bodies[f->body].name, link);

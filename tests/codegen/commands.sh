@@ -56,6 +56,7 @@ expect 2 "--algorithm: 'id' takes no link$see" --algorithm id:foot a
 expect 1 "--algorithm jacobian:foot: the robot has no link 'foot'" --algorithm jacobian:foot "$iiwa"
 expect 1 "--algorithm pose:lbr_iiwa_link7: the robot has no link 'lbr_iiwa_link7'; did you mean 'lbr_iiwa_link_7'?" \
     --algorithm id,pose:lbr_iiwa_link7 "$iiwa"
+expect 1 "--algorithm pose:world: link 'world' is the world and no body" --algorithm pose:world "$iiwa"
 expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"

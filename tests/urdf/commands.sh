@@ -78,20 +78,22 @@ expect 2 "rbd-model: unknown option '--float'; did you mean '--floating'? See rb
 expect 2 "rbd-eval: unknown option '--Model'; did you mean '--model'? See rbd-eval --help" "$rbd_eval" --Model
 expect 2 "rbd-model: --c: '1x' is not a C identifier: it takes the name of the table; see rbd-model --help" "$rbd_model" --c 1x a
 expect 2 "rbd-model: --urdf: there is only one output; see rbd-model --help" "$rbd_model" --c x --urdf a
-expect 2 "rbd-eval: --model is missing; see rbd-eval --help" "$rbd_eval" --algorithm id
+expect 2 "rbd-eval: no file given; see rbd-eval --help" "$rbd_eval" --algorithm id
 expect 2 "rbd-eval: --algorithm is missing; see rbd-eval --help" "$rbd_eval" --model a
 expect 2 "rbd-eval: --algorithm: there is no 'ABA'; did you mean 'aba'? See rbd-eval --help" "$rbd_eval" --algorithm ABA
 expect 2 "rbd-eval: --algorithm: there is no 'fdderivatives'; did you mean 'fd_derivatives'? See rbd-eval --help" \
     "$rbd_eval" --algorithm fdderivatives
 expect 2 "rbd-eval: --algorithm: there is no 'kinematics'; see rbd-eval --help" "$rbd_eval" --algorithm kinematics
-expect 2 "rbd-eval: --model: standard input has the table, so it cannot have the robot; see rbd-eval --help" \
+expect 2 "rbd-eval: '-': standard input has the table, so it cannot have the robot; see rbd-eval --help" \
     "$rbd_eval" --model - --algorithm id
 for output in "--c x" --urdf --dot; do
     # shellcheck disable=SC2086 # an option and its value
     expect 2 "rbd-model: --gravity: only the built model has gravity (--c-model); see rbd-model --help" \
         "$rbd_model" a $output --gravity 0,0,0
 done
-expect 2 "rbd-eval: unknown argument 'x'; see rbd-eval --help" "$rbd_eval" x
+expect 2 "rbd-eval: more than one file: 'b'; see rbd-eval --help" "$rbd_eval" --model a b
+expect 0 "" "$rbd_eval" "$root/models/cart_pole.urdf" --algorithm mm --layout
+grep -qx "takes q.hinge" out || fail "rbd-eval FILE"
 
 # ---- rbd-model: files ----
 
