@@ -196,8 +196,9 @@ def _run(command):
             ended = f"killed by signal {-status}"
         if status == -signal.SIGKILL:
             ended += " (out of memory?)"
-        raise RuntimeError(f"{shlex.join(command)}: {ended}; it printed " +
-                           (f":\n{done.stdout.strip()}" if done.stdout.strip() else "nothing"))
+        printed = done.stdout.strip()
+        raise RuntimeError(f"{shlex.join(command)}: {ended}; it printed" +
+                           (f":\n{printed}" if printed else " nothing"))
     return done.stdout
 
 
@@ -327,7 +328,7 @@ class Library:
         self.real = real
         self.scalar = {"double": ctypes.c_double, "float": ctypes.c_float}[real]
         self.dtype = np.dtype(real.replace("float", "float32"))
-        compiler = _words("compiler", compiler) if compiler else _c_compiler()
+        compiler = _words("compiler", compiler or "") or _c_compiler()
         command = [*compiler, *_words("flags", flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
         self._c = _compile([_SINGLE + _spatial_unit(), _batch_unit(real, lanes)], command, ["-lm"],
                            f"rbd.h for {real}, which takes about a minute")
@@ -385,8 +386,17 @@ class Library:
         return f"<rbd.Library {__version__}, {self.real}, {self.lanes} lanes>"
 
 
-@functools.lru_cache(maxsize=None)
+_library_lock = threading.Lock()
+
+
 def _default_library():
+    """The Library where none is named; threads that need it at once compile it once."""
+    with _library_lock:
+        return _only_library()
+
+
+@functools.lru_cache(maxsize=None)
+def _only_library():
     return Library()
 
 
@@ -805,8 +815,10 @@ class _Bound:
         together where it has a batch of the call; else it is called for each."""
         call, owner = self.call, self.owner
         if not call.outputs:
-            raise ValueError(f"{call.name}: this call takes one state, which the calls after it read; an "
-                             "argument has more axes")
+            name, shape = next((name, np.shape(value)) for name, value in zip(call.inputs, values)
+                               if np.ndim(value) > len(_shape(call.shapes[name], owner._dims)))
+            raise ValueError(f"{call.name}: {name} has the shape {shape}: this call takes one state, and other "
+                             "calls read its results")
         blocks = call.batch and owner._layout() == "blocks"
         lanes = (owner.library.lanes,) if blocks else ()
         cores = {name: _shape(call.shapes[name], owner._dims) + lanes for name in call.inputs + call.outputs}
@@ -959,16 +971,19 @@ def _to_c(values, row, where):
     """Writes a Body or a Constraint into a C struct."""
     for member, kind in row._fields_:
         value = getattr(values, member)
+        if issubclass(kind, ctypes.Array):
+            array = _array(f"{where}, field '{member}'", "it", value)
         try:
             if kind is ctypes.c_char_p:
                 value = value.encode() if value is not None else None
             elif issubclass(kind, ctypes.Array):
-                numbers = np.asarray(value, float).reshape(-1)
+                numbers = array.astype(float).reshape(-1)
                 if member in _PER_DOF and np.ndim(value) == 0:
                     numbers = np.repeat(numbers, kind._length_)
                 short = member in _PER_DOF and len(numbers) < kind._length_
                 if len(numbers) != kind._length_ and not short:
-                    raise ValueError(f"has {len(numbers)} numbers instead of {kind._length_}")
+                    raise ValueError(f"has {len(numbers)} numbers instead of {kind._length_}" +
+                                     " (xx xy xz yy yz zz)" * (member == "inertia"))
                 if kind._type_ is ctypes.c_int:
                     if (numbers != np.rint(numbers)).any():
                         raise ValueError("must be whole numbers")
@@ -977,10 +992,14 @@ def _to_c(values, row, where):
             elif member == "type":
                 value = JointType[value.upper()] if isinstance(value, str) else JointType(value)
             elif kind is ctypes.c_int:
+                if not hasattr(value, "__index__"):
+                    raise TypeError(f"must be an index or a name, not {value!r}")
                 value = _int(operator.index(value))
             setattr(row, member, value)
         except KeyError:
-            raise ValueError(f"{where}, field 'type': unknown joint type {value!r}") from None
+            names = ", ".join(kind.name.lower() for kind in JointType if kind.name != "JOINT_TYPES")
+            raise ValueError(f"{where}, field 'type': unknown joint type {value!r}; there are: "
+                             f"{names}") from None
         except (TypeError, ValueError, AttributeError) as error:
             raise type(error)(f"{where}, field '{member}': {error}") from None
 
@@ -1009,7 +1028,9 @@ def _rows(bodies):
             raise TypeError(f"{where}: must be a Body, not {type(body).__name__}")
         if isinstance(body.parent, str):
             if body.parent not in index:
-                raise ValueError(f"{where}, field 'parent': no earlier body is called '{body.parent}'")
+                near = difflib.get_close_matches(body.parent, [name for name in index if name], 1)
+                raise ValueError(f"{where}, field 'parent': no earlier body is called '{body.parent}'" +
+                                 (f"; did you mean '{near[0]}'?" if near else ""))
             body = replace(body, parent=index[body.parent])
         _to_c(body, rows[number], where)
         index.setdefault(body.name, number)
@@ -1917,7 +1938,7 @@ class Constraints(_Owner):
             if not isinstance(constraint, Constraint):
                 raise TypeError(f"constraint {number} must be a Constraint, not {type(constraint).__name__}")
             where = f"constraint {number}" + (f" '{constraint.name}'" if constraint.name else "")
-            bodies = {side: model._body(getattr(constraint, side), where, world=True)
+            bodies = {side: model._body(getattr(constraint, side), f"{where}, field '{side}'", world=True)
                       for side in ("body1", "body2")}
             _to_c(replace(constraint, **bodies), self._rows[number], where)
         self._prepare("constraints", "work")
@@ -1940,6 +1961,9 @@ class Constraints(_Owner):
         if kind == "batch_constraints" and kind not in self._addresses:
             self._prepare(kind, "batch")
         return self._addresses[kind] if kind in self._addresses else self.model._address(kind)
+
+    def __reduce__(self):
+        return Constraints, (self.model, list(self.list))
 
     def _layout(self):
         return self.model._layout()

@@ -149,7 +149,7 @@ WRONG = [
      r"q \(4, 3, 7\) has 4 in axis 0, a \(4, 5, 1, 7\) has 5 in axis 1"),
     (lambda m: m.rnea(np.zeros((3, 8)), v, a), ValueError,
      r"rnea: q must .* \(..., nq\) = \(..., 7\), not \(3, 8\)"),
-    (lambda m: m.kinematics(np.zeros((3, 7))), ValueError, "kinematics: this call takes one state"),
+    (lambda m: m.kinematics(np.zeros((3, 7))), ValueError, r"kinematics: q has the shape \(3, 7\): this call"),
     (lambda m: m.integrate(np.zeros((3, 7)), v, [0.1, 0.2]), ValueError,
      r"q \(3, 7\) has 3 .*, dt \(2,\) has 2 in axis 0"),
     (lambda m: m.hybrid(np.zeros((3, 7)), np.zeros((2, 7)), q.astype(int), a, a), ValueError,
@@ -211,6 +211,7 @@ WRONG = [
     (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
     (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
     (lambda m: m.constraints(["foot"]), TypeError, "constraint 0 must be a Constraint"),
+    (lambda m: m.constraints([rbd.Constraint("tip", None)]), TypeError, "'tip', field 'body1': a body is an index"),
     (lambda m: m.constraints(m.point_contact(6)), TypeError,
      "rows must be a list of Constraint, not Constraint"),
     (lambda m: m.c_model("iiwa", None), TypeError, "source must be text, not None"),
@@ -272,6 +273,13 @@ DESCRIPTIONS = [
     ([rbd.Body("rod", mass="7 kg")], TypeError, "body 0 'rod', field 'mass'"),
     ([rbd.Body("rod", axis=(0, 1))], ValueError, "body 0 'rod', field 'axis': has 2 numbers instead of 3"),
     ([rbd.Body("rod", damping=(1,) * 7)], ValueError, "body 0 'rod', field 'damping'"),
+    ([rbd.Body("rod", com=masked[:3])], TypeError, "'rod', field 'com': it is a masked array"),
+    ([rbd.Body("rod", com=("1", "2", "3"))], TypeError, "field 'com': it must be real numbers, not text"),
+    ([rbd.Body("rod", axis="z")], TypeError, "'rod', field 'axis': it must be real numbers, not text"),
+    ([rbd.Body("rod", axis=(0, 0, 1j))], TypeError, "field 'axis': it must be real numbers, not complex"),
+    ([rbd.Body("rod", inertia=np.eye(3))], ValueError, r"has 9 numbers instead of 6 \(xx xy xz yy yz zz\)"),
+    ([rbd.Body("rod", parent=0.0)], TypeError, "'rod', field 'parent': must be an index or a name, not 0.0"),
+    ([rbd.Body("arm"), rbd.Body("rod", parent="arn")], ValueError, "'arn'; did you mean 'arm'?"),
     ([rbd.Body(7)], (TypeError, AttributeError), "body 0 '7', field 'name'"),
     (["rod"], TypeError, "body 0: must be a Body, not str"),
 ]
@@ -785,6 +793,9 @@ def test_models_travel_to_processes(iiwa):
     np.testing.assert_array_equal(other.gravity(x), iiwa.gravity(x))
     with multiprocessing.get_context("fork").Pool(2) as pool:
         np.testing.assert_array_equal(pool.map(iiwa.gravity, [x, x]), [iiwa.gravity(x)] * 2)
+        held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+        found = pool.apply(held.constrained_fd, (x, v, a))
+        np.testing.assert_array_equal(found.a, held.constrained_fd(x, v, a).a)
         found = pool.apply(iiwa.rnea_derivatives, (x, v, a))
         np.testing.assert_array_equal(found.M, iiwa.rnea_derivatives(x, v, a).M)
         np.testing.assert_array_equal(pool.apply(iiwa.hybrid, (x, v, v < 1, a, a)).a, a)

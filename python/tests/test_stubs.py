@@ -62,7 +62,7 @@ def test_stubs_are_made_from_the_module():
 
 @pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
 def test_stubs_pass_mypy(tmp_path):
-    """mypy --strict accepts the right program and finds each wrong line; stubtest compares with the module."""
+    """mypy --strict accepts the right program and finds each wrong line; stubtest compares them with rbd."""
     (tmp_path / "right.py").write_text(RIGHT)
     (tmp_path / "wrong.py").write_text(WRONG)
     environment = {**os.environ, "MYPYPATH": str(PYTHON), "PYTHONPATH": str(PYTHON)}
