@@ -168,14 +168,18 @@ def _warn(sentences):
 
 
 def _python_words(text):
-    """A sentence of the library with Python's names: no prefix, options as keywords."""
-    def option(found):
-        name, value = found.group(1).replace("-", "_"), found.group(2)
+    """A sentence of the library with Python's names: no prefix, options as keywords. Names of bodies and joints
+    stand in quotes and stay."""
+    def word(found):
+        option, value = found.groups()
+        if not option:
+            return found[0] if found[0].startswith("'") else ""
+        option = option.replace("-", "_")
         flags = "floating", "keep_all", "lock_massless", "strict", "messages"
-        return name + "=" + value.strip() if value else name + "=True" if name in flags else name
+        return f"{option}={value}" if value else f"{option}=True" if option in flags else option
 
-    text = re.sub(r"(?:options\.\w+, )?(?:rbd-\w+ )?--([a-z][a-z-]*)( '[^']*')?", option, text)
-    return re.sub(r"\b(?:RBD_(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", "", text)
+    return re.sub(r"'[^']*'|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
+                  r"\b(?:RBD_(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", word, text)
 
 
 # ---- compiling ----

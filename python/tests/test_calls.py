@@ -857,6 +857,7 @@ def test_names_are_those_of_python():
     for sentence, expected in (
             ("rbd_kinematics must be called first", "kinematics must be called first"),
             ("RBD_URDF_ERR_FILE rbd_urdf_load", "ERR_FILE load"),
+            ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
