@@ -8,8 +8,8 @@
     tau = model.rnea(Q, V, A)                                           # n states: Q n x nq, V and A n x nv
     tau = model.rnea(Q, v, a)                                           # n states of the same v and a
 
-The first use compiles rbd.h and its companions with the C compiler of this machine. That takes about a
-minute; a line on standard error says so, unless $RBD_QUIET is set. The result stays in a cache folder
+The first use compiles rbd.h and its companions with the C compiler of this machine. That takes half a minute
+to a minute; a line on standard error says so, unless $RBD_QUIET is set. The result stays in a cache folder
 ($RBD_CACHE, else ~/.cache/rbd), so that later uses start at once. A `Library` chooses the scalar and the
 compiler's flags.
 
@@ -168,8 +168,8 @@ def _warn(sentences):
 
 
 def _python_words(text):
-    """A sentence of the library with Python's names: no prefix, options as keywords. Names of bodies and joints
-    stand in quotes and stay."""
+    """A sentence of the library with Python's names: no prefix, options as keywords. Names of bodies and
+    joints, in quotes, stay as they are, and so do macros."""
     def word(found):
         option, value = found.groups()
         if not option:
@@ -179,7 +179,7 @@ def _python_words(text):
         return f"{option}={value}" if value else f"{option}=True" if option in flags else option
 
     return re.sub(r"'[^']*'|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
-                  r"\b(?:RBD_(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", word, text)
+                  r"\b(?:RBD_(?!NO_)(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", word, text)
 
 
 # ---- compiling ----
@@ -335,7 +335,7 @@ class Library:
         compiler = _words("compiler", compiler or "") or _c_compiler()
         command = [*compiler, *_words("flags", flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
         self._c = _compile([_SINGLE + _spatial_unit(), _batch_unit(real, lanes)], command, ["-lm"],
-                           f"rbd.h for {real}, which takes about a minute")
+                           f"rbd.h for {real}, which takes half a minute to a minute")
         self.lanes = self.call("batch_lanes")
         self.spatial = Spatial(self)
 
@@ -821,8 +821,8 @@ class _Bound:
         if not call.outputs:
             name, shape = next((name, np.shape(value)) for name, value in zip(call.inputs, values)
                                if np.ndim(value) > len(_shape(call.shapes[name], owner._dims)))
-            raise ValueError(f"{call.name}: {name} has the shape {shape}: this call takes one state, and other "
-                             "calls read its results")
+            raise ValueError(f"{call.name}: {name} has the shape {shape}: this call takes one state, and "
+                             "other calls read its results")
         blocks = call.batch and owner._layout() == "blocks"
         lanes = (owner.library.lanes,) if blocks else ()
         cores = {name: _shape(call.shapes[name], owner._dims) + lanes for name in call.inputs + call.outputs}

@@ -1206,6 +1206,7 @@ class Status(IntEnum):
     ERR_NAN = -25
     ERR_GAIN = -26
     ERR_INFEASIBLE = -27
+    ERR_LEFT_OUT = -28
     WARN_INERTIA_NEGATIVE = 1
     WARN_INERTIA_TRIANGLE = 2
     WARN_INERTIA_ZERO = 3
@@ -1249,6 +1250,7 @@ class UrdfStatus(IntEnum):
     WARN_NAME = 6
     WARN_MIMIC = 7
     WARN_SINGULAR = 8
+    WARN_DEGREES = 9
 
 
 def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:

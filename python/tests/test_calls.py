@@ -856,7 +856,7 @@ def test_names_are_those_of_python():
     assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
     for sentence, expected in (
             ("rbd_kinematics must be called first", "kinematics must be called first"),
-            ("RBD_URDF_ERR_FILE rbd_urdf_load", "ERR_FILE load"),
+            ("RBD_URDF_ERR_FILE rbd_urdf_load RBD_NO_CRBA", "ERR_FILE load RBD_NO_CRBA"),
             ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
