@@ -58,6 +58,7 @@ enum {
     HYQ_CODE,
     ATLAS_CODE,
     LANES_DOUBLE,
+    LANES_DOUBLE_4, /* where LANES_DOUBLE has 8 */
     LANES_FLOAT,
     BLOCKS_DOUBLE,
     BLOCKS_FLOAT,
@@ -71,6 +72,9 @@ enum {
     KDL,
     RBDL,
     PINOCCHIO,
+    PINOCCHIO_PV,
+    PINOCCHIO_AVX512F,
+    PINOCCHIO_PV_AVX512F,
     DYNIBO,
     ROBCOGEN_IIWA,
     ROBCOGEN_HYQ,
@@ -177,8 +181,8 @@ bool library_is_ours(const struct library *library);
 rbd_status algorithm_run(int algorithm, const struct instance *r, const struct worker *w,
                          const struct states *s, int first, int count);
 
-/* The parts of its result: HYBRID and FREE_BASE a and tau; ID_DERIVATIVES d tau/dq and d tau/dv;
-   FD_DERIVATIVES da/dq, da/dv and M^-1; CONSTRAINED a and lambda. Sets their sizes for one state, and returns
+/* The parts of its result: HYBRID and FREE_BASE a and tau; ID_DERIVATIVES d tau/dq and d tau/dv,
+   ID_DERIVATIVES_MM M as well; FD_DERIVATIVES da/dq, da/dv and M^-1; CONSTRAINED a and lambda. Sets their sizes for one state, and returns
    how many there are. */
 enum { MAX_PARTS = 3 };
 int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]);
@@ -256,8 +260,10 @@ int measure_by(struct row *rows, int n, int samples, int experiments, timer *tim
 #define TEXT(x) TEXT_OF(x)
 #define TEXT_OF(x) #x
 
-/* "run-time", "lanes 8", "threads 2" and so on; returns text. */
-const char *row_variant(const struct row *row, char text[32]);
+enum { NAME_SIZE = 64 };
+
+/* "run-time", "lanes 8", "threads 2", "run-time pv" and so on; returns text. */
+const char *row_variant(const struct row *row, char text[NAME_SIZE]);
 
 /* Prints where something went wrong and what, to stderr. Returns -1. */
 int row_error(const struct row *row, const char *format, ...);

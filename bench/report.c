@@ -32,21 +32,21 @@ void progress(const char *format, ...) {
     va_end(arguments);
 }
 
-const char *row_variant(const struct row *row, char text[32]) {
-    const char *name = variant_names[row->variant];
+const char *row_variant(const struct row *row, char text[NAME_SIZE]) {
+    const char *name = variant_names[row->variant], *form = row->instance->library->form;
     const int lanes = row->instance->library->lanes;
     if (row->variant == THREADS || lanes > 1)
-        snprintf(text, 32, "%s %d", name, row->variant == THREADS ? row->threads : lanes);
+        snprintf(text, NAME_SIZE, "%s %d", name, row->variant == THREADS ? row->threads : lanes);
     else
-        snprintf(text, 32, "%s", name);
+        snprintf(text, NAME_SIZE, "%s%s%s", name, form ? " " : "", form ? form : "");
     return text;
 }
 
 /* The same for people: of another library, its name and version. */
-static const char *row_title(const struct row *row, char text[32]) {
-    const struct library *library = row->instance->library;
-    if (library_is_ours(library)) return row_variant(row, text);
-    snprintf(text, 32, "%s %s", library->name, library->version);
+static const char *row_title(const struct row *row, char text[NAME_SIZE]) {
+    const struct library *l = row->instance->library;
+    if (library_is_ours(l)) return row_variant(row, text);
+    snprintf(text, NAME_SIZE, "%s %s%s%s", l->name, l->version, l->form ? " " : "", l->form ? l->form : "");
     return text;
 }
 
@@ -57,7 +57,7 @@ static const char *build_of(const struct library *l) {
 
 int row_error(const struct row *row, const char *format, ...) {
     va_list arguments;
-    char variant[32];
+    char variant[NAME_SIZE];
     progress("");
     fprintf(stderr, "rbd-bench: %s, %s, %s, %s: ", row->instance->robot->title,
             row->instance->library->scalar, algorithms[row->algorithm].title, row_title(row, variant));
@@ -111,11 +111,11 @@ static const struct row *row_beside(const struct row *rows, int n, const struct 
     return NULL;
 }
 
-/* How many times as fast as the run-time model, in text; empty if it is not measured. */
+/* How many times as fast as the run-time model, by the least times, in text; empty if it is not measured. */
 static const char *speed_up(const struct row *rows, int n, const struct row *row, char text[32]) {
     const struct row *run_time = row_beside(rows, n, row, RUN_TIME);
     *text = 0;
-    if (run_time && run_time != row) snprintf(text, 32, "%.3g", run_time->mean / row->mean);
+    if (run_time && run_time != row) snprintf(text, 32, "%.3g", run_time->min / row->min);
     return text;
 }
 
@@ -126,26 +126,62 @@ static bool has_waited(const struct row *rows, int n, const struct row *row) {
     return lanes && row->mean > lanes->mean;
 }
 
-static void write_table_row(FILE *f, const struct row *rows, int n, int i) {
-    char quad[32], variant[32], speed[32];
+/* The columns that name a row, and how wide they must be. */
+struct names {
+    int robot, scalar, algorithm, variant;
+};
+
+static void widen(int *width, const char *text) {
+    const int length = (int)strlen(text);
+    if (length > *width) *width = length;
+}
+
+static struct names names_of(const struct row *rows, int n) {
+    struct names w = {0, 0, 0, 0};
+    char variant[NAME_SIZE];
+    widen(&w.robot, "robot"), widen(&w.scalar, "scalar");
+    widen(&w.algorithm, "algorithm"), widen(&w.variant, "variant");
+    for (int i = 0; i < n; i++) {
+        const struct instance *r = rows[i].instance;
+        widen(&w.robot, r->robot->title), widen(&w.scalar, r->library->scalar);
+        widen(&w.algorithm, algorithms[rows[i].algorithm].title);
+        widen(&w.variant, row_title(&rows[i], variant));
+    }
+    return w;
+}
+
+static void write_names(FILE *f, struct names w, const char *robot, const char *scalar, const char *algorithm,
+                        const char *variant) {
+    fprintf(f, "%-*s %-*s %-*s %-*s", w.robot, robot, w.scalar, scalar, w.algorithm, algorithm, w.variant,
+            variant);
+}
+
+static void write_table_row(FILE *f, struct names w, const struct row *rows, int n, int i) {
+    char quad[32], variant[NAME_SIZE], speed[32];
     const struct row *row = &rows[i], *above = i > 0 ? row - 1 : NULL;
     const struct instance *r = row->instance;
     const bool same_robot = above && above->instance->robot == r->robot;
     const bool same_scalar = same_robot && strcmp(above->instance->library->scalar, r->library->scalar) == 0;
     const bool same_algorithm = same_scalar && above->algorithm == row->algorithm;
     if (above && !same_scalar) fputc('\n', f);
-    fprintf(f, "%-6s %-7s %-28s %-17s %9.1f %8.1f %9.1f %9s %10.1e %10s%s%s\n",
-            same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
-            same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant), row->mean,
-            row->stddev, row->min, speed_up(rows, n, row, speed), row->max_error,
-            quad_error(row, "", "%.1e", quad), row->disturbed ? " disturbed" : "",
-            has_waited(rows, n, row) ? " *" : "");
+    write_names(f, w, same_robot ? "" : r->robot->title, same_scalar ? "" : r->library->scalar,
+                same_algorithm ? "" : algorithms[row->algorithm].title, row_title(row, variant));
+    fprintf(f, " %9.1f %9s %9.1f %9.1f %10.1e %10s%s%s\n", row->min, speed_up(rows, n, row, speed), row->mean,
+            row->stddev, row->max_error, quad_error(row, "", "%.1e", quad),
+            row->disturbed ? " disturbed" : "", has_waited(rows, n, row) ? " *" : "");
+}
+
+/* Whether it was compiled from source here, by GCC. */
+static bool is_by_gcc(const struct row *row) {
+    return !library_is_ours(row->instance->library) &&
+           strncmp(build_of(row->instance->library), "gcc ", 4) == 0;
 }
 
 /* What the marks mean, as far as there are any. */
 static void write_table_notes(FILE *f, const struct row *rows, int n) {
-    bool waited = false, disturbed = false;
+    bool waited = false, disturbed = false, by_gcc = false;
     for (int i = 0; i < n; i++) {
+        by_gcc = by_gcc || is_by_gcc(&rows[i]);
         waited = waited || has_waited(rows, n, &rows[i]);
         disturbed = disturbed || rows[i].disturbed;
     }
@@ -153,6 +189,11 @@ static void write_table_notes(FILE *f, const struct row *rows, int n) {
         fputs("\n* longer than lanes on one core: other programs kept the cores busy, or the states are too "
               "few "
               "to share\n",
+              f);
+    if (by_gcc)
+        fputs("\nPinocchio, and what RobCoGen wrote, are compiled by g++ here: clang makes Pinocchio 1.35 to "
+              "1.8 "
+              "times as fast;\ninstall it and configure anew, with CXX=clang++\n",
               f);
     if (disturbed)
         fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may "
@@ -167,9 +208,11 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
     fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
     fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per state\n\n", o->samples,
             (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
-    fprintf(f, "%-6s %-7s %-28s %-17s %9s %8s %9s %9s %10s %10s\n", "robot", "scalar", "algorithm", "variant",
-            "mean", "std dev", "min", "speed-up", "max error", "quad error");
-    for (int i = 0; i < n; i++) write_table_row(f, rows, n, i);
+    const struct names w = names_of(rows, n);
+    write_names(f, w, "robot", "scalar", "algorithm", "variant");
+    fprintf(f, " %9s %9s %9s %9s %10s %10s\n", "min", "speed-up", "mean", "std dev", "max error",
+            "quad error");
+    for (int i = 0; i < n; i++) write_table_row(f, w, rows, n, i);
     write_table_notes(f, rows, n);
 }
 
@@ -180,7 +223,7 @@ static void write_csv(FILE *f, const struct options *o, const struct row *rows, 
           "mean_ns,stddev_ns,min_ns,max_error,quad_error,variant,disturbed\n",
           f);
     for (int i = 0; i < n; i++) {
-        char quad[32], variant[32];
+        char quad[32], variant[NAME_SIZE];
         const struct row *row = &rows[i];
         const struct instance *r = row->instance;
         fprintf(f, "%s,%s,%s,%s,%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3e,%s,%s,%d\n", r->library->name,
@@ -206,7 +249,7 @@ static void write_json_fact(FILE *f, const char *key, const char *value) {
 }
 
 static void write_json_row(FILE *f, const struct options *o, const struct row *row) {
-    char quad[32], variant[32];
+    char quad[32], variant[NAME_SIZE];
     const struct instance *r = row->instance;
     fprintf(f,
             "    {\"library\": \"%s\", \"version\": \"%s\", \"compiler\": \"%s\", \"scalar\": \"%s\", "

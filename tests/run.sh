@@ -75,7 +75,9 @@ prints 'please install, as root: apt-get install pkg-config'
 # ---- as root: a size, and the patience for another apt ----
 
 echo 'echo 0' | stub id
-printf '[ -e "%s/got-liburdfdom-dev" ]\n' "$scratch" | stub pkg-config
+stub pkg-config <<END
+case \$2 in pinocchio) [ -e "$scratch/pinocchio" ] ;; *) [ -e "$scratch/got-liburdfdom-dev" ] ;; esac
+END
 : >"$scratch/locked"
 : >"$scratch/apt"
 run 0 fuzz 7
@@ -93,7 +95,7 @@ for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do echo "[\$i/20] C
 [ ! -e "$scratch/broken" ] || { echo "error: 20.c is wrong"; exit 1; }
 END
 stub meson <<END
-echo "\$*" >>"$scratch/meson"
+echo "\$* CXX=\${CXX-}" >>"$scratch/meson"
 case "\$*" in
 *--list*--suite\ packages*) echo "rbd:packages / package cmake" ;;
 *--list*--suite\ firmware*) echo "rbd:firmware / firmware cortex-m3" ;;
@@ -104,6 +106,7 @@ esac
 END
 : >"$scratch/apt"
 run 0 test --light suites -v
+prints '^run: test takes half an hour'
 prints '^3 passed, 0 failed$'
 prints '^left out: package cmake$'
 prints '^left out: firmware cortex-m3$'
@@ -113,7 +116,7 @@ prints 'built 20 of 20$'
 [ "$(grep -c 'run: built' "$scratch/printed")" -eq 10 ] || fail "not a line for each tenth"
 asked_not 'arm-none-eabi'
 asked_not 'install.* cmake'
-grep -q -e 'test .*--no-suite machines --no-suite firmware --no-suite packages suites -v$' "$scratch/meson" || fail "wrong meson arguments"
+grep -q -e 'test .*--no-suite machines --no-suite firmware --no-suite packages suites -v CXX=$' "$scratch/meson" || fail "wrong meson arguments"
 
 run 0 test
 asked 'install -y .* cmake$'
@@ -121,7 +124,13 @@ asked 'install -y .*clang-19.* clang-format-19.* gcc-arm-none-eabi'
 asked_not 'install.*clang-16'
 prints 'doing without clang-16'
 prints_not 'left out'
-tail -n 1 "$scratch/meson" | grep -q 'print-errorlogs$' || fail "arguments of another run"
+grep -q 'setup.* CXX=$' "$scratch/meson" || fail "another C++ compiler than the usual"
+# clang compiles C++ where Pinocchio is, unless CXX says another.
+: >"$scratch/pinocchio"
+run 0 test
+grep -q 'setup.* CXX=clang++-19$' "$scratch/meson" || fail "Pinocchio is not compiled by clang"
+rm "$scratch/pinocchio"
+tail -n 1 "$scratch/meson" | grep -q 'print-errorlogs CXX=$' || fail "arguments of another run"
 
 : >"$scratch/broken"
 run 1 test --light
@@ -141,7 +150,7 @@ stub clang-16 </dev/null # comes
 run 0 test --light
 prints 'configuring build/ again, since something has been installed or removed$'
 [ -e "$tools" ] || fail "build/tools is gone"
-grep -q '^configure .*--clearcache$' "$scratch/meson" && grep -q '^setup --reconfigure ' "$scratch/meson" || fail "wrong meson arguments"
+grep -q '^configure .*--clearcache CXX=$' "$scratch/meson" && grep -q '^setup --reconfigure ' "$scratch/meson" || fail "wrong meson arguments"
 run 0 test --light
 prints_not 'configuring'
 sed -i '1s|.*|/another/tree|' "$scratch/tree/build/.run"

@@ -135,6 +135,13 @@ static rbd_status call_did(const void *model, void *work, int n, const void *q, 
     return rbd_batch_rnea_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, NULL);
 }
 
+static rbd_status call_did_mm(const void *model, void *work, int n, const void *q, const void *v,
+                              const void *a, void *out) {
+    const int part = BATCH * rbd_nv(model) * rbd_nv(model);
+    RBD_REAL *dq = out, *dv = dq + part, *M = dv + part;
+    return rbd_batch_rnea_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, M);
+}
+
 static rbd_status call_dfd(const void *model, void *work, int n, const void *q, const void *v,
                            const void *tau, void *out) {
     const int part = BATCH * rbd_nv(model) * rbd_nv(model);
@@ -164,5 +171,5 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky, [MINV] = call_minv, [JACOBIAN] = call_jacobian, \
     [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, [ID_DERIVATIVES] = call_did, \
-    [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
+    [ID_DERIVATIVES_MM] = call_did_mm, [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
     [CONSTRAINED_HAND] = call_constrained_hand

@@ -17,6 +17,9 @@
 
 typedef RBD_REAL number; /* of the arrays: rbd_real may be a vector of them */
 
+#ifdef ALONE /* in a shared object that shows nothing else */
+__attribute__((visibility("default")))
+#endif
 extern const struct library LIBRARY;
 #ifdef BLOCKS_LIBRARY /* the same calls on states that stand lane by lane */
 extern const struct library BLOCKS_LIBRARY;

@@ -25,6 +25,7 @@ enum {
     CORIOLIS,
     REGRESSOR,
     ID_DERIVATIVES,
+    ID_DERIVATIVES_MM, /* the same with M asked for */
     FD_DERIVATIVES,
     CONSTRAINED, /* and those behind it: robots/contacts.h */
     CONSTRAINED_HAND,
@@ -81,6 +82,8 @@ struct conventions {
 struct library {
     const char *name; /* on the command line and in the report */
     const char *version;
+    const char
+        *form; /* of another library that has several rows: how this one is called or compiled; or NULL */
     const char *scalar;
     int variant, lanes; /* lanes: states in a SIMD instruction */
     bool blocks;        /* states and results stand lane by lane: number_place */

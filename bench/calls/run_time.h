@@ -168,6 +168,14 @@ static rbd_status call_did(const void *model, void *work, int n, const void *q, 
     return rbd_rnea_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, NULL);
 }
 
+static rbd_status call_did_mm(const void *model, void *work, int n, const void *q, const void *v,
+                              const void *a, void *out) {
+    const int nv = rbd_nv(model);
+    rbd_real *dq = out, *dv = dq + nv * nv, *M = dv + nv * nv;
+    (void)n;
+    return rbd_rnea_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, M);
+}
+
 static rbd_status call_dfd(const void *model, void *work, int n, const void *q, const void *v,
                            const void *tau, void *out) {
     const int nv = rbd_nv(model);
@@ -201,5 +209,5 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
     [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [FREE_BASE] = call_free_base, \
     [MINV] = call_minv, [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, \
     [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, \
-    [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
+    [ID_DERIVATIVES_MM] = call_did_mm, [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
     [CONSTRAINED_HAND] = call_constrained_hand

@@ -12,7 +12,7 @@ static bool is_counted(const struct row *row) { return row->threads == 1; }
 
 /* "library,version,variant,scalar,robot,algorithm" */
 static const char *row_key(const struct row *row, char text[160]) {
-    char variant[32];
+    char variant[NAME_SIZE];
     const struct library *l = row->instance->library;
     snprintf(text, 160, "%s,%s,%s,%s,%s,%s", l->name, l->version, row_variant(row, variant), l->scalar,
              row->instance->robot->name, algorithms[row->algorithm].name);

@@ -106,6 +106,7 @@ static const struct {
     [CORIOLIS] = {"coriolis", tau},
     [REGRESSOR] = {"regressor", a},
     [ID_DERIVATIVES] = {"did", a},
+    [ID_DERIVATIVES_MM] = {"did_mm", a},
     [FD_DERIVATIVES] = {"dfd", tau},
     [CONSTRAINED] = {"constrained", tau},
     [CONSTRAINED_HAND] = {"constrained_hand", tau},

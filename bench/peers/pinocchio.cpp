@@ -13,6 +13,8 @@
 #include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
+#include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/algorithm/pv.hpp>
 #include <pinocchio/algorithm/regressor.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
@@ -39,6 +41,9 @@ struct model {
 
 enum { SETS = ALGORITHMS - CONSTRAINED };
 
+// Two algorithms for constrained dynamics: each is a library of its own to the bench.
+enum solver { SPARSE_CHOLESKY, POPOV_VERESHCHAGIN, SOLVERS };
+
 // A set of contacts, none if the robot lacks it, and the data of its own that they take.
 struct contacts {
     template <typename T> using list = std::vector<T, Eigen::aligned_allocator<T>>;
@@ -46,17 +51,18 @@ struct contacts {
     list<pinocchio::RigidConstraintData> data;
     pinocchio::ProximalSettings settings; // as they are: no regularisation, one iteration
     pinocchio::Data d;
-    contacts(const model &p, int algorithm);
+    contacts(const model &p, int algorithm, solver by);
 };
 
 struct work {
     pinocchio::Model m; // for its gravity
     pinocchio::Data d;
-    MatrixXd J;
+    pinocchio::Data::Matrix6x J;
     std::size_t last;
-    std::vector<contacts> sets;
-    work(const model &p) : m(p.m), d(p.m), J(MatrixXd::Zero(6, p.m.nv)), last(p.last) {
-        for (int i = 0; i < SETS; i++) sets.emplace_back(p, CONSTRAINED + i);
+    std::vector<contacts> sets[SOLVERS];
+    work(const model &p) : m(p.m), d(p.m), J(pinocchio::Data::Matrix6x::Zero(6, p.m.nv)), last(p.last) {
+        for (int by = 0; by < SOLVERS; by++)
+            for (int i = 0; i < SETS; i++) sets[by].emplace_back(p, CONSTRAINED + i, solver(by));
     }
 };
 
@@ -131,7 +137,7 @@ void find_places(model *p) {
     }
 }
 
-contacts::contacts(const model &p, int algorithm) : d(p.m) {
+contacts::contacts(const model &p, int algorithm, solver by) : d(p.m) {
     const int nb = (int)p.t.bodies.size();
     const contact_set *set = contact_set_of(p.t.bodies.data(), nb, algorithm);
     for (int i = 0; set && i < set->count; i++) {
@@ -143,7 +149,10 @@ contacts::contacts(const model &p, int algorithm) : d(p.m) {
                             pinocchio::LOCAL);
         data.emplace_back(models.back());
     }
-    pinocchio::initConstraintDynamics(p.m, d, models);
+    if (by == SPARSE_CHOLESKY)
+        pinocchio::initConstraintDynamics(p.m, d, models);
+    else
+        pinocchio::initPvSolver(p.m, d, models);
 }
 
 rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
@@ -179,8 +188,15 @@ rbd_status set_gravity(void *w, const double gravity[3]) {
 
 // ---- the calls that are timed ----
 
-void run(const pinocchio::Model &m, contacts *c, const input &q, const input &v, const input &tau) {
+using constrained_call = void(const pinocchio::Model &m, contacts *c, const input &q, const input &v,
+                              const input &tau);
+
+void run_sparse(const pinocchio::Model &m, contacts *c, const input &q, const input &v, const input &tau) {
     pinocchio::constraintDynamics(m, c->d, q, v, tau, c->models, c->data, c->settings);
+}
+
+void run_pv(const pinocchio::Model &m, contacts *c, const input &q, const input &v, const input &tau) {
+    pinocchio::pv(m, c->d, q, v, tau, c->models, c->data, c->settings);
 }
 
 // A call of Pinocchio's with m, d and the state's parts as maps on the caller's arrays.
@@ -206,11 +222,13 @@ CALL(jacobian, pinocchio::computeFrameJacobian(m, d, q, w->last, pinocchio::LOCA
 CALL(momentum_matrix, pinocchio::computeCentroidalMap(m, d, q))
 CALL(coriolis, pinocchio::computeCoriolisMatrix(m, d, q, v))
 CALL(regressor, pinocchio::computeJointTorqueRegressor(m, d, q, v, x))
-CALL(did, pinocchio::computeRNEADerivatives(m, d, q, v, x))
+CALL(did_mm, pinocchio::computeRNEADerivatives(m, d, q, v, x))
 CALL(dfd, pinocchio::computeABADerivatives(m, d, q, v, x))
 
-CALL(constrained, run(w->m, &w->sets[0], q, v, x))
-CALL(constrained_hand, run(w->m, &w->sets[1], q, v, x))
+CALL(constrained, run_sparse(w->m, &w->sets[SPARSE_CHOLESKY][0], q, v, x))
+CALL(constrained_hand, run_sparse(w->m, &w->sets[SPARSE_CHOLESKY][1], q, v, x))
+CALL(constrained_pv, run_pv(w->m, &w->sets[POPOV_VERESHCHAGIN][0], q, v, x))
+CALL(constrained_hand_pv, run_pv(w->m, &w->sets[POPOV_VERESHCHAGIN][1], q, v, x))
 
 // Its regressor has a block for each joint, in which fixed bodies are merged.
 int can(const void *model_, int algorithm) {
@@ -269,31 +287,60 @@ void reorder_regressor(const model *p, const MatrixXd &its, double *x) {
 }
 
 // A flat contact holds a surface's spatial acceleration at 0, where rbd holds that of a point, which is
-// omega x u more. With that as the wanted acceleration, 0 in the timed call, both solve the same.
-void run_as_rbd(const model *p, const pinocchio::Model &m, contacts *c, const struct state *rbd) {
+// omega x u more. With that as the wanted acceleration, 0 in the timed call, both solve the same. pv takes no
+// wanted acceleration, but a gain for a velocity that it reads of a flat contact and does not compute.
+void run_as_rbd(const model *p, const pinocchio::Model &m, contacts *c, constrained_call *call,
+                const struct state *rbd) {
     bool flat = false;
     for (const auto &contact : c->models) flat = flat || contact.type == pinocchio::CONTACT_6D;
-    if (!flat) return;
     VectorXd q(m.nq), v(m.nv), a(m.nv), tau(m.nv);
     const struct state its = {q.data(), v.data(), a.data(), tau.data()};
     convert_state(p, rbd, &its);
-    for (size_t i = 0; i < c->data.size(); i++) {
-        const pinocchio::Motion &u = c->data[i].contact1_velocity;
-        pinocchio::Motion &wanted = c->data[i].contact_acceleration_desired;
-        wanted.setZero();
-        if (c->models[i].type == pinocchio::CONTACT_6D) wanted.linear() = -u.angular().cross(u.linear());
+    pinocchio::forwardKinematics(m, c->d, q, v);
+    for (size_t i = 0; flat && i < c->data.size(); i++) {
+        pinocchio::RigidConstraintModel &contact = c->models[i];
+        if (contact.type != pinocchio::CONTACT_6D) continue;
+        const pinocchio::Motion u = contact.joint1_placement.actInv(c->d.v[contact.joint1_id]);
+        const Vector3d wanted = -u.angular().cross(u.linear());
+        c->data[i].contact_acceleration_desired.setZero();
+        if (call == run_sparse) {
+            c->data[i].contact_acceleration_desired.linear() = wanted;
+        } else {
+            contact.corrector.Kd.setOnes();
+            c->data[i].contact1_velocity.setZero();
+            c->data[i].contact1_velocity.linear() = -wanted;
+        }
     }
-    run(m, c, input(q.data(), m.nq), input(v.data(), m.nv), input(tau.data(), m.nv));
+    if (flat) call(m, c, input(q.data(), m.nq), input(v.data(), m.nv), input(tau.data(), m.nv));
+    pinocchio::forwardKinematics(m, c->d, q);
     for (auto &data : c->data) data.contact_acceleration_desired.setZero();
+    for (auto &contact : c->models) contact.corrector.Kd.setZero();
+}
+
+// The force of contact i, in its axes: pv leaves those of a joint's contacts one after the other.
+pinocchio::Force force_of(const contacts &c, constrained_call *call, size_t i) {
+    if (call == run_sparse) return c.data[i].contact_force;
+    int first = 0;
+    for (size_t k = 0; k < i; k++)
+        if (c.models[k].joint1_id == c.models[i].joint1_id) first += c.models[k].size();
+    const VectorXd &its = c.d.lambdaA[c.models[i].joint1_id];
+    pinocchio::Force f = pinocchio::Force::Zero();
+    f.linear() = -its.segment<3>(first);
+    if (c.models[i].type == pinocchio::CONTACT_6D) f.angular() = -its.segment<3>(first + 3);
+    return f;
 }
 
 // The acceleration, then of each contact the moment, if it is flat, and the force, in world axes.
-void reorder_constrained(const model *p, const contacts &c, double *x) {
-    for (int i = 0; i < p->m.nv; i++) *x++ = c.d.ddq[p->place[(size_t)i]];
-    for (size_t i = 0; i < c.data.size(); i++) {
-        const Matrix3d R = c.data[i].oMc1.rotation();
-        const Vector3d n = R * c.data[i].contact_force.angular(), f = R * c.data[i].contact_force.linear();
-        for (int k = 0; k < 3 && c.models[i].type == pinocchio::CONTACT_6D; k++) *x++ = n[k];
+void constrained_as_rbd(const model *p, const pinocchio::Model &m, contacts *c, constrained_call *call,
+                        const struct state *rbd, double *x) {
+    run_as_rbd(p, m, c, call, rbd);
+    for (int i = 0; i < p->m.nv; i++) *x++ = c->d.ddq[p->place[(size_t)i]];
+    for (size_t i = 0; i < c->data.size(); i++) {
+        const pinocchio::RigidConstraintModel &contact = c->models[i];
+        const Matrix3d R = c->d.oMi[contact.joint1_id].rotation() * contact.joint1_placement.rotation();
+        const pinocchio::Force its = force_of(*c, call, i);
+        const Vector3d n = R * its.angular(), f = R * its.linear();
+        for (int k = 0; k < 3 && contact.type == pinocchio::CONTACT_6D; k++) *x++ = n[k];
         for (int k = 0; k < 3; k++) *x++ = f[k];
     }
 }
@@ -316,21 +363,29 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     case MOMENTUM_MATRIX: reorder_motion(p, d.Ag, x); break;
     case CORIOLIS: reorder(p, d.C, x); break;
     case REGRESSOR: reorder_regressor(p, d.jointTorqueRegressor, x); break;
-    case ID_DERIVATIVES:
+    case ID_DERIVATIVES_MM:
         reorder(p, d.dtau_dq, x);
         reorder(p, d.dtau_dv, x + nv * nv);
+        reorder_upper(p, d.M, x + 2 * nv * nv);
         break;
     case FD_DERIVATIVES:
         reorder(p, d.ddq_dq, x);
         reorder(p, d.ddq_dv, x + nv * nv);
-        reorder_upper(p, d.Minv, x + 2 * nv * nv);
+        reorder(p, d.Minv, x + 2 * nv * nv);
         break;
     case CONSTRAINED:
     case CONSTRAINED_HAND:
-        run_as_rbd(p, w->m, &w->sets[(size_t)(algorithm - CONSTRAINED)], rbd);
-        reorder_constrained(p, w->sets[(size_t)(algorithm - CONSTRAINED)], x);
+        constrained_as_rbd(p, w->m, &w->sets[SPARSE_CHOLESKY][(size_t)(algorithm - CONSTRAINED)], run_sparse,
+                           rbd, x);
         break;
     }
+}
+
+void convert_pv(const void *p, int algorithm, const struct state *rbd, const double *out, double *x) {
+    work *w;
+    std::memcpy(&w, out, sizeof w);
+    constrained_as_rbd(static_cast<const model *>(p), w->m,
+                       &w->sets[POPOV_VERESHCHAGIN][(size_t)(algorithm - CONSTRAINED)], run_pv, rbd, x);
 }
 
 conventions make_conventions() {
@@ -348,14 +403,23 @@ conventions make_conventions() {
     c.calls[MOMENTUM_MATRIX] = "computeCentroidalMap";
     c.calls[CORIOLIS] = "computeCoriolisMatrix";
     c.calls[REGRESSOR] = "computeJointTorqueRegressor";
-    c.calls[ID_DERIVATIVES] = "computeRNEADerivatives: structural zeros not written; M as well";
-    c.calls[FD_DERIVATIVES] = "computeABADerivatives: one triangle of M^-1";
+    c.calls[ID_DERIVATIVES_MM] = "computeRNEADerivatives: structural zeros not written";
+    c.calls[FD_DERIVATIVES] = "computeABADerivatives";
     c.calls[CONSTRAINED] = c.calls[CONSTRAINED_HAND] =
         "constraintDynamics, LOCAL contacts, mu 0: of flat ones the spatial acceleration is held";
     return c;
 }
 
-const conventions others = make_conventions();
+conventions make_pv_conventions() {
+    conventions c = make_conventions();
+    c.result = convert_pv;
+    for (const char *&call : c.calls) call = nullptr;
+    c.calls[CONSTRAINED] = c.calls[CONSTRAINED_HAND] =
+        "pv, mu 0: of flat contacts the spatial acceleration is held";
+    return c;
+}
+
+const conventions others = make_conventions(), others_pv = make_pv_conventions();
 
 library make_library() {
     library l = plain_library("Pinocchio", PEER_VERSION);
@@ -374,18 +438,29 @@ library make_library() {
     l.call[MOMENTUM_MATRIX] = call_momentum_matrix;
     l.call[CORIOLIS] = call_coriolis;
     l.call[REGRESSOR] = call_regressor;
-    l.call[ID_DERIVATIVES] = call_did;
+    l.call[ID_DERIVATIVES_MM] = call_did_mm;
     l.call[FD_DERIVATIVES] = call_dfd;
     l.call[CONSTRAINED] = call_constrained;
     l.call[CONSTRAINED_HAND] = call_constrained_hand;
     l.can = can;
     l.conventions = &others;
+    l.form = *PEER_FORM ? PEER_FORM : nullptr;
+    return l;
+}
+
+library make_pv_library() {
+    library l = make_library();
+    for (library_call *&call : l.call) call = nullptr;
+    l.call[CONSTRAINED] = call_constrained_pv;
+    l.call[CONSTRAINED_HAND] = call_constrained_hand_pv;
+    l.conventions = &others_pv;
+    l.form = *PEER_FORM ? "pv " PEER_FORM : "pv";
     return l;
 }
 
 } // namespace
 
 extern "C" {
-PEER extern const struct library library_pinocchio;
-const struct library library_pinocchio = make_library();
+PEER extern const struct library LIBRARY, LIBRARY_PV;
+const struct library LIBRARY = make_library(), LIBRARY_PV = make_pv_library();
 }

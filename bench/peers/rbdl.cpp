@@ -56,11 +56,14 @@ dynamics::Body body_of(const rbd_body &b) {
     return dynamics::Body(b.mass, vector_of(b.com), about_com);
 }
 
+// By the axis alone, as its URDF reader does: then RBDL takes its own code for turns about x, y and z.
 dynamics::Joint joint_of(const rbd_body &b) {
     if (b.type == RBD_FLOATING) return dynamics::Joint(dynamics::JointTypeFloatingBase);
     if (b.type == RBD_FIXED) return dynamics::Joint(dynamics::JointTypeFixed);
-    return dynamics::Joint(turns(b) ? dynamics::JointTypeRevolute : dynamics::JointTypePrismatic,
-                           vector_of(b.axis));
+    const Vector3d axis = vector_of(b.axis).normalized();
+    dynamics::Math::SpatialVector motion = dynamics::Math::SpatialVector::Zero();
+    motion.segment<3>(turns(b) ? 0 : 3) = axis;
+    return dynamics::Joint(motion);
 }
 
 // Points held along the world's axes. A flat contact would be a loop, whose spatial acceleration vanishes.

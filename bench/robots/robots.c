@@ -71,7 +71,8 @@ static int open_worker(struct instance *r, struct worker *w) {
 }
 
 static int open_workers(struct instance *r) {
-    r->workers = r->library->variant == LANES ? threads_available() : 1;
+    const bool threads = r->library->variant == LANES && r->library != libraries[LANES_DOUBLE_4];
+    r->workers = threads ? threads_available() : 1;
     r->worker = calloc((size_t)r->workers, sizeof *r->worker);
     for (int t = 0; r->worker && t < r->workers; t++)
         if (open_worker(r, &r->worker[t]) != 0) return -1;

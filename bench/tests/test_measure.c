@@ -1,8 +1,11 @@
 /* By made-up clocks: a disturbed row is timed again until its least time has come twice, or marked; others
    are not. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "../bench.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 /* An experiment takes as long as some chunks and a half, which noise makes neither more nor fewer; a warm-up
    precedes them, and a first look at the time of a call precedes it all. */
@@ -75,6 +78,28 @@ static struct row measured(timer *clock, int threads, int experiments) {
     return row;
 }
 
+/* As idle, a thousand times as slow. */
+static rbd_status slow(const struct row *row, int first, int count, double *ns) {
+    const rbd_status status = idle(row, first, count, ns);
+    *ns *= 1000;
+    return status;
+}
+
+/* What measuring with this clock prints to stderr. */
+static const char *printed(timer *clock, char text[256]) {
+    int ends[2];
+    const int saved = dup(STDERR_FILENO);
+    expect(pipe(ends) == 0 && saved >= 0 && dup2(ends[1], STDERR_FILENO) >= 0, "stderr is a pipe");
+    measured(clock, 1, EXPERIMENTS);
+    fflush(stderr);
+    dup2(saved, STDERR_FILENO);
+    close(ends[1]);
+    const ssize_t size = read(ends[0], text, 255);
+    close(ends[0]);
+    text[size > 0 ? size : 0] = 0;
+    return text;
+}
+
 static bool near(double x, double y) { return fabs(x - y) <= 1e-9 * y; }
 
 int main(void) {
@@ -100,6 +125,12 @@ int main(void) {
 
     row = measured(hopeless, 2, EXPERIMENTS);
     expect(calls == LOOK + 3 * EXPERIMENTS * 2, "threads are timed without interruption");
+
+    /* 10 experiments of 32.5 chunks and 1000 states, each a thousand times 0.2 ms or 1 us */
+    char text[256];
+    expect(strstr(printed(slow, text), "timing takes about 75 seconds, up to 3 times"),
+           "what takes long says beforehand how long");
+    expect(!*printed(idle, text), "what does not says nothing, and a pipe sees no progress");
 
     row = measured(hopeless, 1, 1);
     expect(!row.disturbed && calls == LOOK + CALLS, "one experiment stays one");

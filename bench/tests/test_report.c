@@ -1,29 +1,47 @@
-/* A table of made-up times marks the threads that took longer than one core, disturbed rows, and no other
-   row. SPDX-License-Identifier: MIT */
+/* A table of made-up times: the least first, the speed-up of the least, names of any length in their columns, marks
+   at threads that took longer than one core, at disturbed rows, and at no other row; and what is not on a
+   terminal sees no progress. SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "../bench.h"
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { ROWS = 4, SIZE = 4096 };
+enum { ROWS = 6, OURS = 4, SIZE = 4096 };
 
-/* The table of rows whose means are these: run-time, lanes, and 2 and 4 threads; one of them disturbed, or
-   none. Returns text. */
-static char *table(const double mean[ROWS], int disturbed, char text[SIZE]) {
-    static const struct robot robot = {.name = "iiwa", .title = "iiwa"};
-    static const struct library library = {.name = "rbd", .version = "0", .scalar = "double", .lanes = 4};
-    static const struct instance instance = {.robot = &robot, .library = &library};
+/* run-time, lanes, 2 and 4 threads, and two rows of a library compiled by GCC in two ways. */
+static const struct conventions others = {.build = "gcc 1.2"};
+static const struct library ours = {.name = "rbd", .version = "0", .scalar = "double", .lanes = 4},
+                            peer = {.name = "Another",
+                                    .version = "1",
+                                    .scalar = "double",
+                                    .conventions = &others},
+                            form = {.name = "Another",
+                                    .version = "1",
+                                    .scalar = "double",
+                                    .form = "with a very long name of its form",
+                                    .conventions = &others};
+static const struct robot robot = {.name = "iiwa", .title = "a robot with quite a title"};
+static const struct instance instances[3] = {{.robot = &robot, .library = &ours},
+                                             {.robot = &robot, .library = &peer},
+                                             {.robot = &robot, .library = &form}};
+
+/* The table of the first n rows, whose means and least times are these; one of them disturbed, or none. Returns
+   text. */
+static char *table(const double mean[ROWS], const double min[ROWS], int n, int disturbed, char text[SIZE]) {
     static const char name[] = "test_report.txt";
-    struct row rows[ROWS] = {{.variant = RUN_TIME, .threads = 1},
-                             {.variant = LANES, .threads = 1},
-                             {.variant = THREADS, .threads = 2},
-                             {.variant = THREADS, .threads = 4}};
+    static const int variant[ROWS] = {RUN_TIME, LANES, THREADS, THREADS, RUN_TIME, RUN_TIME};
+    struct row rows[ROWS] = {{0}};
     const struct options options = {.output = name, .format = FORMAT_TABLE};
-    for (int i = 0; i < ROWS; i++) {
-        rows[i].instance = &instance;
+    for (int i = 0; i < n; i++) {
+        rows[i].instance = &instances[i < OURS ? 0 : i - OURS + 1];
+        rows[i].variant = variant[i];
+        rows[i].threads = variant[i] == THREADS ? 2 * (i - 1) : 1;
         rows[i].mean = mean[i];
+        rows[i].min = min[i];
         rows[i].disturbed = i == disturbed;
     }
-    FILE *f = report_by(report_times, &options, rows, ROWS) == 0 ? fopen(name, "r") : NULL;
+    FILE *f = report_by(report_times, &options, rows, n) == 0 ? fopen(name, "r") : NULL;
     text[f ? fread(text, 1, SIZE - 1, f) : 0] = 0;
     if (f) fclose(f);
     remove(name);
@@ -36,27 +54,84 @@ static void expect(bool fact, const char *what) {
     exit(EXIT_FAILURE);
 }
 
-/* Whether the line that has this word ends with the mark. */
-static bool marked(const char *text, const char *word, const char *mark) {
+/* The line that has this word. */
+static const char *line_of(const char *text, const char *word) {
     const char *line = strstr(text, word);
     expect(line, word);
-    const char *end = strchr(line, '\n');
+    while (line > text && line[-1] != '\n') line--;
+    return line;
+}
+
+/* Whether the line that has this word ends with the mark. */
+static bool marked(const char *text, const char *word, const char *mark) {
+    const char *end = strchr(line_of(text, word), '\n');
     return end && strncmp(end - strlen(mark), mark, strlen(mark)) == 0;
 }
 
-int main(void) {
+/* The number of the line that has this word in the column of this title: what ends where the title ends. */
+static double number(const char *text, const char *word, const char *title) {
+    const char *head = line_of(text, "speed-up"), *line = line_of(text, word), *column = strstr(head, title);
+    const size_t end = (size_t)(column - head) + strlen(title);
+    char last = line[end], copy[SIZE];
+    expect((last == ' ' || last == '\n') && line[end - 1] != ' ', "what a title names ends where it ends");
+    memcpy(copy, line, end);
+    copy[end] = 0;
+    const char *begin = strrchr(copy, ' ');
+    return strtod(begin ? begin : copy, NULL);
+}
+
+static void check_columns(void) {
     char text[SIZE];
-    table((const double[ROWS]){100, 30, 16e6, 9}, -1, text);
+    const double mean[ROWS] = {200, 40, 30, 20, 900, 800}, min[ROWS] = {100, 25, 20, 12.5, 800, 400};
+    table(mean, min, ROWS, -1, text);
+    const char *head = line_of(text, "speed-up");
+    expect(strstr(head, "min") < strstr(head, "speed-up") && strstr(head, "speed-up") < strstr(head, "mean"),
+           "the least time stands first, then the speed-up");
+    expect(number(text, "lanes 4", "min") == 25 && number(text, "lanes 4", "mean") == 40,
+           "times are in their columns");
+    expect(number(text, "lanes 4", "speed-up") == 4, "the speed-up is that of the least times");
+    expect(number(text, "threads 4", "speed-up") == 8, "of threads too");
+    expect(number(text, "Another 1 with a very long name of its form", "min") == 400 &&
+               number(text, "Another 1 with a very long name of its form", "speed-up") == 0.25,
+           "a long name moves its row's numbers out of no column");
+    expect(number(text, "a robot with quite a title", "min") == 100, "nor does a long title");
+    expect(strstr(text, "by g++ here: clang"), "a note says that another library is compiled by GCC");
+    expect(!strstr(table(mean, min, OURS, -1, text), "g++"), "and not where there is none");
+}
+
+static void check_marks(void) {
+    char text[SIZE];
+    const double min[ROWS] = {9, 9, 9, 9, 9, 9};
+    table((const double[ROWS]){100, 30, 16e6, 9}, min, OURS, -1, text);
     expect(marked(text, "threads 2", " *"), "threads that waited are marked");
     expect(!marked(text, "threads 4", " *"), "threads that did not are not");
     expect(!marked(text, "run-time", " *") && !marked(text, "lanes 4", " *"), "other variants are not");
     expect(strstr(text, "\n* longer than lanes on one core"), "a note says what the mark means");
-    table((const double[ROWS]){100, 30, 16, 9}, -1, text);
+    table((const double[ROWS]){100, 30, 16, 9}, min, OURS, -1, text);
     expect(!strstr(text, " *\n") && !strstr(text, "\n*"), "without a mark there is no note");
     expect(!strstr(text, "disturbed"), "nothing is called disturbed that is not");
-    table((const double[ROWS]){100, 30, 16, 9}, 1, text);
+    table((const double[ROWS]){100, 30, 16, 9}, min, OURS, 1, text);
     expect(marked(text, "lanes 4", " disturbed"), "a disturbed row is marked");
     expect(!marked(text, "run-time", " disturbed"), "others are not");
     expect(strstr(text, "\ndisturbed: the least time did not come twice"), "a note says what that means");
+}
+
+static void check_progress(void) {
+    int ends[2];
+    char text[16] = "";
+    const int saved = dup(STDERR_FILENO);
+    expect(pipe(ends) == 0 && saved >= 0 && dup2(ends[1], STDERR_FILENO) >= 0, "stderr is a pipe");
+    progress("half of it is done");
+    fputs("end", stderr);
+    fflush(stderr);
+    dup2(saved, STDERR_FILENO);
+    close(ends[1]);
+    expect(read(ends[0], text, sizeof text - 1) == 3 && strcmp(text, "end") == 0, "a pipe gets no progress");
+}
+
+int main(void) {
+    check_columns();
+    check_marks();
+    check_progress();
     return EXIT_SUCCESS;
 }

@@ -5,11 +5,12 @@
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_float, library_blocks_double, library_blocks_float, library_iiwa, library_hyq,
-    library_atlas, library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes,
-    library_hyq_code_lanes, library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks,
-    library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio, library_rbdl, library_dynibo,
-    library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
+    library_lanes_double_4, library_lanes_float, library_blocks_double, library_blocks_float, library_iiwa,
+    library_hyq, library_atlas, library_iiwa_code, library_hyq_code, library_atlas_code,
+    library_iiwa_code_lanes, library_hyq_code_lanes, library_atlas_code_lanes, library_iiwa_code_blocks,
+    library_hyq_code_blocks, library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio,
+    library_pinocchio_pv, library_pinocchio_avx512f, library_pinocchio_pv_avx512f, library_rbdl,
+    library_dynibo, library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -18,6 +19,9 @@ const struct library *const libraries[LIBRARIES] = {
     [HYQ] = &library_hyq,
     [ATLAS] = &library_atlas,
     [LANES_DOUBLE] = &library_lanes_double,
+#ifdef BENCH_LANES_4
+    [LANES_DOUBLE_4] = &library_lanes_double_4,
+#endif
     [LANES_FLOAT] = &library_lanes_float,
     [BLOCKS_DOUBLE] = &library_blocks_double,
     [BLOCKS_FLOAT] = &library_blocks_float,
@@ -43,6 +47,11 @@ const struct library *const libraries[LIBRARIES] = {
 #endif
 #ifdef BENCH_PINOCCHIO
     [PINOCCHIO] = &library_pinocchio,
+    [PINOCCHIO_PV] = &library_pinocchio_pv,
+#endif
+#ifdef BENCH_PINOCCHIO_AVX512F
+    [PINOCCHIO_AVX512F] = &library_pinocchio_avx512f,
+    [PINOCCHIO_PV_AVX512F] = &library_pinocchio_pv_avx512f,
 #endif
 #ifdef BENCH_DYNIBO
     [DYNIBO] = &library_dynibo,
@@ -75,6 +84,7 @@ const struct algorithm algorithms[ALGORITHMS] = {
     [CORIOLIS] = {"coriolis", "Coriolis matrix", NOTHING},
     [REGRESSOR] = {"regressor", "torque regressor", ACCELERATION},
     [ID_DERIVATIVES] = {"did", "derivatives of inverse dynamics", ACCELERATION},
+    [ID_DERIVATIVES_MM] = {"did_mm", "derivatives of inverse dynamics, and M", ACCELERATION},
     [FD_DERIVATIVES] = {"dfd", "derivatives of forward dynamics", TORQUE},
     [CONSTRAINED] = {"constrained", "constrained dynamics, on feet", TORQUE},
     [CONSTRAINED_HAND] = {"constrained_hand", "constrained dynamics, a hand too", TORQUE},
@@ -137,6 +147,7 @@ int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]) {
     case CONSTRAINED:
     case CONSTRAINED_HAND: size[1] = contacts ? contacts->rows : 0; return 2;
     case ID_DERIVATIVES: size[0] = size[1] = nv * nv; return 2;
+    case ID_DERIVATIVES_MM:
     case FD_DERIVATIVES: size[0] = size[1] = size[2] = nv * nv; return 3;
     case MM:
     case MINV:

@@ -13,10 +13,12 @@ enum { WARM_UP_CALLS = 1000 };
 /* A row whose least time has not come twice has up to so many times as many experiments again. */
 enum { MORE = 2 };
 
-/* The chunks of a row: the two least times of each, in ns for all its states. */
+/* The chunks of a row: the two least times of each, in ns for all its states; and the time of an experiment by
+   the first look. */
 struct timing {
     struct least *chunk;
     int count;
+    double expected;
 };
 
 /* ---- the clock ---- */
@@ -49,6 +51,7 @@ static rbd_status timing_open(struct timing *t, const struct row *row, int sampl
     rbd_status status = time_of(row, 0, calls, &ns); /* caches are cold: */
     if (status == RBD_OK) status = time_of(row, 0, calls, &ns);
     const double chunks = row->threads > 1 ? 1 : ns / calls * samples / CHUNK_NS;
+    t->expected = ns / calls * (samples + calls);
     t->count = chunks < 1 ? 1 : chunks < batches ? (int)chunks : batches > 1 ? batches : 1;
     t->chunk = malloc((size_t)t->count * sizeof *t->chunk);
     for (int i = 0; t->chunk && i < t->count; i++) t->chunk[i] = LEAST_NONE;
@@ -93,10 +96,22 @@ static void take_time(struct row *row, int n, double ns) {
 /* ---- all of them ---- */
 
 static void show(const struct row *row, const char *what, int e, int experiments) {
-    char variant[32];
+    char variant[NAME_SIZE];
     const struct instance *r = row->instance;
     progress("%s %d of %d: %s, %s, %s, %s", what, e, experiments, r->robot->title, r->library->scalar,
              algorithms[row->algorithm].title, row_variant(row, variant));
+}
+
+/* Says how long all will take, if it is worth it. */
+static void announce(const struct timing *timings, int n, int experiments) {
+    double seconds = 0;
+    for (int i = 0; i < n; i++) seconds += 1e-9 * timings[i].expected * experiments;
+    if (seconds < 10) return;
+    progress("");
+    fprintf(
+        stderr,
+        "rbd-bench: verified; timing takes about %.0f %s, up to %d times that where times do not repeat\n",
+        seconds < 100 ? seconds : seconds / 60, seconds < 100 ? "seconds" : "minutes", 1 + MORE);
 }
 
 /* Each row's experiment in turn. */
@@ -125,6 +140,7 @@ static int measure_into(struct row *rows, struct timing *timings, int n, int sam
         const rbd_status status = timing_open(&timings[i], &rows[i], samples, time_of);
         if (status != RBD_OK) return row_error(&rows[i], "%s", rbd_status_string(status));
     }
+    announce(timings, n, experiments);
     for (int e = 1; e <= rounds; e++)
         if (round_of(rows, timings, n, samples, e, experiments, time_of) != 0) return -1;
     for (int i = 0; i < n; i++) {

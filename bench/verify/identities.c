@@ -188,7 +188,7 @@ static int check_regressor(struct check *c, struct states s, double bound) {
 /* Inverse dynamics is quadratic in v, so that d tau/dv v is twice the velocity's torque (Euler). */
 static int check_id_dv(struct check *c, struct states s, double bound) {
     const int nv = c->robot->nv;
-    if (velocity_torque(c, s) != 0 || check_run(c, ID_DERIVATIVES, s, c->result) != 0) return -1;
+    if (velocity_torque(c, s) != 0 || check_run(c, c->algorithm, s, c->result) != 0) return -1;
     for (int i = 0; i < nv; i++) c->x[i] *= 2;
     multiply(c, c->result + nv * nv, nv, s.v, c->y, 0);
     return check_accept(c, "d tau/dv v = 2 velocity's torque", relative_error(c->y, c->x, nv), bound);
@@ -213,6 +213,13 @@ static int check_id_dq(struct check *c, struct states s, double bound) {
 
 static int check_id_derivatives(struct check *c, struct states s, double bound) {
     return check_id_dv(c, s, bound) != 0 ? -1 : check_id_dq(c, s, bound);
+}
+
+/* The same, and the mass matrix beside them is that of MM. */
+static int check_id_derivatives_mm(struct check *c, struct states s, double bound) {
+    const int n = c->robot->nv * c->robot->nv;
+    if (check_id_derivatives(c, s, bound) != 0 || check_run(c, MM, s, c->M) != 0) return -1;
+    return check_accept(c, "d tau/da = M", relative_error(c->result + 2 * n, c->M, n), bound);
 }
 
 /* M da = -d tau at the acceleration of forward dynamics. */
@@ -290,6 +297,7 @@ int check_sample(struct check *c, struct states s, double condition) {
         [CORIOLIS] = check_coriolis,
         [REGRESSOR] = check_regressor,
         [ID_DERIVATIVES] = check_id_derivatives,
+        [ID_DERIVATIVES_MM] = check_id_derivatives_mm,
         [FD_DERIVATIVES] = check_fd_derivatives,
         [CONSTRAINED] = check_constrained,
         [CONSTRAINED_HAND] = check_constrained,

@@ -90,6 +90,7 @@ static void stored(const struct check *c, const ref_state *s, struct part part[P
         [MOMENTUM_MATRIX] = {{s->A_h, 6 * nv}},
         [REGRESSOR] = {{s->Y, nv * 10 * c->robot->nb}},
         [ID_DERIVATIVES] = {{s->dtau_dq, n}, {s->dtau_dv, n}},
+        [ID_DERIVATIVES_MM] = {{s->dtau_dq, n}, {s->dtau_dv, n}, {s->M, n}},
         [FD_DERIVATIVES] = {{s->dqdd_dq, n}, {s->dqdd_dv, n}, {s->Minv, n}},
     };
     memcpy(part, parts[c->algorithm], sizeof parts[c->algorithm]);
