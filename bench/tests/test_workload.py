@@ -19,6 +19,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import callgrind  # noqa: E402
 import figures  # noqa: E402
 import page  # noqa: E402
+import readme  # noqa: E402
 import report  # noqa: E402
 from data import Data  # noqa: E402
 
@@ -307,6 +308,61 @@ class Sources(unittest.TestCase):
         self.assertEqual(sorted(self.figures([], [])), ["fig2"])
 
 
+class Readme(unittest.TestCase):
+    """README.md has the tables of its report; those of made-up times say these times."""
+
+    def data(self, folder, *cells):
+        """A report of rows (library, variant, algorithm, robot, time, disturbed)."""
+        with open(os.path.join(folder, "times-gcc.csv"), "w", newline="") as f:
+            csv.writer(f).writerows([Schemas.COLUMNS, *(
+                [library, "1", "gcc", "double", robot, algorithm, 1, 1, 9 * time, 0, time, 0, 1e-15, variant, disturbed]
+                for library, variant, algorithm, robot, time, disturbed in cells)])
+        return Data(folder, ["gcc"])
+
+    CELLS = [("rbd", "run-time", "id", "iiwa", 50, 0), ("rbd", "run-time", "id", "hyq", 100, 0),
+             ("Pinocchio", "run-time", "id", "iiwa", 400, 0), ("Pinocchio", "run-time", "id", "hyq", 1000, 0),
+             ("Pinocchio", "run-time avx512f", "id", "iiwa", 300, 0),
+             ("Pinocchio", "run-time avx512f", "id", "hyq", 1100, 0), ("RBDL", "run-time", "id", "iiwa", 5000, 1),
+             ("rbd", "lanes 4", "id", "iiwa", 20, 0), ("rbd", "lanes 8", "id", "iiwa", 9.5, 0),
+             ("RobCoGen", "compile-time", "id", "iiwa", 200, 0)]
+
+    def test_pinocchio_at_its_best_beside_the_run_time_model(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = readme.run_time(self.data(folder, *self.CELLS)).splitlines()
+        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | rbd | Pinocchio 1 | times as fast as Pinocchio | RBDL 1 |")
+        self.assertEqual(lines[2:], ["| inverse dynamics | 50.0 / 100 / – | 300 / 1000 / – | 6.0 / 10 / – | 5000* / – / – |"])
+
+    def test_other_forms_are_named_and_compared_with_no_library_of_another_kind(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = readme.other(self.data(folder, *self.CELLS)).splitlines()
+        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | lanes 4 | lanes 8 | RobCoGen 1 |")
+        self.assertEqual(lines[2:], ["| inverse dynamics | 20.0 / – / – | 9.50 / – / – | 200 / – / – |"])
+
+    def test_one_triangle_is_compared_with_one_triangle(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = readme.run_time(self.data(folder, ("rbd", "run-time", "mm", "iiwa", 60, 0),
+                                              ("rbd", "run-time", "mm_packed", "iiwa", 50, 0),
+                                              ("RBDL", "run-time", "mm", "iiwa", 900, 0),
+                                              ("Pinocchio", "run-time", "mm", "iiwa", 500, 0))).splitlines()
+        self.assertEqual(lines[2:], ["| mass matrix | 60.0 / – / – | – | – | 900 / – / – |",
+                                     "| mass matrix, one triangle | 50.0 / – / – | 500 / – / – | 10 / – / – | – |"])
+
+    def test_tables_are_put_between_their_marks(self):
+        with tempfile.TemporaryDirectory() as folder:
+            expected = readme.run_time(self.data(folder, *self.CELLS))
+            text = "a\n<!-- run-time of %s -->\n%s<!-- end -->\nb\n"
+            name = os.path.relpath(folder, readme.ROOT)
+            for before in ("", "old\n", expected):
+                self.assertEqual(readme.rewritten(text % (name, before)), text % (name, expected))
+            self.assertEqual(readme.rewritten(text % ("elsewhere", ""), name), text % (name, expected))
+
+    def test_the_readme_has_the_tables_of_its_report(self):
+        with open(os.path.join(readme.ROOT, "README.md")) as f:
+            text = f.read()
+        self.assertGreaterEqual(len(readme.MARK.findall(text)), 2)
+        self.assertEqual(readme.rewritten(text), text, "not so: bench/workload/readme.py --write")
+
+
 @unittest.skipUnless(shutil.which("gnuplot"), "needs gnuplot")
 class Page(unittest.TestCase):
     """A page of made-up numbers says these numbers, and others when they are others."""
@@ -379,9 +435,9 @@ class Page(unittest.TestCase):
             with open(os.path.join(folder, "times-gcc.csv"), "w", newline="") as f:
                 csv.writer(f).writerows([Schemas.COLUMNS, *(
                     [library, "1", "gcc", "double", "iiwa", algorithm, 1, 1, time, 0, time, 0, 0, "run-time", 0]
-                    for algorithm in ("id", "did", "minv") for library, time in (("rbd", 100), ("Pinocchio", 250)))])
+                    for algorithm in ("id", "did_mm", "minv") for library, time in (("rbd", 100), ("Pinocchio", 250)))])
             data = Data(folder, ["gcc"])
-            self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["did", "dfd", "minv"]])
+            self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["did_mm", "dfd", "minv"]])
             self.assertEqual(page.ratios_table(data)[2], ["Pinocchio", "2.50", "–", "–", "2.50", "–", "2.50"])
 
     def test_panels_of_other_algorithms_have_only_who_can(self):

@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Tables and figures of README.md, from a report that is kept in bench/results.
+
+A table stands between '<!-- NAME of FOLDER -->' and '<!-- end -->'; NAME: a function of TABLES.
+
+SPDX-License-Identifier: MIT
+"""
+import argparse
+import os
+import re
+import sys
+import textwrap
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from data import OURS, PEERS, ROBOTS, RUN_TIME, Bar, Data  # noqa: E402
+
+MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+# A row: its title, rbd's algorithm, and that of Pinocchio, whose mass matrix is one triangle.
+ROWS = [("inverse dynamics", "id", "id"), ("mass matrix", "mm", None), ("mass matrix, one triangle", "mm_packed", "mm"),
+        ("forward dynamics", "fd", "fd"), ("M⁻¹", "minv", "minv"), ("Jacobian of the last body", "jacobian", "jacobian"),
+        ("derivatives of inverse dynamics, and M", "did_mm", "did_mm"),
+        ("derivatives of inverse dynamics", "did", None),
+        ("derivatives of forward dynamics, and M⁻¹", "dfd", "dfd"), ("Coriolis matrix", "coriolis", "coriolis"),
+        ("centroidal momentum matrix", "momentum_matrix", "momentum_matrix"), ("torque regressor", "regressor", "regressor"),
+        ("constrained dynamics, 12 rows", "constrained", "constrained")]
+
+
+def number(x):
+    """Three digits, or all before the point."""
+    return "%.0f" % x if x >= 100 else "%.1f" % x if x >= 10 else "%.2f" % x
+
+
+def ratio(x):
+    """Two digits, or all before the point."""
+    return "%.0f" % x if x >= 10 else "%.1f" % x
+
+
+def is_ours(bar):
+    return bar.library == "rbd"
+
+
+def algorithm_of(bar, row):
+    """The bar's algorithm for a row, or None."""
+    _, ours, pinocchio = row
+    return pinocchio if bar.library == "Pinocchio" else ours
+
+
+def cell(values):
+    """Of the robots: what is known, with a dash for the others; empty if nothing is."""
+    return " / ".join(values) if set(values) != {"–"} else "–"
+
+
+def time_cell(data, bar, row):
+    values = []
+    for robot, _ in ROBOTS:
+        found = data.time_row(bar, robot, algorithm_of(bar, row))
+        star = "*" if found and data.disturbed(bar, robot, algorithm_of(bar, row)) else ""
+        values.append(number(float(found["min_ns"])) + star if found else "–")
+    return cell(values)
+
+
+def ratio_cell(data, bar, row):
+    """How many times as fast as the bar the run-time model is."""
+    values = []
+    for robot, _ in ROBOTS:
+        ours, other = data.time(RUN_TIME, robot, row[1]), data.time(bar, robot, algorithm_of(bar, row))
+        values.append(ratio(other / ours) if ours and other else "–")
+    return cell(values)
+
+
+def title(data, bar):
+    """The bar's name: of another library with its version."""
+    if bar is RUN_TIME:
+        return "rbd"
+    if is_ours(bar):
+        return bar.variant
+    versions = {row["version"] for row in data.times[data.main] if bar.fits(row)}
+    return "%s %s" % (bar.label, min(versions)) if versions != {"code"} else bar.label
+
+
+def table(head, rows):
+    """In Markdown, without the rows that say nothing."""
+    rows = [row for row in rows if set(row[1:]) != {"–"}]
+    return "".join("| %s |\n" % " | ".join(row) for row in [head, ["---"] + ["--:"] * (len(head) - 1)] + rows).replace(
+        "| --- |", "|---|").replace(" --: |", "--:|")
+
+
+def present(data, bars):
+    return [b for b in bars if any(b.fits(row) for row in data.times[data.main])]
+
+
+def run_time(data):
+    """rbd and the libraries that take any robot when they run."""
+    peers = present(data, [b for b in PEERS if b.variant == "run-time"])
+    peers.sort(key=lambda b: b.library != "Pinocchio")
+    ratios = [b for b in peers if b.library == "Pinocchio"]
+    bars = [RUN_TIME] + ratios
+    others = [b for b in peers if b not in ratios]
+    head = ["ns: " + " / ".join(t for _, t in ROBOTS)] + [title(data, b) for b in bars] + [
+        "times as fast as %s" % b.label for b in ratios] + [title(data, b) for b in others]
+    return table(head, [[row[0]] + [time_cell(data, b, row) for b in bars] + [ratio_cell(data, b, row) for b in ratios]
+                        + [time_cell(data, b, row) for b in others] for row in ROWS
+                        if any(data.time(b, r, algorithm_of(b, row)) for b in peers for r, _ in ROBOTS)])
+
+
+def other(data):
+    """rbd in its other forms, beside the code that RobCoGen writes for one robot."""
+    variants = {row["variant"] for row in data.times[data.main] if row["library"] == "rbd" and row["scalar"] == "double"}
+    wide = sorted((v for v in variants if v.split()[0] in ("lanes", "generated-blocks")),
+                  key=lambda v: (v.split()[0] != "lanes", int(v.split()[1])))
+    bars = present(data, [Bar(v, v, "rbd", v) for v in wide if v.startswith("lanes")] + [
+        b for b in OURS if b.variant in ("compile-time", "generated")] + [
+        Bar(v, v, "rbd", v) for v in wide if not v.startswith("lanes")] + [b for b in PEERS if b.variant == "compile-time"])
+    return table(["ns: " + " / ".join(t for _, t in ROBOTS)] + [title(data, b) for b in bars],
+                 [[row[0]] + [time_cell(data, b, row) for b in bars] for row in ROWS])
+
+
+def facts_of(folder):
+    """Name and value of each fact of report.md."""
+    with open(os.path.join(folder, "report.md")) as f:
+        rows = [line.strip("| \n").split(" | ") for line in f if line.startswith("|")]
+    return dict(row for row in rows if len(row) == 2)
+
+
+def paragraph(text):
+    return textwrap.fill(" ".join(text.split()), 118, break_long_words=False, break_on_hyphens=False) + "\n"
+
+
+def machine(data):
+    """A paragraph on the machine, the compilers and their flags."""
+    facts = facts_of(data.folder)
+    return paragraph("""Times per state in double, the least of short chunks, on one core of a virtual machine (%s), by
+        [this report](%s/report.md) of %s. rbd is compiled by %s with `%s`; %s.""" % (
+            facts["machine"].split(",")[0], os.path.relpath(data.folder, ROOT), facts["date"].split()[0],
+            facts["compilers"].split(";")[0], facts["flags"].split(";")[0], facts["flags of others"]))
+
+
+def accuracy(data):
+    """A sentence."""
+    worst = {}
+    for row in data.times[data.main]:
+        if row["library"] == "rbd" and row["scalar"] == "double" and row["quad_error"]:
+            group = row["algorithm"] in ("id", "mm", "mm_packed", "fd")
+            worst[group] = max(worst.get(group, 0), float(row["quad_error"]))
+    return paragraph("""Against quad precision the largest error of rbd's results in double, relative to the largest
+        entry, over 200 states of each robot, was %.1e in inverse dynamics, mass matrix and forward dynamics, and %.1e in
+        all calls.""" % (worst[True], max(worst.values())))
+
+
+TABLES = {"machine": machine, "run-time": run_time, "other": other, "accuracy": accuracy}
+
+
+def rewritten(text, report=None, root=ROOT):
+    """The text with its tables made anew, from another report if one is named."""
+    def one(found):
+        folder = report or found[3]
+        compiler = sorted(os.listdir(os.path.join(root, folder)))
+        compiler = [n[len("times-"):-len(".csv")] for n in compiler if n.startswith("times-") and "haswell" not in n]
+        compiler.sort(key=lambda c: c != "gcc")
+        data = Data(os.path.join(root, folder), compiler)
+        data.folder = os.path.join(root, folder)
+        return "<!-- %s of %s -->\n%s%s" % (found[2], folder, TABLES[found[2]](data), found[4])
+    return MARK.sub(one, text)
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("files", nargs="*", default=[os.path.join(ROOT, "README.md")])
+    p.add_argument("--write", action="store_true", help="write the tables into the files (default: say whether they differ)")
+    p.add_argument("--report", metavar="FOLDER", help="with --write: take this one of bench/results, as from the project's folder")
+    o = p.parse_args()
+    status = 0
+    for path in o.files:
+        with open(path) as f:
+            text = f.read()
+        new = rewritten(text, o.report)
+        if new == text:
+            continue
+        if o.write:
+            with open(path, "w") as f:
+                f.write(new)
+        else:
+            status = 1
+            print("%s: its tables are not those of the report: bench/workload/readme.py --write" % path)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
