@@ -191,9 +191,8 @@ static void write_table_notes(FILE *f, const struct row *rows, int n) {
               "to share\n",
               f);
     if (by_gcc)
-        fputs("\nPinocchio, and what RobCoGen wrote, are compiled by g++ here: clang makes Pinocchio 1.35 to "
-              "1.8 "
-              "times as fast;\ninstall it and configure anew, with CXX=clang++\n",
+        fputs("\nPinocchio, and what RobCoGen wrote, are compiled by g++ here; clang makes Pinocchio 1.35\n"
+              "to 1.8 times as fast: install it and configure anew, with CXX=clang++\n",
               f);
     if (disturbed)
         fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may "

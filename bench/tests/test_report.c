@@ -95,7 +95,7 @@ static void check_columns(void) {
                number(text, "Another 1 with a very long name of its form", "speed-up") == 0.25,
            "a long name moves its row's numbers out of no column");
     expect(number(text, "a robot with quite a title", "min") == 100, "nor does a long title");
-    expect(strstr(text, "by g++ here: clang"), "a note says that another library is compiled by GCC");
+    expect(strstr(text, "by g++ here; clang"), "a note says that another library is compiled by GCC");
     expect(!strstr(table(mean, min, OURS, -1, text), "g++"), "and not where there is none");
 }
 

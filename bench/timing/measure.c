@@ -108,10 +108,10 @@ static void announce(const struct timing *timings, int n, int experiments) {
     for (int i = 0; i < n; i++) seconds += 1e-9 * timings[i].expected * experiments;
     if (seconds < 10) return;
     progress("");
-    fprintf(
-        stderr,
-        "rbd-bench: verified; timing takes about %.0f %s, up to %d times that where times do not repeat\n",
-        seconds < 100 ? seconds : seconds / 60, seconds < 100 ? "seconds" : "minutes", 1 + MORE);
+    const bool brief = seconds < 100;
+    fprintf(stderr,
+            "rbd-bench: verified; timing takes about %.0f %s, up to %d times that if times do not repeat\n",
+            brief ? seconds : seconds / 60, brief ? "seconds" : "minutes", 1 + MORE);
 }
 
 /* Each row's experiment in turn. */
