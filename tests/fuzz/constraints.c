@@ -247,6 +247,9 @@ typedef struct question {
     int feasible;         /* 1, -1, or 0 where that is for rounding to say */
 } question;
 
+/* What is left of dependent rows, over what they add up: rounding, and no rounding. */
+static const quad consistent = 1e-11L, contradictory = 1e-3L;
+
 /* Where nothing is asked for, the rows agree whatever their rank. */
 static void answer_question(question *k, quad x0_size) {
     quad rest[DENSE_ROWS], y[WORLD_DOFS], most = 0, b_size = 0;
@@ -265,7 +268,9 @@ static void answer_question(question *k, quad x0_size) {
     k->size += b_size;
     const quad least = (rank > 0 ? exact.sigma[rank - 1] : 1) * exact.least_share;
     k->condition = 1 / (exact.distance * least * least);
-    k->feasible = nothing ? 1 : !clear_rank ? 0 : most<(quad)1e-9L ? 1 : most>(quad) 1e-3L ? -1 : 0;
+    k->feasible = nothing;
+    if (clear_rank && most < consistent) k->feasible = 1;
+    if (clear_rank && !nothing && most > contradictory) k->feasible = -1;
 }
 
 static void ask_dynamics(question *k) {
@@ -319,9 +324,9 @@ static void check_equation(int quantity, const quad *f, const quad *size, const 
 static void check_rows(int quantity, const question *k, const double *x) {
     quad worst_row = 0, change[WORLD_DOFS];
     for (int j = 0; j < nv; j++) change[j] = x[j] - k->x0[j];
-    const quad changed = dense_norm(&exact, change) + dense_norm(&exact, k->x0);
+    const quad size = k->size + dense_norm(&exact, change);
     for (int i = 0; i < rows; i++) {
-        quad error = -k->b[i], all = k->b_size[i] + exact.scale[i] * changed;
+        quad error = -k->b[i], all = k->b_size[i] + exact.scale[i] * size;
         for (int j = 0; j < nv; j++) {
             error += J.J[i][j] * x[j];
             all += magnitude(J.J[i][j]) * magnitude(x[j]) + magnitude(J.J[i][j]) * magnitude(k->x0[j]);
@@ -554,7 +559,7 @@ static void check_inverse_dynamics(const set *s, const double *a) {
         const quad d = lambda[i] * world_sqrt((quad)weight[i]) - x[i];
         error += d * d, largest += x[i] * x[i];
     }
-    const quad least = inverse.sigma[r - 1], condition = inverse.sigma[0] / least;
+    const quad least = inverse.sigma[r - 1] * inverse.least_share, condition = inverse.sigma[0] / least;
     record(ID_LAMBDA,
            world_sqrt(error) / ((world_sqrt(largest) + world_sqrt(scale) / least) * condition * condition));
 }
@@ -681,6 +686,19 @@ static void gradient(const double *from, const double *to, const double *weight,
     }
 }
 
+/* Whether the rank is that of the state at another place too, and far from a smaller one at both. */
+static int regular_at(const double *place, const rbd_constraint *list) {
+    static world moved;
+    static dense_rows at;
+    static dense there;
+    quad wide[WORLD_COORDINATES];
+    widen(place, nq, wide);
+    world_move(&moved, now.robot.bodies, now.robot.nb, wide, NULL, NULL);
+    dense_rows_of(&moved, list, now.n, NULL, &at);
+    return clear_rank && dense_rank(&exact, 0.01) == rank && dense_factor(&there, &at, M, M_size, nv, 1) &&
+           dense_rank(&there, 0.01) == rank && dense_rank(&there, 1e-12) == rank;
+}
+
 /* The constraints hold at the state; from a place beside it rbd_assemble must come to one where they hold. */
 static void check_assembly(void) {
     static const double steps[4] = {0.3, 0.1, 0.01, 1e-4};
@@ -715,7 +733,7 @@ static void check_assembly(void) {
     const rbd_status status =
         rbd_assemble(model, s.c, start, now.state.v, weighted ? weight : NULL, q_near, v_near);
     free(s.memory);
-    if (status == RBD_ERR_INFEASIBLE && clear_rank && length < 0.05 && exact.sigma[rank - 1] > (quad)0.01L)
+    if (status == RBD_ERR_INFEASIBLE && length < 0.05 && regular_at(start, list))
         fail(REFUSED_CLOSING, length);
     if (status != RBD_OK) {
         if (status != RBD_ERR_INFEASIBLE) fail(OTHER_STATUS, status);
@@ -737,12 +755,13 @@ static void check_assembly(void) {
         if (!(off_v <= worst_v)) worst_v = off_v;
     }
     record(CLOSED, worst_e);
-    record(CLOSED_V, worst_v);
     memset(W, 0, sizeof W);
     for (int k = 0; k < nv; k++) W[k * (nv + 1)] = unit[k] = weight[k];
     if (!dense_factor(&near, &at, W, unit, nv, 1)) return;
     const int r = dense_rank(&near, 1e-4);
-    if (r != dense_rank(&near, 1e-12) || near.least_share < (quad)1e-4L || r == 0) return;
+    const int clear = r == dense_rank(&near, 1e-12) && near.least_share > (quad)1e-4L;
+    record(clear ? CLOSED_V : ROWS_UNCLEAR, worst_v);
+    if (!clear || r == 0) return;
     dense_solve(&near, &at, r, v, zero, x, lambda, rest);
     for (int k = 0; k < nv; k++) x[k] -= v_near[k];
     const quad least = near.sigma[r - 1] * near.least_share;

@@ -5,9 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const problem_names[PROBLEM_CLASSES] = {"contacts",  "dependent", "stances", "brakes",
-                                                    "loops",     "both",      "limbs",   "contradictory",
-                                                    "following", "any"};
+const char *const problem_names[PROBLEM_CLASSES] = {"contacts",  "dependent", "stances",  "brakes",
+                                                    "loops",     "both",      "limbs",    "contradictory",
+                                                    "following", "any",       "stretched"};
+
+enum { SEEDS = 10 }; /* between those of two problems of a class; more classes share them */
 
 int below(uint64_t *seed, int n) { return (int)uniform(seed, 0, n); }
 
@@ -36,7 +38,7 @@ static void count(sample *s) {
 static void draw_tree(problem *p, int class_number, int number, int followers) {
     sample *s = &p->robot;
     const int of = followers ? FOLLOWERS : below(&p->seed, 4) ? ORDINARY : AXES;
-    draw_robot(s, of, number * PROBLEM_CLASSES + class_number);
+    draw_robot(s, of, number * SEEDS + class_number);
     const int most = below(&p->seed, 8) ? 12 : 20;
     if (s->nb > most) s->nb = most;
     if (!followers && below(&p->seed, 2)) s->bodies[0].type = RBD_FLOATING;
@@ -92,24 +94,25 @@ static void draw_leg_axis(problem *p, int kind, int joint, int joints, double ax
     if (!(fabs(axis[0]) + fabs(axis[1]) + fabs(axis[2]) > 0.1)) axis[1] = 1;
 }
 
-static void add_leg(problem *p, int trunk, int joints) {
+static void add_leg(problem *p, int trunk, int joints, int stretched) {
     sample *s = &p->robot;
     leg *l = &legs[leg_count++];
-    const int kind = below(&p->seed, 4), knee_type = below(&p->seed, 4);
+    const int kind = stretched ? joints == 6 : below(&p->seed, 4), knee_type = below(&p->seed, 4);
     l->first = s->nb, l->joints = joints, l->knee = joints > 4 ? 3 : joints - 1;
     for (int j = 0; j < joints; j++) {
         rbd_body *b = add_body(s, j == 0 ? trunk : s->nb - 1, RBD_REVOLUTE);
         draw_leg_axis(p, kind, j, joints, b->axis);
         if (j == 0) {
             vector(&p->seed, 0.4, b->position, 3);
-        } else if (j == l->knee || j + 1 == l->knee || !below(&p->seed, 3)) {
+        } else if (j == l->knee || j + 1 == l->knee || (stretched && j == l->knee + 1) ||
+                   !below(&p->seed, 3)) {
             b->position[2] = -uniform(&p->seed, 0.05, 0.4); /* straight below: the leg can be stretched */
         } else {
             vector(&p->seed, 0.1, b->position, 3);
         }
         if (j == l->knee && knee_type == 0) b->type = RBD_HELICAL, b->pitch = uniform(&p->seed, 0.02, 0.1);
         if (j == l->knee && knee_type == 1 && !below(&p->seed, 3)) b->type = RBD_PRISMATIC;
-        if (!below(&p->seed, 16)) b->type = below(&p->seed, 2) ? RBD_SPHERICAL : RBD_UNIVERSAL;
+        if (!stretched && !below(&p->seed, 16)) b->type = below(&p->seed, 2) ? RBD_SPHERICAL : RBD_UNIVERSAL;
         if (b->type == RBD_UNIVERSAL)
             b->axis2[0] = b->axis[1], b->axis2[1] = b->axis[2], b->axis2[2] = -b->axis[0];
         give_mass(p, b, 1, 0.2);
@@ -117,7 +120,7 @@ static void add_leg(problem *p, int trunk, int joints) {
     }
     memset(l->foot, 0, sizeof l->foot);
     l->foot[2] = -uniform(&p->seed, 0.05, 0.35);
-    if (!below(&p->seed, 3)) vector(&p->seed, 0.2, l->foot, 3);
+    if (!stretched && !below(&p->seed, 3)) vector(&p->seed, 0.2, l->foot, 3);
     if (!below(&p->seed, 6)) { /* a foot of its own, fixed */
         rbd_body *b = add_body(s, s->nb - 1, RBD_FIXED);
         memcpy(b->position, l->foot, sizeof l->foot);
@@ -127,7 +130,7 @@ static void add_leg(problem *p, int trunk, int joints) {
 }
 
 /* A base, perhaps a back, and one to four legs; on several roots if `apart`. */
-static void draw_legged(problem *p, int apart, int fixed) {
+static void draw_legged(problem *p, int apart, int fixed, int stretched) {
     static const rbd_joint_type bases[8] = {RBD_FLOATING, RBD_FLOATING, RBD_FLOATING,  RBD_FIXED,
                                             RBD_FIXED,    RBD_PLANAR,   RBD_PRISMATIC, RBD_SPHERICAL};
     sample *s = &p->robot;
@@ -147,8 +150,9 @@ static void draw_legged(problem *p, int apart, int fixed) {
     }
     for (int n = 1 + below(&p->seed, MOST_LEGS), joints = 2 + below(&p->seed, 6); n > 0; n--) {
         if (!below(&p->seed, 3)) joints = 2 + below(&p->seed, 6);
+        if (stretched) joints = below(&p->seed, 3) ? 3 : 6;
         if (s->nb + joints + 1 > 24) break;
-        add_leg(p, apart && !below(&p->seed, 3) ? -1 : below(&p->seed, 3) ? 0 : back, joints);
+        add_leg(p, apart && !below(&p->seed, 3) ? -1 : below(&p->seed, 3) ? 0 : back, joints, stretched);
     }
     count(s);
 }
@@ -365,6 +369,7 @@ static void draw_set(problem *p, int class_number) {
         add_dependent(p, 1 + below(&p->seed, 3));
         break;
     case STANCES:
+    case STRETCHED:
         add_feet(p);
         if (!below(&p->seed, 3)) add_dependent(p, 1 + below(&p->seed, 2));
         break;
@@ -402,15 +407,17 @@ static void draw_motion(problem *p) {
 
 void draw_problem(problem *p, int class_number, int number) {
     memset(p, 0, sizeof *p);
-    p->seed = (uint64_t)number * PROBLEM_CLASSES + (uint64_t)class_number + (UINT64_C(1) << 40);
+    p->seed = (uint64_t)number * SEEDS + (uint64_t)class_number + (UINT64_C(1) << 40);
     for (int i = 0; i < 4; i++) uniform(&p->seed, 0, 1);
     leg_count = 0;
-    const int legged = class_number == STANCES || class_number == BRAKES || class_number == LIMBS ||
+    const int legged = class_number == STANCES || class_number == STRETCHED || class_number == BRAKES ||
+                       class_number == LIMBS ||
                        ((class_number == DEPENDENT || class_number == CONTRADICTORY || class_number == ANY) &&
                         below(&p->seed, 2));
     if (legged)
         draw_legged(p, class_number == LIMBS || class_number == ANY,
-                    class_number == STANCES && below(&p->seed, 2));
+                    class_number == STRETCHED || (class_number == STANCES && below(&p->seed, 2)),
+                    class_number == STRETCHED);
     else
         draw_tree(p, class_number, number,
                   class_number == FOLLOWING || (class_number == ANY && below(&p->seed, 2)));
@@ -422,7 +429,7 @@ void draw_problem(problem *p, int class_number, int number) {
         add_dependent(p, 1 + below(&p->seed, 2));
         draw_gains(p);
     }
-    bend(p, class_number == STANCES || (legged && !below(&p->seed, 4)));
+    bend(p, class_number == STANCES || class_number == STRETCHED || (legged && !below(&p->seed, 4)));
 }
 
 /* ---- as C source ---- */

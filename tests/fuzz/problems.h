@@ -18,6 +18,7 @@ enum {
     CONTRADICTORY, /* constraints twice, with other gains */
     FOLLOWING,     /* mimic joints, any constraints */
     ANY,           /* any robot, constraints of several of these kinds */
+    STRETCHED, /* as stances, legs like HyQ's and a human's alone, whose rank is lost where they are straight */
     PROBLEM_CLASSES
 };
 extern const char *const problem_names[PROBLEM_CLASSES];
