@@ -29,6 +29,7 @@ struct options {
     uint64_t seed;
     bool gravity;
     bool cold;        /* every call out of cold caches */
+    bool no_quad;     /* without the error against quad precision */
     enum count count; /* instead of timing */
     enum format format;
     const char *output; /* file name, NULL = standard output */
@@ -231,7 +232,7 @@ rbd_status block_error(const struct row *row, const struct instance *arbiter, in
 /* The largest number of samples for block_error. */
 int block_length(const struct row *row);
 
-/* Sets the rows' quad_error. Returns 0, or -1 after a message. */
+/* Sets the rows' quad_error: unknown if samples is 0. Returns 0, or -1 after a message. */
 int measure_accuracy(struct row *rows, int n, int samples);
 
 /* ---- timing/measure.c ---- */

@@ -91,7 +91,7 @@ static int make_rows(struct bench *b, const struct options *o) {
 static int finish(struct bench *b, const struct options *o) {
     if (o->count == COUNT_CALLGRIND) return count_by_callgrind(b->rows, b->row_count, o->samples);
     if (o->count == COUNT_PERF) return report_by(count_by_perf, o, b->rows, b->row_count);
-    if (measure_accuracy(b->rows, b->row_count, o->samples) != 0 ||
+    if (measure_accuracy(b->rows, b->row_count, o->no_quad ? 0 : o->samples) != 0 ||
         (o->cold ? measure_by(b->rows, b->row_count, o->samples, o->experiments, time_cold)
                  : measure(b->rows, b->row_count, o->samples, o->experiments)) != 0)
         return -1;

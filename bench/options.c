@@ -25,6 +25,7 @@ static const char help[] =
     "  --seed N           of the random states (default 1)\n"
     "  --gravity          with gravity (default without)\n"
     "  --cold             every call after other data and code have filled the caches up to level 2\n"
+    "  --no-quad          without the error against quad precision, which takes most of a short run's time\n"
     "  --count SOURCE     count events instead of timing: perf (CSV), or callgrind (run under it)\n"
     "  --format FORMAT    table, csv or json (default table)\n"
     "  --output FILE      write there instead of standard output\n"
@@ -203,6 +204,10 @@ static int read_argument(struct options *o, char **argv, int *i) {
     }
     if (strcmp(argument, "--cold") == 0) {
         o->cold = true;
+        return -1;
+    }
+    if (strcmp(argument, "--no-quad") == 0) {
+        o->no_quad = true;
         return -1;
     }
     if (strcmp(argument, "--floating") == 0) {

@@ -163,6 +163,10 @@ class Schemas(unittest.TestCase):
                        "--algorithm", name)
             self.assertEqual({r["algorithm"] for r in csv.DictReader(io.StringIO(done.stdout))}, {other})
 
+    def test_without_quad(self):
+        rows = list(csv.DictReader(io.StringIO(run("rbd-bench", "--no-quad", "--format", "csv", *self.SHORT).stdout)))
+        self.assertEqual({r["quad_error"] for r in rows}, {""})
+
     def test_json(self):
         whole = json.loads(run("rbd-bench", "--format", "json", *self.SHORT).stdout)
         self.assertEqual(sorted(whole), ["machine", "rows"])
@@ -232,8 +236,8 @@ class Staleness(unittest.TestCase):
                 self.assertEqual(self.kept(folder, {"clang-19": self.MACHINE}, again=True), [])
 
     def test_the_least_round_of_a_row_counts(self):
-        rows = lambda *times: [{"algorithm": str(i), "min_ns": t} for i, t in enumerate(times)]
-        self.assertEqual(report.least_of([rows("9.5", "10"), rows("11", "8")]), rows("9.5", "8"))
+        rows = lambda quad, *times: [{"algorithm": str(i), "min_ns": t, "quad_error": quad} for i, t in enumerate(times)]
+        self.assertEqual(report.least_of([rows("1e-15", "9.5", "10"), rows("", "11", "8")]), rows("1e-15", "9.5", "8"))
 
     def test_the_machine_is_what_the_bench_says(self):
         program, report.bench = report.bench, lambda *_: os.path.join(PROGRAMS, "rbd-bench")

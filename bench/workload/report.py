@@ -201,7 +201,7 @@ ROUNDS = 2
 
 
 def times(o, compiler, march, path, *more):
-    """Each library in a process of its own, in turns: a round for a part of the experiments."""
+    """Each library in a process of its own, in turns: a round for a part of the experiments. Accuracy is of the first."""
     rounds = []
     for i in range(min(ROUNDS, o.experiments)):
         share = o.experiments * (i + 1) // ROUNDS - o.experiments * i // ROUNDS
@@ -209,7 +209,8 @@ def times(o, compiler, march, path, *more):
         for library in libraries(o, compiler):
             part = "%s.%s" % (path, library)
             progress_of([bench(o, compiler, march), "--library", library, "--samples", str(o.samples), "--experiments",
-                         str(max(share, 1)), "--format", "csv", "--output", part, *more])
+                         str(max(share, 1)), "--format", "csv", "--output", part, *more,
+                         *([] if i == 0 and march == "native" else ["--no-quad"])])
             rounds[-1] += read(part)
             os.remove(part)
     write_rows(path, least_of(rounds) + (julia_rows(o) if march == "native" else []))
@@ -227,8 +228,9 @@ def julia_rows(o):
 
 
 def least_of(rounds):
-    """Of each row the round with the least minimum."""
-    return [min(same, key=lambda row: float(row["min_ns"])) for same in zip(*rounds)]
+    """Of each row the round with the least minimum, and the first round's error against quad precision."""
+    return [dict(min(same, key=lambda row: float(row["min_ns"])), quad_error=same[0]["quad_error"])
+            for same in zip(*rounds)]
 
 
 def write_rows(path, rows):
