@@ -8,7 +8,8 @@ root=${1:?usage: run.sh DIRECTORY_OF_RUN}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 bin=$scratch/bin
-mkdir "$bin" "$scratch/tree" "$scratch/tree/tests" "$scratch/tree/tests/urdf" "$scratch/tree/tests/urdf/fuzz"
+mkdir "$bin" "$scratch/tree" "$scratch/tree/tests" "$scratch/tree/tests/urdf" "$scratch/tree/tests/urdf/fuzz" \
+    "$scratch/tree/tests/fuzz"
 cp "$root/run" "$scratch/tree"
 
 fail() {
@@ -33,6 +34,11 @@ END
 # shellcheck disable=SC2016 # the stand-in expands it
 echo 'echo fuzzing "$2"' >"$scratch/tree/tests/urdf/fuzz/fuzz.sh"
 chmod +x "$scratch/tree/tests/urdf/fuzz/fuzz.sh"
+for fuzzer in library constraints; do
+    # shellcheck disable=SC2016
+    printf '#!/bin/sh\necho %s "$@"\n' "$fuzzer" >"$scratch/tree/tests/fuzz/$fuzzer.sh"
+    chmod +x "$scratch/tree/tests/fuzz/$fuzzer.sh"
+done
 
 # run STATUS COMMAND...: ./run, with what it prints in $scratch/printed
 run() {
@@ -84,6 +90,10 @@ run 0 fuzz 7
 prints 'installing liburdfdom-dev libclang-rt-19-dev$'
 prints '290 MB/291 MB to fetch, 2,212 MB on disk'
 prints '^fuzzing 7$'
+for fuzzer in library constraints; do
+    run 0 fuzz "--$fuzzer" 7 --more
+    prints "^$fuzzer .*/build/fuzz 7 --more\$"
+done
 asked 'Lock::Timeout=[1-9].* install -y .*liburdfdom-dev libclang-rt-19-dev$'
 asked_not 'clang-19 '
 [ "$(grep -c 'update$' "$scratch/apt")" -eq 2 ] || fail "the lists were not read again when they were locked"
