@@ -8,8 +8,8 @@
        #define RBD_IMPLEMENTATION
        #include "rbd_constraints.h"
 
-       const double sole[3] = {0, 0, -0.33};
-       rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), sole, NULL)};
+       const double foot[3] = {0.33, 0, 0};
+       rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), foot, NULL)};
        unsigned char memory[RBD_CONSTRAINTS_SIZE(NV, 3)];
        rbd_constraints *c;
        rbd_constraints_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);

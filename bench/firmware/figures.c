@@ -6,6 +6,9 @@
 #include "examples/firmware/board.h"
 #include "rbd.h"
 #include "rbd_derivatives.h"
+#ifdef FIGURES_CONTACTS
+#include "rbd_constraints.h"
+#endif
 
 #ifdef FIGURES_GENERATED
 #include "bench/firmware/atlas_code.h"
@@ -43,8 +46,26 @@ static unsigned char given[MAX_NV];
 
 #if FIGURES_ROBOTS == 3 /* where there is RAM for it */
 static unsigned char derivatives_memory[RBD_DERIVATIVES_SIZE(ATLAS_NB, ATLAS_NV)];
+#ifndef FIGURES_ALONE
 static rbd_real by_v[MAX_NV * MAX_NV];
+#endif
 static rbd_derivatives *d;
+#endif
+
+#ifdef FIGURES_CONTACTS /* HyQ on four points, Atlas on two flat feet: 12 rows each */
+enum { ROWS = 12 };
+static unsigned char constraints_memory[RBD_CONSTRAINTS_SIZE(ATLAS_NV, ROWS)];
+static rbd_constraints *c;
+static size_t set_size;
+static rbd_real lambda[ROWS], by_v_lambda[ROWS * MAX_NV], by_q_lambda[ROWS * MAX_NV];
+
+static rbd_constraint contact(int robot, int i) {
+    static const int hyq[4] = {HYQ_BODY_LF_LOWERLEG, HYQ_BODY_RF_LOWERLEG, HYQ_BODY_LH_LOWERLEG,
+                               HYQ_BODY_RH_LOWERLEG};
+    static const int atlas[2] = {ATLAS_BODY_L_FOOT, ATLAS_BODY_R_FOOT};
+    static const double shin[3] = {0.33, 0, 0}, sole[3] = {0.05, 0, -0.08};
+    return robot == HYQ_NV ? rbd_point_contact(hyq[i], shin, NULL) : rbd_flat_contact(atlas[i], sole, NULL);
+}
 #endif
 
 /* ---- instructions ---- */
@@ -76,8 +97,9 @@ static double instructions(uint32_t from, uint32_t to) {
     static __attribute__((noinline)) rbd_status name(const rbd_model *m) { return call; }
 CALL(nothing, m ? RBD_OK : RBD_ERR_NULL)
 CALL(id, rbd_rnea(m, w, q, v, a, NULL, out))
-CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd, rbd_aba(m, w, q, v, tau, NULL, out))
+#if !defined FIGURES_CONTACTS && !defined FIGURES_ALONE
+CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
 CALL(kinematics, rbd_kinematics(m, w, q, v, a))
 CALL(jacobian, rbd_jacobian(m, w, rbd_nb(m) - 1, NULL, RBD_WORLD_AXES, out))
@@ -88,6 +110,15 @@ CALL(momentum_matrix, rbd_momentum_matrix(m, d, q, NULL, out, NULL))
 CALL(coriolis, rbd_coriolis(m, d, q, v, out))
 CALL(did, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
 CALL(dfd, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
+#endif
+#endif
+
+#ifdef FIGURES_CONTACTS
+CALL(constrained, rbd_constrained_fd(m, c, q, v, tau, NULL, out, lambda))
+CALL(impact, rbd_impact(m, c, q, v, 0, out, lambda))
+CALL(constrained_id, rbd_constrained_id(m, c, q, v, a, NULL, NULL, NULL, out, lambda))
+CALL(constrained_derivatives, rbd_constrained_derivatives(m, c, d, q, v, tau, NULL, NULL, NULL, out, by_v,
+                                                          NULL, by_q_lambda, by_v_lambda, NULL))
 #endif
 
 #ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
@@ -104,6 +135,14 @@ typedef struct algorithm {
     rbd_status (*call)(const rbd_model *m);
 } algorithm;
 
+#if defined FIGURES_CONTACTS
+static const algorithm algorithms[] = {{"constrained", constrained},
+                                       {"impact", impact},
+                                       {"constrained_id", constrained_id},
+                                       {"constrained_derivatives", constrained_derivatives}};
+#elif defined FIGURES_ALONE
+static const algorithm algorithms[] = {{"fd_alone", fd}};
+#else
 static const algorithm algorithms[] = {
     {"id", id},
     {"mm", mm},
@@ -120,6 +159,7 @@ static const algorithm algorithms[] = {
     {"dfd", dfd},
 #endif
 };
+#endif
 
 /* ---- stack ---- */
 
@@ -187,10 +227,19 @@ static rbd_status draw_state(const rbd_model *m, uint64_t *seed_q, uint32_t *see
 static rbd_status prepare(const rbd_model *m) {
     const rbd_status status = rbd_work_init(m, memory, sizeof memory, &w);
 #if FIGURES_ROBOTS == 3
-    if (status == RBD_OK)
-        return rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d);
+    if (status != RBD_OK ||
+        rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d) != RBD_OK)
+        return RBD_ERR_MEMORY;
 #endif
+#ifdef FIGURES_CONTACTS
+    rbd_constraint list[4];
+    const int n = rbd_nv(m) == HYQ_NV ? 4 : 2;
+    for (int i = 0; i < n; i++) list[i] = contact(rbd_nv(m), i);
+    set_size = rbd_constraints_size(m, list, n);
+    return rbd_constraints_init(m, w, list, n, constraints_memory, sizeof constraints_memory, &c, NULL);
+#else
     return status;
+#endif
 }
 
 /* The forward dynamics of the torque that inverse dynamics gives is the acceleration. */
@@ -206,13 +255,16 @@ static int gives_back(const rbd_model *m, const algorithm *inverse, const algori
 
 /* The calls agree: each inverse dynamics is undone by rbd_aba, and each forward dynamics undoes rbd_rnea. */
 static int is_right(const robot *r) {
-    enum { INVERSE = 0, FORWARD = 2, CHOLESKY = 3 }; /* in the table */
-    const algorithm *inverse = &algorithms[INVERSE], *forward = &algorithms[FORWARD];
+    static const algorithm inverse[1] = {{"id", id}}, forward[1] = {{"fd", fd}};
 #ifdef FIGURES_GENERATED
     if (!gives_back(r->model, &r->generated[0], forward) || !gives_back(r->model, inverse, &r->generated[1]))
         return 0;
 #endif
-    return gives_back(r->model, inverse, &algorithms[CHOLESKY]) && gives_back(r->model, inverse, forward);
+#if !defined FIGURES_CONTACTS && !defined FIGURES_ALONE
+    static const algorithm cholesky[1] = {{"fd_cholesky", fd_cholesky}};
+    if (!gives_back(r->model, inverse, cholesky)) return 0;
+#endif
+    return gives_back(r->model, inverse, forward);
 }
 
 /* work: bytes that the call needs. */
@@ -239,10 +291,19 @@ static int print_row(const robot *r, const algorithm *g, size_t work) {
     return 1;
 }
 
+/* RAM: the work, and what a set of constraints takes beside it. */
+static size_t work_of(const rbd_model *m) {
+#ifdef FIGURES_CONTACTS
+    return rbd_work_size(m) + set_size;
+#else
+    return rbd_work_size(m);
+#endif
+}
+
 /* The rows of some algorithms; work: whether they need one. */
 static int print_rows(const robot *r, const algorithm *list, size_t n, int work) {
     for (size_t j = 0; j < n; j++)
-        if (prepare(r->model) != RBD_OK || !print_row(r, &list[j], work ? rbd_work_size(r->model) : 0)) {
+        if (prepare(r->model) != RBD_OK || !print_row(r, &list[j], work ? work_of(r->model) : 0)) {
             printf("%s, %s: wrong\n", r->name, list[j].name);
             return 0;
         }
@@ -251,7 +312,12 @@ static int print_rows(const robot *r, const algorithm *list, size_t n, int work)
 
 int main(void) {
     board_start();
-    for (size_t i = 0; i < FIGURES_ROBOTS; i++) {
+#ifdef FIGURES_CONTACTS
+    const size_t first = 1; /* the iiwa stands on nothing */
+#else
+    const size_t first = 0;
+#endif
+    for (size_t i = first; i < FIGURES_ROBOTS; i++) {
         if (!print_rows(&robots[i], algorithms, sizeof algorithms / sizeof *algorithms, 1)) return 1;
 #ifdef FIGURES_GENERATED
         if (!print_rows(&robots[i], robots[i].generated, 2, 0)) return 1;

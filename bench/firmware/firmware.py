@@ -15,6 +15,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 CROSS = ROOT / "examples/firmware/cross"
 ACCEPTED = ROOT / "bench/results/firmware.csv"
+ACCEPTED_EXAMPLES = ROOT / "bench/results/firmware_examples.csv"
 TARGETS = ["cortex-m0", "cortex-m3", "cortex-m4f", "stm32f405", "cortex-m7", "cortex-m33", "cortex-m55", "rv32imafc",
            "rv64gc"]
 SCALARS = ["float", "double"]
@@ -28,6 +29,18 @@ LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "
 ALGORITHMS = {**SMALL, **LARGE}
 # Straight-line code of rbd-codegen, for one robot: float, -O2, where RAM for Atlas is.
 GENERATED = {"generated_id": "id", "generated_fd": "fd"}
+# Float, -O2, where RAM for Atlas is, each in a library of its own: contacts, 12 rows (work: with the set of constraints),
+# and rbd_aba by RBD_NO_CHOLESKY and RBD_NO_CRBA without what only mimic joints need.
+KINDS = {"contacts": {"constrained": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
+                      "constrained_derivatives": "rbd_constrained_derivatives"},
+         "alone": {"fd_alone": "rbd_aba"}}
+# What the examples print of themselves, on the targets that their README has: words before or after a number.
+EXAMPLES = {("cortex-m4f", "five_bar"): {"torques": r"torques (\d+) instructions", "motion": r"the mechanism (\d+)",
+                                         "stack": r"stack (\d+) bytes", "set": r"loop (\d+)", "work": r"work (\d+)"}}
+for name in ("mpc_cart_pole", "mpc_iiwa"):
+    EXAMPLES["cortex-m7", name] = {"dynamics": r"dynamics and cost (\d+)", "derivatives": r"derivatives (\d+)",
+                                   "backward": r"Riccati step (\d+)", "tick": r"together (\d+)", "worst": r"(\d+) at worst",
+                                   "rate": r"(\d+) Hz", "stack": r"stack (\d+) bytes"}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "model", "work", "stack", "frames"]
@@ -229,9 +242,36 @@ def figures(target, folder, scalars, printed):
                     row.update(code=code[algorithm], model=model[robot], frames=frames[ALGORITHMS[algorithm]])
                 check_stack(row)
                 rows.append(row)
+    for kind, algorithms in KINDS.items():
+        lines = re.findall(r"^\w+,\w+,\d+,\d+,\d+$", printed.get("figures " + kind, ""), re.M)
+        frames = worst_frames(next((here / f"lib{kind}_float_2.a.p").glob("*.ci"))) if lines else {}
+        for robot, algorithm, work, stack, instructions in (line.split(",") for line in lines):
+            rows.append(dict(target=target, compiler=title, scalar="float", level="2", robot=robot, algorithm=algorithm,
+                             code=flash_bytes(target, here / f"code_float_2_{algorithm}"), work=int(work), stack=int(stack),
+                             model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
+                             frames=frames[algorithms[algorithm]], instructions=int(instructions)))
+            check_stack(rows[-1])
     if len(rows) < 2 * len(scalars) * len(SMALL):
         problem(f"{target}: only {len(rows)} rows of figures")
     return rows
+
+
+def example_figures(target, folder, printed):
+    """Of this target's examples: {(target, program, figure): number}, flash and RAM too."""
+    found = {}
+    for (wanted, program), patterns in EXAMPLES.items():
+        if wanted != target:
+            continue
+        for figure, pattern in patterns.items():
+            match = re.search(pattern, printed.get(program, ""))
+            if match:
+                found[target, program, figure] = int(match[1])
+            else:
+                problem(f"{target}: {program} prints no '{pattern}'")
+        text, data, bss = output_of(tool(target, "size"), folder / "examples/firmware" / program).splitlines()[1].split()[:3]
+        found[target, program, "flash"] = int(text) + int(data)
+        found[target, program, "ram"] = int(data) + int(bss)
+    return found
 
 
 def check_stack(row):
@@ -261,6 +301,32 @@ def excess(row, budget):
     """What exceeds its budget, as sentences."""
     return [f"{figure} {row[figure]}, budget {budget[figure]}: {100 * (row[figure] / budget[figure] - 1):+.1f} %"
             for figure in BUDGETS if row[figure] > budget[figure] * (1 + SLACK)]
+
+
+def read_accepted_examples():
+    if not ACCEPTED_EXAMPLES.exists():
+        return {}
+    with open(ACCEPTED_EXAMPLES, newline="") as file:
+        return {(r["target"], r["program"], r["figure"]): int(r["number"]) for r in csv.DictReader(file)}
+
+
+def check_examples(found):
+    """Says what is not as accepted; by more than the slack is a failure."""
+    accepted = read_accepted_examples()
+    for key_, number in found.items():
+        before = accepted.get(key_)
+        if before is None or key_[2] == "rate":
+            continue
+        if number > before * (1 + SLACK):
+            problem(f"{' '.join(key_)}: {number}, accepted {before}; ./run firmware --accept")
+        elif number != before:
+            say(f"  stale: {' '.join(key_)}: {number}, accepted {before}")
+
+
+def accept_examples(found):
+    accepted = {**read_accepted_examples(), **found}
+    lines = [",".join(map(str, (*key_, number))) for key_, number in sorted(accepted.items())]
+    ACCEPTED_EXAMPLES.write_text("target,program,figure,number\n" + "\n".join(lines) + "\n")
 
 
 def check_budgets(target, rows):
@@ -324,13 +390,14 @@ def table(rows, robots):
         there = [r for r in robots if any(row["robot"] == r for row in group)]
         lines += ["", f"{f'{target}, {scalar}, -O{level}, {title}':43}" + "".join(f"{r:>21}" for r in there),
                   f"{'':17}{'code':>8}{'stack':>7}{'':11}" + f"{'instr.':>10}{'rate':>11}" * len(there)]
-        for algorithm in ALGORITHMS:
+        for algorithm in [*ALGORITHMS, *(a for algorithms in KINDS.values() for a in algorithms)]:
             some = [row for row in group if row["algorithm"] == algorithm]
             if not some:
                 continue
             by_robot = {row["robot"]: row for row in some}
             lines.append(f"  {algorithm:15}{some[0]['code']:>8}{max(r['stack'] for r in some):>7}{'':11}" + "".join(
-                f"{by_robot[r]['instructions']:>10}{rate(by_robot[r]['instructions']):>11}" for r in there))
+                f"{by_robot[r]['instructions']:>10}{rate(by_robot[r]['instructions']):>11}" if r in by_robot else " " * 21
+                for r in there).rstrip())
         for figure, text in (("model", "model, in flash"), ("work", "work, in RAM")):
             lines.append(f"  {text:41}" + "".join(
                 f"{next(row[figure] for row in group if row['robot'] == r):>10}{'':11}" for r in there).rstrip())
@@ -372,6 +439,79 @@ def generated_table(some):
     return lines if len(lines) > 3 else []
 
 
+# ---- tables in documents ----
+
+def number(x):
+    return f"{x:,}"
+
+
+def five_bar_table(_, examples):
+    def of(figure):
+        return number(examples["cortex-m4f", "five_bar", figure])
+    return ["| | |", "|---|--:|",
+            f"| torques of both motors: computed torque and `rbd_constrained_id`, instructions | {of('torques')} |",
+            f"| `rbd_constrained_fd` and `rbd_integrate`, instructions | {of('motion')} |",
+            f"| the set of constraints, `rbd_work`, RAM, bytes | {of('set')} and {of('work')} |",
+            f"| stack, painted, bytes | {of('stack')} |",
+            f"| flash, of the whole program with `printf`, bytes | {of('flash')} |"]
+
+
+def mpc_table(_, examples):
+    names = {"dynamics": "dynamics and cost, along two trajectories: the start and the line search",
+             "derivatives": "derivatives of the dynamics, `rbd_fd_derivatives` in all knots",
+             "backward": "backward pass", "tick": "a tick", "worst": "the worst tick", "rate": "rate, of the worst tick",
+             "flash": "flash, of the whole program with the simulated robot and `printf`, bytes",
+             "ram": "RAM without stack, bytes", "stack": "stack, painted, bytes"}
+    lines = ["| | cart and pole | iiwa |", "|---|--:|--:|"]
+    for figure, name in names.items():
+        cells = [examples["cortex-m7", program, figure] for program in ("mpc_cart_pole", "mpc_iiwa")]
+        lines.append(f"| {name} | " + " | ".join(f"{x} Hz" if figure == "rate" else number(x) for x in cells) + " |")
+    return lines
+
+
+def contacts_table(some, _):
+    lines = ["| 12 rows, float, -O2 | flash | HyQ on four points: instructions | Atlas on two flat feet |", "|---|--:|--:|--:|"]
+    for algorithm, call in {"fd": "rbd_aba", **KINDS["contacts"]}.items():
+        rows = [some["cortex-m4f", robot, algorithm] for robot in ("hyq", "atlas")]
+        lines.append(f"| `{call}` | {number(rows[0]['code'])} | " + " | ".join(number(r["instructions"]) for r in rows) + " |")
+    rows = [some["cortex-m4f", robot, "constrained"] for robot in ("hyq", "atlas")]
+    lines.append("| stack of `rbd_constrained_fd`, bytes | | " + " | ".join(number(r["stack"]) for r in rows) + " |")
+    return lines + ["| work and set, RAM, bytes | | " + " | ".join(number(r["work"]) for r in rows) + " |"]
+
+
+def alone_table(some, _):
+    lines = ["| float, -O2, bytes of flash | cortex-m3 | cortex-m4f | rv32imafc |", "|---|--:|--:|--:|"]
+    for algorithm, name in (("id", "`rbd_rnea`"), ("fd", "`rbd_aba`"),
+                            ("fd_alone", "`rbd_aba` with `RBD_NO_CHOLESKY` and `RBD_NO_CRBA`")):
+        cells = [some.get((target, "iiwa", algorithm)) for target in ("cortex-m3", "cortex-m4f", "rv32imafc")]
+        lines.append(f"| {name} | " + " | ".join(number(r["code"]) if r else "–" for r in cells) + " |")
+    return lines
+
+
+# In which document each stands, between <!-- firmware NAME --> and <!-- end -->.
+BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
+          "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
+          "calls": ("README.md", lambda _, __: readme_table(read_accepted()).split("\n"))}
+
+
+def documents(write):
+    """Writes the accepted figures into the documents, or returns what differs."""
+    some = {(r["target"], r["robot"], r["algorithm"]): r for r in read_accepted() if r["scalar"] == "float" and r["level"] == "2"}
+    examples, stale = read_accepted_examples(), []
+    for name, (document, table_of) in BLOCKS.items():
+        path = ROOT / document
+        before, start, rest = path.read_text().partition(f"<!-- firmware {name} -->\n")
+        shown, end, after = rest.partition("\n<!-- end -->")
+        if not start or not end:
+            die(f"{document} has no place for the table {name}")
+        table_now = table_of(some, examples)
+        if write:
+            path.write_text(before + start + "\n".join(table_now) + end + after)
+        stale += [f"{document}: not '{line}'" for line in shown.split("\n") if line not in table_now]
+        stale += [f"{document}: '{line}' is missing" for line in table_now if line not in shown.split("\n")]
+    return stale
+
+
 # ---- the course ----
 
 def options():
@@ -392,8 +532,10 @@ def options():
     parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
                         "firmware gives its own")
     parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
-    parser.add_argument("--check", action="store_true", help="only check that budgets are sharp and that the README's table "
-                        "is the accepted one")
+    parser.add_argument("--documents", action="store_true", help="only write the accepted figures into README.md, docs and "
+                        "examples, as --accept does too")
+    parser.add_argument("--check", action="store_true", help="only check that budgets are sharp and that the documents have "
+                        "the accepted figures")
     return parser.parse_args()
 
 
@@ -408,7 +550,7 @@ def do_target(target, directory, scalars, proofs, codegen):
     found = prove(target, directory / target, scalars)
     if proofs:
         say("  " + "\n  ".join(found))
-    return figures(target, directory / target, scalars, printed)
+    return figures(target, directory / target, scalars, printed), example_figures(target, directory / target, printed)
 
 
 def check_accepted():
@@ -420,16 +562,19 @@ def check_accepted():
             over = excess(row, rows[0])
             if bool(over) != refused:
                 sys.exit(f"{factor:.2f} of the budget for {figure}: {over or 'accepted'}")
-    shown = readme_table(rows)
-    if shown not in (ROOT / "README.md").read_text():
-        sys.exit("README.md has not this table:\n" + shown)
-    print(f"budgets are sharp; README.md has the table of {len(rows)} accepted rows")
+    stale = documents(write=False)
+    if stale:
+        sys.exit("\n".join(["documents have other figures than bench/results/firmware*.csv; ./run firmware --documents", *stale]))
+    print(f"budgets are sharp; the documents have the figures of {len(rows)} accepted rows")
 
 
 def main():
     wanted = options()
     if wanted.check:
         check_accepted()
+        return
+    if wanted.documents:
+        documents(write=True)
         return
     if wanted.accept and wanted.float_only:
         die("budgets are of both scalars: --accept without --float-only")
@@ -440,10 +585,12 @@ def main():
             sys.exit(77 if wanted.if_possible else 1)
     wanted.directory.mkdir(parents=True, exist_ok=True)
     scalars = ["float"] if wanted.float_only else SCALARS
-    rows = []
+    rows, examples = [], {}
     for target in targets:
-        rows += do_target(target, wanted.directory, scalars, wanted.proofs, wanted.codegen)
+        new, of_examples = do_target(target, wanted.directory, scalars, wanted.proofs, wanted.codegen)
+        rows, examples = rows + new, {**examples, **of_examples}
         if not wanted.accept:
+            check_examples(of_examples)
             say(f"  {check_budgets(target, [r for r in rows if r['target'] == target])}")
     shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and wanted.level in ("all", r["level"])
              and wanted.robot in ("all", r["robot"])]
@@ -454,6 +601,8 @@ def main():
         sys.exit(f"firmware: {len(problems)} problems, the first: {problems[0]}")
     if wanted.accept:
         accept(rows)
+        accept_examples(examples)
+        documents(write=True)
 
 
 main()

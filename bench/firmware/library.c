@@ -2,3 +2,6 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 #include "rbd_derivatives.h"
+#ifdef FIGURES_CONTACTS
+#include "rbd_constraints.h"
+#endif
