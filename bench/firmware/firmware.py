@@ -509,6 +509,8 @@ def documents(write):
             path.write_text(before + start + "\n".join(table_now) + end + after)
         stale += [f"{document}: not '{line}'" for line in shown.split("\n") if line not in table_now]
         stale += [f"{document}: '{line}' is missing" for line in table_now if line not in shown.split("\n")]
+    if write:  # the sentences too
+        subprocess.run([sys.executable, ROOT / "tests/figures.py", "--write"], stdout=subprocess.DEVNULL, check=False)
     return stale
 
 
@@ -526,7 +528,7 @@ def options():
     parser.add_argument("--level", choices=LEVELS + ["all"], default="2", help="of optimisation, to show: -Os or -O2; "
                         "default: 2")
     parser.add_argument("--robot", choices=ROBOTS + ["all"], default="all", help="to show; default: all")
-    parser.add_argument("--format", choices=["table", "csv", "readme"], default="table")
+    parser.add_argument("--format", choices=["table", "csv"], default="table")
     parser.add_argument("--proofs", action="store_true", help="print what the proofs found")
     parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv")
     parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
@@ -595,8 +597,7 @@ def main():
     shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and wanted.level in ("all", r["level"])
              and wanted.robot in ("all", r["robot"])]
     robots = ROBOTS if wanted.robot == "all" else [wanted.robot]
-    print({"table": lambda: table(shown, robots), "csv": lambda: as_csv(shown).rstrip(),
-           "readme": lambda: readme_table(read_accepted())}[wanted.format]())
+    print({"table": lambda: table(shown, robots), "csv": lambda: as_csv(shown).rstrip()}[wanted.format]())
     if problems:
         sys.exit(f"firmware: {len(problems)} problems, the first: {problems[0]}")
     if wanted.accept:
