@@ -35,7 +35,8 @@ static void result(const void *model, int algorithm, const struct state *rbd, co
     memcpy(x, its, (size_t)(algorithm == MM ? nv * nv : nv) * sizeof(double));
 }
 
-static const struct conventions others = {.size = size, .state = state, .result = result, .bound = 1e-10};
+static const struct conventions others = {
+    .size = size, .state = state, .result = result, .bound = 1e-10, .build = "as rbd"};
 
 /* The calls of library_double, by functions since its table is no constant of the compiler. */
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t bytes, const void **model,
