@@ -397,6 +397,9 @@ extern "C" {
 #if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_MINVERSE
 #endif
+#if !defined RBD_NO_CRBA && !defined RBD_NO_CHOLESKY
+#define RBDI_JUDGE /* of states in doubt: see [pivots] */
+#endif
 #if defined RBD_NO_KINEMATICS && !defined RBD_NO_POINTS
 #define RBD_NO_POINTS
 #endif
@@ -980,7 +983,7 @@ typedef struct rbdi_draft {
     rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
     rbdi_wide trace, moment, all_mass,
         subtree_mass;                     /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale;                      /* of the pivot */
+    rbdi_wide scale, reach;               /* of the pivot; of the user's frames: see rbdi_draft_scale */
     int parent, kind, type, body, iq, iv; /* parent: index among drafts */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
@@ -1322,7 +1325,7 @@ RBDI_EXTERN_C_END
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
    rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
-   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of and rbdi_verdict;
+   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of, rbdi_judge_state and rbdi_verdict;
    [axes]; rbdi_kin, rbdi_kin_links, rbdi_body_kin and rbdi_column; [descriptions].
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
@@ -1480,9 +1483,9 @@ RBDI_CODE_BEGIN
 #ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
 #define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
 #endif
-#define RBDI_TURN RBD_C(0.0625) /* times RBDI_NOISE: two roundings */
 #define RBDI_BUILD \
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
+#define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_draft_scale */
 
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
@@ -3280,14 +3283,19 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 }
 
 #ifndef RBD_NO_CRBA
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
-    const rbd_status status = rbdi_check(m, w, q && H);
-    if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+/* M packed, from the joints' transforms. */
+RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
     if (m->nmimic) rbdi_clear(w->H, m->nh);
     rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
     if (m->nmimic) rbdi_reduce_H(m, w->H);
     for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
+}
+
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
+    const rbd_status status = rbdi_check(m, w, q && H);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_crba_of_joints(m, w, H);
     return RBD_OK;
 }
 
@@ -4663,40 +4671,37 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 }
 
 /* ---- pivots [pivots] ----
-   M is singular where the pivot D of a joint vanishes: where something could turn or slide with that joint
-   and, all joints behind it giving way, move no mass. D is computed as a difference, and carries the
-   roundings of all that it is the difference of. How large these are no constant can say: small pivots
-   before it magnify them, and a joint of a long chain moves far less than the chain's inertia. So a pivot is
-   judged in two steps.
+   One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
 
-   First, for one comparison: all pivots are sound if each is above RBDI_DOUBT of the most inertia that its
-   joint can ever move, dof.scale. A rounding reaches that size only if magnified by more than RBDI_DOUBT /
-   eps; then some pivot before it was small beside its own scale too. RBDI_DOUBT is at least sqrt(eps), so
-   that the one or the other is noticed.
+   D_k = y' M y for the motion y in which dof k moves by 1 and the dofs behind it give way: column k of L^-1.
+   Two kinds of rounding reach it.
 
-   Second, where any is in doubt, all get a running bound. Let y_j be the motions of the links that go with
-   unit motion of the joint while those behind it give way. Then D = sum y_j' I_j y_j, and errors eps K_j of
-   what stands for I_j change it by eps e, e = sum y_j' K_j y_j. Both follow from the leaves to the root by
-   the same recursion, RBDA table 7.1:
+   Arithmetic. Entry M_jj is a sum of terms as large as K_jj, and is off by eps K_jj. So D_k is off by eps e,
+   e = sum over j of y_j^2 K_jj, where K_jj is M_jj, the inertia of each link about its own origin along the
+   dof, and a quarter of dof.scale, the inertia of the stretched robot.
 
-       K_i = own_i + sum over the children of X' (P' K P + V r V' + way) X,   e_i = S' K_i S
+   Description. An axis is off by eps, and so is a position or a centre of mass by eps of its lever. These
+   errors move a mass m that should stand still by eps L. Its share of D is m (eps L)^2, exactly computed: the
+   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_draft_scale), so that
+   K_jj covers it.
 
-   for P = 1 - S V', V = U/D and the joint's armature r (P' IA P + V r V' = IA - U U'/D). own is the diagonal
-   of the link's inertia at its origin, way what the change of frame rounds (rbdi_bound_up). A pivot counts as
-   zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY; with RBD_SPECIALISE e = dof.scale. For M = L'DL
-   likewise e = sum w_j^2 K_jj with w the dof's column of L^-1, and K_jj = M_jj + own + scale / 4, for the
-   turns in M.
+   A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
-   Of 68,000 exactly singular random systems none passes, in double and float, by either way; of as many
-   regular ones aba refuses none in double and 15 in float: docs/accuracy.md. */
+   A fast call has pivots of its own and judges none. It asks once per pivot whether D > RBDI_DOUBT dof.scale.
+   If all are, M is regular: a rounding reaches that size only if it is magnified by more than RBDI_DOUBT /
+   eps, and then some pivot before it was small beside its own scale too; RBDI_DOUBT is at least sqrt(eps), so
+   that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew from
+   the joints' transforms, factors it and judges. The call's own results stand if M is regular.
 
-/* Replaces a pivot by 1 if it is sound, by 0 if it is below its noise, by -1 if it is not a number. */
-RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e) {
+   Without RBD_NO_CRBA's or RBD_NO_CHOLESKY's code nobody can judge, and a state in doubt is singular. */
+
+/* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if it
+   is not a number. */
+RBDI_PART void rbdi_judge(rbd_work *w, int k, rbd_real noise, rbdi_mask doubt) {
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
-    const rbdi_mask clear = rbdi_less((e + m->dof[k].armature) * RBDI_NOISE + RBDI_TINY, D);
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
     const rbd_real bad = rbdi_select(number, rbdi_zero(), -one);
-    w->pivot[k] = rbdi_select(clear, one, bad);
+    w->pivot[k] = rbdi_select(rbdi_or(rbdi_not(doubt), rbdi_less(noise, D)), one, bad);
 }
 
 /* The first judged pivot, in the order of elimination, that is not sound; the n results x of its lanes
@@ -4704,6 +4709,7 @@ RBDI_PART void rbdi_judge(const rbd_model *m, rbd_work *w, int k, rbd_real e) {
 RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask sound = rbdi_less(o, half), number = sound;
+    w->singular = -1;
     RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
         sound = rbdi_and(sound, ok);
@@ -4717,231 +4723,92 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-#ifndef RBD_SPECIALISE
-/* What the second step needs of a link, kept in the scratch c, which aba is done with. */
-typedef struct rbdi_gross {
-    rbdi_v3 I;      /* diagonal of the own inertia about the origin */
-    rbd_real m;     /* own mass */
-    rbd_real IA, M; /* absolute sums of the articulated inertia's diagonals, before and after giving way */
-} rbdi_gross;
-
-RBDI_INLINE void rbdi_gross_set(rbdi_scratch *to, rbdi_gross g) {
-    to->c.omega = g.I;
-    to->c.v = rbdi_vec(g.m, g.IA, g.M);
-}
-RBDI_INLINE rbdi_gross rbdi_gross_of(const rbdi_scratch *from) {
-    rbdi_gross g;
-    g.I = from->c.omega;
-    g.m = from->c.v.x, g.IA = from->c.v.y, g.M = from->c.v.z;
-    return g;
-}
-
-/* The own inertias, from those of the bodies. The build's rounding, relative to the trace, counts as well:
-   it turns a rod on an axis. */
-static void rbdi_gross_links(const rbd_model *m, rbd_work *w) {
-    for (int i = 0; i < m->nl; ++i) w->scratch[i].c = rbdi_motion0();
+/* Adds to K, for each dof, the inertia of the bodies of its own link about the link's origin. The build's
+   rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia about the
+   link's origin and about the user's, which is at r of the joint's body. */
+static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         if (u->link < 0) continue;
+        const rbdi_link *l = &m->link[u->link];
         const rbdi_mat E = rbdi_mat_c(u->E);
-        const rbdi_v3 r = rbdi_vec_c(u->r), c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
+        const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[l->iv].body].r), r = rbdi_vec_c(u->r),
+                      c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
         const rbd_real mass = rbdi_set(u->mass), x = p.x * p.x * mass, y = p.y * p.y * mass,
                        z = p.z * p.z * mass;
         const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
         const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
-        const rbd_real trace = I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c)),
+        const rbd_real trace =
+                           I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user)),
                        o = trace * RBDI_BUILD;
-        rbdi_gross g = rbdi_gross_of(&w->scratch[u->link]);
-        g.I = rbdi_add(g.I, rbdi_vec(I.x + y + z + o, I.y + x + z + o, I.z + x + y + o));
-        g.m = g.m + mass;
-        rbdi_gross_set(&w->scratch[u->link], g);
-    }
-}
-
-#ifndef RBD_NO_ABA
-/* A becomes P' A P + V r V', P = 1 - S V' with V = U/D and the armature r; returns S' A S. */
-RBDI_INLINE rbd_real rbdi_give_way(rbd_real A[6][6], const rbd_real S[6], const rbd_real V[6], rbd_const r) {
-    rbd_real a[6], e = rbdi_zero();
-    for (int i = 0; i < 6; ++i) {
-        a[i] = rbdi_zero();
-        for (int j = 0; j < 6; ++j) a[i] = a[i] + A[i][j] * S[j];
-        e = e + S[i] * a[i];
-    }
-    for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) A[i][j] = A[i][j] + ((e + r) * V[i] - a[i]) * V[j] - V[i] * a[j];
-    return e;
-}
-
-/* Axis k of a link's joint, and U/D of pass 2. Where U_z/D = 1 it is not stored; of a free base of which
-   nothing is held U/D is there for the axes before k only, the others are gone. */
-RBDI_INLINE void rbdi_axis_of(const rbd_model *m, const rbd_work *w, int i, int k, int held, rbd_real S[6],
-                              rbd_real V[6]) {
-    const rbdi_link *l = &m->link[i];
-    for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
-    if (l->kind == RBDI_BLOCK) {
-        const rbdi_block *b = rbdi_block_of(m, l);
-        const int s = b->first + k, stored = !held && rbdi_free_base(l, b) ? s : 6;
-        S[s] = rbdi_set(RBD_C(1));
-        for (int j = 0; j < 6; ++j) V[j] = j < stored ? w->block[l->block].U_D[k][j] : S[j];
-        return;
-    }
-    S[2] = rbdi_set(l->rho);
-    S[5] = rbdi_set(l->kappa);
-    rbdi_store_force(V, 1, w->scratch[i].U_D);
-    if (!(l->flags & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
-}
-
-static rbdi_abi rbdi_abi_plus(rbdi_abi A, rbdi_v3 I, rbdi_v3 M) {
-    A.I.xx = A.I.xx + I.x, A.I.yy = A.I.yy + I.y, A.I.zz = A.I.zz + I.z;
-    A.M.xx = A.M.xx + M.x, A.M.yy = A.M.yy + M.y, A.M.zz = A.M.zz + M.z;
-    return A;
-}
-
-static rbdi_abi rbdi_abi_up_link(const rbd_model *m, const rbd_work *w, int i, rbdi_abi A) {
-    const rbdi_link *l = &m->link[i];
-    if (l->kind == RBDI_BLOCK) return rbdi_abi_up_block(&w->block[l->block].X, A);
-    return rbdi_abi_up(l, l->flags | RBDI_ARMATURE, rbdi_trig_of(m, w, i, l->flags), A); /* no row of zeros */
-}
-
-/* The same for the bound K, with what release and way add: all rounds by what it is the difference of, but
-   the row of a revolute axis that is put to zero (not of one that is held or has armature); about that axis
-   a twist does that is no right angle. A shift by r rounds by r^2 M. Constants and angles hold to a
-   rounding, which tells where all else vanishes: as its square. */
-RBDI_INLINE rbdi_abi rbdi_bound_up(const rbd_model *m, const rbd_work *w, int i, int held, rbdi_abi K) {
-    const rbdi_link *l = &m->link[i];
-    const int block = l->kind == RBDI_BLOCK;
-    const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
-    const rbd_const build = RBDI_BUILD, square = build > 1 ? RBDI_NOISE : RBDI_NOISE * build * build;
-    const rbd_const twist = l->ca < 0 || l->ca > 0 ? (l->sa < 0 ? -l->sa : l->sa) : RBD_C(0);
-    const rbd_const z = block || held || (l->flags & (RBDI_SLIDES | RBDI_ARMATURE)) ? RBD_C(1) : twist;
-    const rbd_real d = block ? rbdi_zero() : rbdi_trig_of(m, w, i, l->flags).d, dd = d * d;
-    const rbdi_v3 r = block ? w->block[l->block].X.r : rbdi_vec_c(l->r);
-    const rbd_real rr = rbdi_dot(r, r), M = g.M * RBDI_TURN, I = (g.IA + dd * g.M) * RBDI_TURN;
-    const rbd_real moved = rr * M + (g.IA + (rr + dd) * g.M) * square;
-    K = rbdi_abi_up_link(m, w, i, rbdi_abi_plus(K, rbdi_vec(I, I, I * z), rbdi_vec(M, M, M * z)));
-    return rbdi_abi_plus(K, rbdi_vec(moved, moved, moved), rbdi_vec0());
-}
-
-/* Adds the sums of the diagonals of IA to those of a link. */
-static void rbdi_gross_note(rbdi_scratch *to, rbdi_abi IA) {
-    rbdi_gross g = rbdi_gross_of(to);
-    g.IA = g.IA + rbdi_abs(IA.I.xx) + rbdi_abs(IA.I.yy) + rbdi_abs(IA.I.zz);
-    g.M = g.M + rbdi_abs(IA.M.xx) + rbdi_abs(IA.M.yy) + rbdi_abs(IA.M.zz);
-    rbdi_gross_set(to, g);
-}
-
-/* Pass 2 again, with the U/D that it found: of the articulated inertias, to note how large they are; or of
-   the bound, to judge the pivots. */
-RBDI_INLINE void rbdi_judge_links(const rbd_model *m, rbd_work *w, const rbdi_given *given, int bound) {
-    rbdi_abi X = rbdi_abi_zero();
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].I = X;
-    for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
-        const int held = given && rbdi_any_held(m, l, given);
-        rbd_real A[6][6];
-        if (l->slot >= 0) X = rbdi_abi_add(X, w->slot[l->slot].I);
-        X = bound ? rbdi_abi_plus(X, g.I, rbdi_vec(g.m, g.m, g.m)) : rbdi_abi_add_link(l, RBDI_MASS_KEPT, X);
-        if (!bound) rbdi_gross_note(&w->scratch[i], X);
-        rbdi_abi_to_array(X, A);
-        for (int k = (l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1) - 1; k >= 0; --k) {
-            rbd_real S[6], V[6], e;
-            if (given && given->dof[l->iv + k]) continue;
-            rbdi_axis_of(m, w, i, k, held, S, V);
-            e = rbdi_give_way(A, S, V, m->dof[l->iv + k].armature);
-            if (bound) rbdi_judge(m, w, l->iv + k, e);
-        }
-        X = rbdi_abi_from_array(A);
-        if (!bound) rbdi_gross_note(&w->scratch[i], X);
-        if (l->parent >= 0) X = bound ? rbdi_bound_up(m, w, i, held, X) : rbdi_abi_up_link(m, w, i, X);
-        if (l->parent == i - 1) continue;
-        if (l->parent >= 0) {
-            rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-            slot->I = rbdi_abi_add(slot->I, X);
-        }
-        X = rbdi_abi_zero();
-    }
-}
-
-static void rbdi_judge_sweep(const rbd_model *m, rbd_work *w, int bound) {
-    rbdi_judge_links(m, w, NULL, bound);
-}
-
-/* Judges the pivots of the last call of aba. */
-RBDI_COLD void rbdi_aba_judge(const rbd_model *m, rbd_work *w) {
-    rbdi_gross_links(m, w);
-    rbdi_judge_sweep(m, w, 0);
-    rbdi_judge_sweep(m, w, 1);
-}
-#ifndef RBD_NO_HYBRID
-/* The same of hybrid dynamics. */
-RBDI_COLD void rbdi_hybrid_judge(const rbd_model *m, rbd_work *w, const rbdi_given *given) {
-    rbdi_gross_links(m, w);
-    for (int bound = 0; bound < 2; ++bound) rbdi_judge_links(m, w, given, bound);
-}
-#endif
-#endif
-
-/* Adds S' K S of the links' own inertias to M, for each dof. */
-static void rbdi_gross_dofs(const rbd_model *m, rbd_work *w, rbd_real *M) {
-    rbdi_gross_links(m, w);
-    for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        const rbdi_gross g = rbdi_gross_of(&w->scratch[i]);
-        const rbd_real moment[3] = {g.I.x, g.I.y, g.I.z};
+        const rbd_real own[6] = {I.x + y + z + o, I.y + x + z + o, I.z + x + y + o, mass, mass, mass};
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
         if (l->kind != RBDI_BLOCK)
-            M[iv] = M[iv] + (g.I.z * l->rho + g.m * (l->kappa * l->kappa)) * (ratio * ratio);
+            K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
-            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_block_of(m, l)->n; ++k, ++s)
-                M[iv + k] = M[iv + k] + (s < 3 ? moment[s] : g.m);
+            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_block_of(m, l)->n; ++k)
+                K[iv + k] = K[iv + k] + own[s + k];
     }
 }
 
-/* Judges the pivots of the last factorisation, L packed: M_jj = sum of L_kj^2 D_k, and column k of L^-1,
-   which is zero but for k and what lies behind it, by substitution. */
-RBDI_COLD void rbdi_factor_judge(const rbd_model *m, rbd_work *w, const rbd_real *L) {
+/* The judge. L is the packed factor that the pivots are of, doubt what rbdi_factor said of it: M_jj = sum of L_kj^2 D_k; column k of L^-1, which
+   is zero but for k and what lies behind it, by substitution. */
+RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
     const int n = m->nv;
-    rbd_real *M = w->F, *x = w->F + n; /* the scratch of crba */
-    for (int k = 0; k < n; ++k) M[k] = rbdi_abs(w->pivot[k]);
+    rbd_real *K = w->F, *y = w->F + n; /* the scratch of crba */
+    for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
     for (int k = 0; k < n; ++k)
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
             const rbd_real l = L[m->dof[k].row + t];
-            M[i] = M[i] + l * l * rbdi_abs(w->pivot[k]);
+            K[i] = K[i] + l * l * rbdi_abs(w->pivot[k]);
         }
-    rbdi_gross_dofs(m, w, M);
-    for (int k = 0; k < n; ++k) M[k] = M[k] + RBD_C(0.25) * m->dof[k].scale;
+    rbdi_add_links(m, K);
     for (int k = 0; k < n; ++k) {
-        rbd_real e = M[k];
-        x[k] = rbdi_set(RBD_C(1));
+        rbd_real e = K[k] + m->dof[k].armature;
+        y[k] = rbdi_set(RBD_C(1));
         for (int j = k + 1; j < n; ++j) {
             const rbd_real *row = &L[m->dof[j].row];
-            x[j] = rbdi_zero();
+            y[j] = rbdi_zero();
             for (int t = m->dof[j].depth - 1, i = m->dof[j].lambda; i >= k; --t, i = m->dof[i].lambda)
-                x[j] = x[j] - row[t] * x[i];
-            e = e + x[j] * x[j] * M[j];
+                y[j] = y[j] - row[t] * y[i];
+            e = e + y[j] * y[j] * K[j];
         }
-        rbdi_judge(m, w, k, e);
+        rbdi_judge(w, k, e * RBDI_NOISE + RBDI_TINY, doubt);
     }
 }
-#endif
 
-/* What a call with pivots returns; doubt: any of them; L: the factor, if it is not aba; x: the n results. */
-RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, int aba,
-                                      const rbd_real *L, rbd_real *x, int n) {
+/* Makes the rows and columns of held dofs those of the unit matrix, its scale aside. */
+RBDI_PART void rbdi_hold_rows(const rbd_model *m, const unsigned char *held, rbd_real *H) {
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real *h = &H[m->dof[k].row + m->dof[k].depth];
+        if (held[k]) *h = rbdi_set(RBD_C(1) + m->dof[k].scale);
+        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda) {
+            --h;
+            if (held[k] || held[i]) *h = rbdi_zero();
+        }
+    }
+}
+
+/* Judges the state of the last rbdi_joints, from M without the rows of what is held (NULL: nothing). The
+   factor is left in w->H. */
+RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w, const unsigned char *held) {
+#ifdef RBDI_JUDGE
+    rbdi_crba_of_joints(m, w, w->H);
+    if (held) rbdi_hold_rows(m, held, w->H);
+    rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
+#else
+    (void)held;
+    for (int k = 0; k < m->nv; ++k)
+        rbdi_judge(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT), rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
+#endif
+}
+
+/* What a call with pivots returns. doubt: any of them; x: the n results. */
+RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-#ifdef RBD_SPECIALISE /* no room in straight-line code for the second step: e = dof.scale */
-    (void)aba, (void)L;
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k)
-        rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
-#else
-#ifndef RBD_NO_ABA
-    if (aba) rbdi_aba_judge(m, w);
-#endif
-    if (!aba) rbdi_factor_judge(m, w, L);
-#endif
+    rbdi_judge_state(m, w, NULL);
     return rbdi_verdict(m, w, x, n);
 }
 
@@ -4963,11 +4830,8 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     rbdi_external(m, w, f_ext);
     if (ties) rbdi_tie_clear(m, w);
     doubt = rbdi_aba_pass2(m, w, tau);
-#if !defined RBDI_NO_FD_CHOLESKY && !defined RBD_SPECIALISE
-    if (ties && rbdi_any(doubt)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a); /* which judges */
-#endif
     rbdi_aba_pass3(m, w, a);
-    return rbdi_status_of(m, w, doubt, 1, NULL, a, m->nv);
+    return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 #endif
 
@@ -4983,45 +4847,30 @@ static int rbdi_reach(const rbd_model *m, const unsigned char *given) {
     return reach;
 }
 
-/* Judges, where any pivot is in doubt; a and tau become 0 where one is not sound. */
-static rbd_status rbdi_hybrid_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, const rbd_real *L,
-                                     const rbdi_given *given, rbd_real *a, rbd_real *tau) {
+/* What hybrid dynamics returns; a and tau become 0 where a pivot is not sound. */
+static rbd_status rbdi_hybrid_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt,
+                                     const unsigned char *given, rbd_real *a, rbd_real *tau) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-#ifdef RBD_SPECIALISE
-    (void)L;
-    for (int k = 0; k < m->nv; ++k) rbdi_judge(m, w, k, rbdi_set(m->dof[k].scale));
-#else
-    if (L)
-        rbdi_factor_judge(m, w, L);
-    else
-        rbdi_hybrid_judge(m, w, given);
-#endif
+    rbdi_judge_state(m, w, given);
     for (int k = 0; k < m->nv; ++k)
-        if (given->dof[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* none: sound */
-    rbdi_verdict(m, w, tau, m->nv);
-    w->singular = -1;
+        if (given[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* none: sound */
+    (void)rbdi_verdict(m, w, tau, m->nv);
     return rbdi_verdict(m, w, a, m->nv);
 }
 
 #ifndef RBDI_NO_FD_CHOLESKY
-/* With mimic joints: the rows and columns of M of held dofs become those of the unit matrix, its scale
-   aside, and a of the others solves M a = tau - c, c with the given a in it. */
+/* With mimic joints: the rows and columns of M of held dofs become those of the unit matrix, and a of the
+   others solves M a = tau - c, c with the given a in it. */
 static rbd_status rbdi_hybrid_mimic(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                     const rbdi_given *given, const rbd_real *f_ext, rbd_real *a,
                                     rbd_real *tau) {
     rbdi_mask doubt;
     const rbd_real *vx = rbdi_expand_v(m, v, w->vx);
     rbd_crba_packed(m, w, q, w->H);
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real *h = &w->H[m->dof[k].row + m->dof[k].depth];
-        if (given->dof[k]) *h = rbdi_set(RBD_C(1) + m->dof[k].scale);
-        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda) {
-            --h;
-            if (given->dof[k] || given->dof[i]) *h = rbdi_zero();
-        }
+    rbdi_hold_rows(m, given->dof, w->H);
+    for (int k = 0; k < m->nv; ++k)
         if (!given->dof[k]) a[k] = rbdi_zero();
-    }
     doubt = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, vx, rbdi_expand_v(m, a, w->ax), f_ext, w->tx);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -5033,7 +4882,7 @@ static rbd_status rbdi_hybrid_mimic(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k)
         if (given->dof[k]) tau[k] = w->bias[k];
-    return rbdi_hybrid_status(m, w, doubt, w->H, given, a, tau);
+    return rbdi_hybrid_status(m, w, doubt, given->dof, a, tau);
 }
 #endif
 
@@ -5067,7 +4916,7 @@ RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q
         doubt = rbdi_hybrid_pass2(m, w, &held, tau);
         rbdi_hybrid_pass3(m, w, &held, a, tau);
     }
-    return rbdi_hybrid_status(m, w, doubt, NULL, &held, a, tau);
+    return rbdi_hybrid_status(m, w, doubt, given, a, tau);
 }
 #endif
 
@@ -5084,15 +4933,20 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     RBDI_UNROLL for (int k = 0; k < m->nv; ++k)
         a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w->H, a);
-    return rbdi_status_of(m, w, doubt, 0, w->H, a, m->nv);
+    return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 #endif
 
 #ifndef RBD_NO_CHOLESKY
 RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
-    return rbdi_status_of(m, w, rbdi_factor(m, w, H), 0, H, H, rbd_packed_size(m));
+    doubt = rbdi_factor(m, w, H);
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_judge_factor(m, w, H, doubt);
+    return rbdi_verdict(m, w, H, rbd_packed_size(m));
 }
 
 RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
@@ -5137,13 +4991,12 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
     if (!m->nmimic) {
         doubt = rbdi_factor_gather(m, w, w->H);
         rbdi_inverse_gather(m, w, w->H, Minv);
-        if (rbdi_any(doubt)) rbdi_scale_rows(m, w->H);
-        return rbdi_status_of(m, w, doubt, 0, w->H, Minv, m->nv * m->nv);
+        return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
     }
 #endif
     doubt = rbdi_factor(m, w, w->H);
     rbdi_inverse(m, w->H, Minv);
-    return rbdi_status_of(m, w, doubt, 0, w->H, Minv, m->nv * m->nv);
+    return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
 }
 #endif
 
@@ -6706,6 +6559,10 @@ static void rbdi_draft_clear(rbdi_draft *l) {
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
+static void rbdi_draft_reach(rbdi_draft *l, rbdi_wide reach) {
+    if (l->reach < reach) l->reach = reach;
+}
+
 /* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
    cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
 static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl) {
@@ -6752,6 +6609,7 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     place[i].link = parent;
     for (int k = 0; k < 9; ++k) place[i].E[k] = E[k];
     for (int k = 0; k < 3; ++k) place[i].r[k] = r[k];
+    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(r));
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
@@ -6978,19 +6836,29 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
+/* Whether a joint moves points by more than their turn. */
+static int rbdi_draft_slides(const rbdi_draft *l) {
+    return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
+}
+
 /* Step 7, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
-   configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia
-   only what is about the axis counts, and the rounding of its change of frame, for a thin rod may well
-   turn about itself. */
+   configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia only
+   what is about the axis counts.
+
+   Of what should not turn about the axis at all RBDI_ROD counts, so that a pivot of no more than 16 roundings
+   of the description is in doubt: of a rod, and of the levers that the description has. These begin where
+   the user's frames are: |b| from the link's origin, and as far as fixed bodies are placed (reach, of this
+   link or one behind it). A slide is taken to move by 1. */
 static void rbdi_draft_scale(rbdi_draft *draft, int i) {
-    const rbdi_wide rod = 16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT;
     rbdi_draft *l = &draft[i], *up;
-    rbdi_wide r[3], distance,
+    rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
-    l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3] + rod * trace);
+    l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     l->all_mass += l->mass;
+    reach = l->reach += rbdi_w_length(l->b);
+    l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
     up = &draft[l->parent];
     rbdi_draft_origin(l, r);
@@ -6998,6 +6866,8 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
+    reach += rbdi_draft_slides(l);
+    rbdi_draft_reach(up, reach);
 }
 
 /* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
@@ -7460,6 +7330,7 @@ static void rbdi_draft_climb(const rbd_model *m, int i, rbdi_draft pair[2]) {
     for (int k = 0; k < 3; ++k) pair[1].h[k] = all.h[k];
     pair[1].mass = all.mass;
     pair[1].trace = all.trace, pair[1].moment = all.moment, pair[1].all_mass = all.all_mass;
+    pair[1].reach = all.reach;
     rbdi_draft_clear(&pair[0]);
 }
 
@@ -7480,6 +7351,11 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
         rbdi_draft_climb(m, i, pair);
+        for (int b = 0; b < m->nb; ++b) {
+            const rbdi_c3 at = m->frame[b].r;
+            const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
+            if (m->frame[b].link == i) rbdi_draft_reach(&pair[1], rbdi_w_length(r));
+        }
         rbdi_draft_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
             const rbdi_wide x = (rbdi_wide)sign * rbdi_draft_dof_scale(&pair[1], k);

@@ -2364,7 +2364,7 @@ static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c,
     if (c->again) return RBD_OK;
     rbdi_articulate_down(m, c, &at, x);
     rbdi_least_norm(c);
-    status = rbdi_status_of(m, c->w, doubt, 1, NULL, x, m->nv);
+    status = rbdi_status_of(m, c->w, doubt, x, m->nv);
     return rbdi_constrained_status(m, c, status, lambda);
 }
 
@@ -2463,7 +2463,7 @@ static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c)
 static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt,
                                          rbd_real *lambda) {
     rbdi_multipliers(m, c, c->w->H);
-    return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, 0, c->w->H, c->x, m->nv), lambda);
+    return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
 }
 
 /* r - gamma, by Baumgarte. */

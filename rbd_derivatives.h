@@ -2061,6 +2061,32 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     }
 }
 
+/* 1 in each of the first n lanes of x that is negative, else 0. */
+RBDI_INLINE rbdi_batch rbdi_negative(rbdi_batch x, int n) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0}, one = zero + 1;
+    x = (rbdi_batch)((rbdi_bits)(x < zero) & (rbdi_bits)one);
+    return n < RBDI_BATCH ? rbdi_first_lanes(x, n) : x;
+#else
+    (void)n;
+    return rbdi_select(rbdi_less(x, rbdi_zero()), rbdi_set(RBD_C(1)), rbdi_zero());
+#endif
+}
+
+/* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
+   origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
+RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
+    rbdi_batch doubt = rbdi_zero_batch();
+    const rbd_real *pivot = d->work->pivot + d->base;
+    for (int b = d->base ? d->behind : 0, left = d->n - d->base; left > 0;
+         ++b, left -= RBDI_BATCH, pivot += RBDI_BATCH) {
+        const rbdi_sums *s = &d->columns[b].sum;
+        const rbdi_batch trace = s->xx + s->yy + s->zz, D = *(const rbdi_batch *)pivot;
+        doubt = doubt + rbdi_negative(D - trace * (d->constants[b].rho * RBDI_DOUBT), left);
+    }
+    return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));
+}
+
 /* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right
    after it: one array, of a dof's path by depth, has all that the dof needs. It is stored as it is loaded, by
    batches and then by scalars: a batch that was stored by scalars would have to be waited for. */
@@ -2188,11 +2214,17 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
     doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
+    if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+    d->work->singular = -1;
+    if (rbdi_any(doubt)) {
+        rbdi_judge_state(m, d->work, NULL);
+        if (Minv) rbdi_inverse(m, d->work->H, Minv);
+    }
     if (m->nmimic)
         rbdi_solve(m, d->work->H, d->a);
     else
         rbdi_solve_packed(m, d->work, d->work->H, d->a);
-    status = rbdi_status_of(m, d->work, doubt, 0, d->work->H, d->a, nv);
+    if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);

@@ -390,9 +390,7 @@ Suite *singular_suite(void) {
     Suite *suite = suite_create("singular");
     TCase *c = tcase_create("singular");
     tcase_add_test(c, point_mass_on_the_axis_is_singular);
-#ifndef SPECIALISED /* rbd.c by RBD_SPECIALISE: judged by dof.scale, some of these pass */
     tcase_add_test(c, point_mass_on_a_skew_axis_is_singular);
-#endif
     tcase_add_test(c, coincident_axes_with_nothing_between_are_singular);
     tcase_add_test(c, coincident_axes_with_a_vanishing_armature_are_singular);
     tcase_add_test(c, massless_chain_with_too_many_slides_is_singular);
@@ -400,9 +398,7 @@ Suite *singular_suite(void) {
     tcase_add_test(c, ball_joint_with_a_rod_is_singular);
     tcase_add_test(c, gimbal_lock_is_singular);
     tcase_add_test(c, point_mass_on_a_ball_joint_is_singular);
-#ifndef SPECIALISED /* rbd.c by RBD_SPECIALISE: judged by dof.scale, some of these pass */
     tcase_add_test(c, point_mass_on_any_three_turns_is_singular);
-#endif
     tcase_add_test(c, denormal_masses_give_finite_numbers);
     tcase_add_test(c, configuration_that_is_not_a_number_is_an_error);
     tcase_add_test(c, what_is_not_a_number_and_no_error_is_in_the_results);
