@@ -63,7 +63,7 @@ static const rbdi_link double_pendulum_links[2] = {
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
 static const rbdi_dof double_pendulum_dofs[2] = {
-    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(2.120500014228618)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(2.120500075353057)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.12000000428101998)},
 };
 

@@ -81,9 +81,9 @@ static const rbdi_link five_bar_links[4] = {
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
 static const rbdi_dof five_bar_dofs[4] = {
-    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500044426684)},
+    {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500247837306)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.01225000043538506)},
-    {2, -1, 3, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500044426684)},
+    {2, -1, 3, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500247837306)},
     {3, 2, 4, 1, 2, 1, 0, 0, 0, RBD_C(0.01225000043538506)},
 };
 

@@ -113,12 +113,10 @@ static void check_pattern(const robot *r, const state *s, int number, pattern p)
         expect_close_tb("hybrid, textbook, tau", r, number, tau, expected[1], r->nv, bound);
         expect_kept(r, number, given, s->a, s->tau, a, tau);
     } else if (condition < 0 || condition > 1e18) {
-#ifndef SPECIALISED /* rbd.c by RBD_SPECIALISE: judged by dof.scale, some of these pass */
         ck_assert_msg(status == RBD_ERR_SINGULAR, "%s, state %d, pattern %d: %s", r->name, number, p,
                       rbd_status_string(status));
         ck_assert_msg(!given[rbd_singular_dof(r->w)], "%s: a held dof is not singular", r->name);
         ck_assert_msg(largest(a, r->nv) == 0 && largest(tau, r->nv) == 0, "%s: not zero", r->name);
-#endif
     }
 }
 

@@ -11,9 +11,10 @@
    false alarm is one refused although the result would have had three. What is right says the same header in
    quad precision, which takes any positive pivot; what the result would have been, the same build doing so.
    And there are chains of 200 links, regular, however small their pivots are beside the inertia of the
-   whole. Exit status 1 after a miss of an exactly singular system, more than one in 10,000 near ones, a
-   regular one that rbd_aba refuses in double, more than one in 1000 in float, and where it refuses a chain
-   or is wrong for one. SPDX-License-Identifier: MIT */
+   whole. In float both calls refuse these: their mass matrix is singular to its digits. Exit status 1 after a
+   miss of an exactly singular system, more than one in 10,000 near ones, a regular one that is refused in double,
+   more than five in 1000 in float, a system of which the two calls do not say the same, and a chain that is
+   refused in double, or wrong. SPDX-License-Identifier: MIT */
 #include "pivots.h"
 #include "textbook.h"
 
@@ -215,6 +216,7 @@ typedef struct scalar {
     const char *name;
     pivots_call *call, *call_any;
     count counts[CLASSES][2];
+    long unlike; /* systems that only one of the two calls refuses */
 } scalar;
 
 static scalar scalars[2] = {{.name = "double", .call = pivots_double, .call_any = pivots_double_any},
@@ -246,8 +248,9 @@ static int run(pivots_call *call, const pivots_system *s, int cholesky, double *
     exit(2);
 }
 
-static void count_one(const scalar *f, class c, int cholesky, const pivots_system *s, const double *right,
-                      count *n) {
+/* Returns whether it was refused. */
+static int count_one(const scalar *f, class c, int cholesky, const pivots_system *s, const double *right,
+                     count *n) {
     double a[PIVOTS_MAX_V];
     const int refused = run(f->call, s, cholesky, a) != RBD_OK;
     n->systems++;
@@ -264,6 +267,7 @@ static void count_one(const scalar *f, class c, int cholesky, const pivots_syste
         n->false_alarms += was_right;
         if (s->kind >= 0) n->right[s->kind][size_of(s)] += was_right;
     }
+    return refused;
 }
 
 static void count_class(scalar *f, class c, long systems) {
@@ -274,8 +278,8 @@ static void count_class(scalar *f, class c, long systems) {
         random_system(&s, c);
         if (f->call == pivots_float) round_state(&s);
         if (c != SINGULAR) run(pivots_quad_any, &s, 0, right);
-        for (int cholesky = 0; cholesky < 2; cholesky++)
-            count_one(f, c, cholesky, &s, right, &f->counts[c][cholesky]);
+        const int refused = count_one(f, c, 0, &s, right, &f->counts[c][0]);
+        f->unlike += refused != count_one(f, c, 1, &s, right, &f->counts[c][1]);
     }
 }
 
@@ -305,8 +309,8 @@ static void make_chain(pivots_system *s, int chain) {
 
 /* Prints the errors; returns how many calls refuse, or are less right than they can be. */
 static int check_chain(const scalar *f, int chain) {
-    const double bounds[2][2] = {
-        {1e-10, 1e-5}, {1e-2, HUGE_VAL}}; /* scalar, algorithm; float keeps two digits of 200 skew links */
+    const double bounds[2][2] = {{1e-10, 1e-5}, {1e-2, 1e-2}}; /* scalar, algorithm */
+    const int may_refuse = f->call == pivots_float;
     double a[PIVOTS_MAX_V], right[PIVOTS_MAX_V];
     pivots_system s;
     int failures = 0;
@@ -322,7 +326,7 @@ static int check_chain(const scalar *f, int chain) {
             printf(" %.1e |", error);
         else
             printf(" refused |");
-        failures += isfinite(bound) && !(status == RBD_OK && error <= bound);
+        failures += status == RBD_OK ? !(error <= bound) : !may_refuse;
     }
     puts("");
     return failures;
@@ -382,15 +386,16 @@ static int verdict(long systems, int chains) {
             near_ones += scalars[f].counts[NEAR][k].misses + scalars[f].counts[REGULAR][k].misses;
         }
     const long of_double = scalars[0].counts[REGULAR][0].refused,
-               of_float = scalars[1].counts[REGULAR][0].refused;
-    if (singular == 0 && near_ones * 10000 <= 4 * systems && of_double == 0 && of_float * 1000 <= systems &&
-        chains == 0)
+               of_float = scalars[1].counts[REGULAR][0].refused,
+               unlike = scalars[0].unlike + scalars[1].unlike;
+    if (singular == 0 && near_ones * 10000 <= 4 * systems && of_double == 0 &&
+        of_float * 1000 <= 5 * systems && unlike == 0 && chains == 0)
         return 0;
-    fprintf(stderr,
-            "pivots: %ld singular systems pass, %ld others without a right digit; aba refuses %ld regular "
-            "ones in "
-            "double, %ld in float; %d chains wrong or refused\n",
-            singular, near_ones, of_double, of_float, chains);
+    fprintf(
+        stderr,
+        "pivots: %ld singular systems pass, %ld others without a right digit; %ld regular ones are refused "
+        "in double, %ld in float; of %ld systems the calls say different words; %d chains wrong or refused\n",
+        singular, near_ones, of_double, of_float, unlike, chains);
     return 1;
 }
 
