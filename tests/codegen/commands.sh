@@ -101,7 +101,7 @@ for algorithm in id fd; do
     sed -i 's/if (!are_inside(squares)) refuse_beyond/if (0) refuse_beyond/' taken_code.c
     ${CC:-cc} -O0 -DTAKEN_SELFTEST -DTAKEN_SELFTEST_MAIN -o test taken_code.c -lm || fail "taken_code.c does not compile"
     ./test >out && fail "the self-test of $algorithm does not see that angles are taken which are out of range"
-    grep -q "^taken_$algorithm: .* WRONG$" out || fail "nor does it say so"
+    grep -q "^taken_$algorithm: .* WRONG: takes an angle out of range$" out || fail "nor does it say so"
 done
 # a compiler that is not GNU's has libm's sines
 if command -v tcc >/dev/null; then
