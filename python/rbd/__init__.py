@@ -527,8 +527,9 @@ def _checked(call, name, array, dtype):
         if len(bad):
             raise ValueError(f"{call}: {name} must be 0 or 1 for each degree of freedom, not "
                              f"{array[tuple(bad[0])]} as at {bad[0].tolist()}")
-    with np.errstate(over="ignore"):  # too large for float: infinite, which is refused next
-        array = np.ascontiguousarray(array, dtype).reshape(array.shape)
+    if array.dtype != dtype or not array.flags.c_contiguous:
+        with np.errstate(over="ignore"):  # too large for float: infinite, which is refused next
+            array = np.ascontiguousarray(array, dtype).reshape(array.shape)
     _finite(call, name, array)
     return array
 
@@ -553,9 +554,9 @@ def _broadcast(call, inputs, dtype):
                         f"{who} {arrays[who][0].shape} has {n} in axis {k - length + len(loops[who])}"
                         for who, n in ((chosen[k], shape[k]), (name, size))))
                 shape[k], chosen[k] = size, name
-    loop = tuple(shape)
-    return loop, {name: np.ascontiguousarray(np.broadcast_to(array, loop + core)).reshape(
-        math.prod(loop), *core) for name, (array, core) in arrays.items()}
+    loop, n = tuple(shape), math.prod(shape)
+    return loop, {name: (array if array.shape == loop + core else np.ascontiguousarray(
+        np.broadcast_to(array, loop + core))).reshape(n, *core) for name, (array, core) in arrays.items()}
 
 
 def _ends_in(shape, core):
@@ -674,22 +675,19 @@ class _Call:
         self.optional = {p.name for p in parameters
                          if p.default is None or "None = " in _QUANTITIES.get(p.name, ("", ""))[1]}
         names = [p.name for p in parameters]
-        self.keywords = list(enumerate(names))[len(self.inputs):]  # parameters that leave results out
+        self.keywords = dict(list(enumerate(names))[len(self.inputs):])  # parameters that leave results out
         self.outputs, self.flags = [], []  # names, and the parameter that decides on each, None: always there
         for item in gives.split():
             name, question, flag = item.partition("?")
             self.outputs.append(name)
             self.flags.append(names.index(flag or name) if question else None)
         self.shapes = {name: shapes.get(name, _QUANTITIES[name][0]) for name in self.inputs + self.outputs}
+        self.symbols = {name: tuple(shape.replace("-", "").split()) for name, shape in self.shapes.items()}
         self.tuple = _results(self.name, *self.outputs) if len(self.outputs) > 1 else None
 
     def results(self, values):
         """One result, or a named tuple of several, or None."""
         return self.tuple(*values) if self.tuple else next(iter(values), None)
-
-    def symbols(self, name):
-        """The shape of a quantity in words, for messages."""
-        return tuple(self.shapes[name].replace("-", "").split())
 
     def documentation(self, method):
         """The method's docstring, with shape and meaning of the arguments and results."""
@@ -713,6 +711,7 @@ class _Bound:
     def __init__(self, call, owner):
         self.call, self.owner, self.lock = call, owner, owner._lock
         library = owner.library
+        self.cores = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
         self.function = library.function(call.name, arguments=[
             library.scalar if name in _SCALARS else ctypes.c_int if name in _INTEGERS else ctypes.c_void_p
             for name in ["model", *call.memory, *call.inputs, *call.outputs]])
@@ -734,7 +733,7 @@ class _Bound:
 
     def _carve(self, names):
         """An array of numbers, and the part of it for each name."""
-        shapes = {name: _shape(self.call.shapes[name], self.owner._dims) for name in names}
+        shapes = {name: self.cores[name] for name in names}
         arena, start, views = np.zeros(sum(map(math.prod, shapes.values())), self.owner.library.dtype), 0, {}
         for name, shape in shapes.items():
             views[name] = arena[start:start + math.prod(shape)].reshape(shape)
@@ -758,15 +757,13 @@ class _Bound:
                         if value.ndim > view.ndim:
                             return self._many(values)
                         value = _numbers(self.call.name, name, value, view.shape, view.dtype,
-                                         self.call.symbols(name))
+                                         self.call.symbols[name])
                     view[...] = value
             if not math.isfinite(self.arena.dot(self.arena)):
                 self._refuse()
-            if self.flagged:
-                wanted = self._wanted(values)
-                for place, flag in self.flagged:
-                    if not wanted[flag]:
-                        arguments[place] = None
+            for place, flag in self.flagged:
+                if not self._wanted(flag, values[flag]):
+                    arguments[place] = None
             status = self.function(*arguments)
             if status or not math.isfinite(self.output.dot(self.output)):
                 self._fail(status, arguments)
@@ -778,12 +775,11 @@ class _Bound:
         return (_number(call, name, value) if name in _SCALARS else
                 _axes(call, value) if name == "axes" else self.owner._body(value, call, name == "reference"))
 
-    def _wanted(self, values):
-        """For each parameter, whether the results that it decides on are wanted."""
-        wanted = [value is not None for value in values]
-        for place, name in self.call.keywords:
-            wanted[place] = values[place] is True or _flag(self.call.name, name, values[place])
-        return wanted
+    def _wanted(self, place, value):
+        """Whether this value of a parameter asks for the results that it decides on."""
+        if value is True or value is None or place not in self.call.keywords:
+            return value is not None
+        return _flag(self.call.name, self.call.keywords[place], value)
 
     def _results(self, arguments):
         """The results in memory of their own; None for those not wanted."""
@@ -820,20 +816,20 @@ class _Bound:
         call, owner = self.call, self.owner
         if not call.outputs:
             name, shape = next((name, np.shape(value)) for name, value in zip(call.inputs, values)
-                               if np.ndim(value) > len(_shape(call.shapes[name], owner._dims)))
+                               if np.ndim(value) > len(self.cores[name]))
             raise ValueError(f"{call.name}: {name} has the shape {shape}: this call takes one state, and "
                              "other calls read its results")
         blocks = call.batch and owner._layout() == "blocks"
         lanes = (owner.library.lanes,) if blocks else ()
-        cores = {name: _shape(call.shapes[name], owner._dims) + lanes for name in call.inputs + call.outputs}
+        cores = {name: core + lanes for name, core in self.cores.items()}
         dtype, given = owner.library.dtype, dict(zip(call.inputs, values))
         loop, arrays = _broadcast(call.name, [
-            (name, value, cores[name], call.symbols(name) + ("lanes",) * blocks)
+            (name, value, cores[name], call.symbols[name] + ("lanes",) * blocks)
             for name, value in given.items()
             if name not in _INTEGERS and (value is not None or name not in call.optional)], dtype)
-        n, wanted = math.prod(loop), self._wanted(values)
-        outputs = {name: None if flag is not None and not wanted[flag] else np.zeros((n, *cores[name]), dtype)
-                   for name, flag in zip(call.outputs, call.flags)}
+        n = math.prod(loop)
+        outputs = {name: np.zeros((n, *cores[name]), dtype) if flag is None or self._wanted(flag, values[flag])
+                   else None for name, flag in zip(call.outputs, call.flags)}
 
         def results(found):
             return call.results([None if x is None else x.reshape(loop + x.shape[1:]) for x in found])
@@ -1110,7 +1106,7 @@ def _urdf_library():
                            "pkg-config). Without them a model is made of rows (Body) or of a C table "
                            f"(load_table), which rbd-model writes on another machine.\n{error}") from None
     libraries = [word for word in words if word.startswith(("-l", "-L"))]
-    compiler = shlex.split(os.environ.get("CXX") or "c++")
+    compiler = _words("$CXX", os.environ.get("CXX", "").strip() or "c++")
     command = [*compiler, *_QUICK, "-std=c++17", *(word for word in words if word not in libraries)]
     return _compile([_URDF], command, libraries, "rbd_urdf.h with urdfdom, which takes some seconds")
 
@@ -1144,9 +1140,11 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     strict         warnings are errors
     messages       let urdfdom write its messages to standard error
     """
-    for name, value in ("root", root), ("root_joint", root_joint):
+    names = {"root_link": root, "root_joint": root_joint}
+    for name, value in names.items():
         if value is not None and not isinstance(value, str):
-            raise TypeError(f"{call}: {name} must be a name or None, not {value!r}")
+            raise TypeError(f"{call}: {name.replace('_link', '')} must be a name or None, not {value!r}")
+        names[name] = value if value is None else value.encode()
     flags = {"keep_all": keep_all, "lock_massless": lock_massless, "strict": strict, "messages": messages}
     flags = {name: _flag(call, name, value) for name, value in flags.items()}
     flags["show_messages"] = flags.pop("messages")
@@ -1159,8 +1157,8 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     locks = (structure("rbd_urdf_lock") * (len(joints) + 1))(*zip(joints, values or [0] * len(joints)))
     options = structure("rbd_urdf_options")(
         root=JointType.FLOATING if _flag(call, "floating", floating) else JointType.FIXED,
-        root_joint=root_joint and root_joint.encode(), root_link=root and root.encode(),
-        gravity=g and ctypes.addressof(g), keep=ctypes.addressof(kept), lock=ctypes.addressof(locks), **flags)
+        gravity=g and ctypes.addressof(g), keep=ctypes.addressof(kept), lock=ctypes.addressof(locks), **names,
+        **flags)
     options.memory = g, kept, locks  # the structure has their addresses alone
     return options
 

@@ -590,6 +590,10 @@ def test_urdf_options():
         rbd.parse_urdf(text, flaoting=True)
     with pytest.raises(TypeError, match="floating must be True or False, not 'yes'"):
         rbd.parse_urdf(text, floating="yes")
+    with pytest.raises(rbd.RbdError, match="there is no link '' to be the root"):
+        rbd.parse_urdf(text, root="")
+    with pytest.raises(TypeError, match="root must be a name or None, not 3"):
+        rbd.parse_urdf(text, root=3)
     with pytest.raises(TypeError, match="keep must be a name or a list of names, not 3"):
         rbd.parse_urdf(text, keep=[3])
     with pytest.raises(TypeError, match="text must be str or bytes, not int"):
@@ -842,6 +846,7 @@ def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
 
 def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("RBD_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("RBD_QUIET", raising=False)
     rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
     assert re.fullmatch(r"rbd: compiling x, which takes a minute; .*RBD_QUIET.*\n", capfd.readouterr().err)
     rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
