@@ -34,6 +34,7 @@ enum {
     LAMBDA,
     ORDER,
     ORDER_UNCLEAR,
+    BATCH,
     IMPACT_EQUATION,
     IMPACT_ROWS,
     V_PLUS,
@@ -63,6 +64,7 @@ static const struct quantity {
                             {"lambda / condition", 1e-13},
                             {"order / condition", 1e-13},
                             {"order, rank unclear", 1e-9},
+                            {"batch / condition", 1e-13},
                             {"impact: equation", 1e-9},
                             {"impact: rows", 1e-9},
                             {"v_plus / condition", 1e-13},
@@ -498,6 +500,52 @@ static void check_order(const question *k, const answer *first, int comparable) 
         fail(ORDER_DECIDES, found.rank - first->rank);
 }
 
+/* The state beside two others, whose rows may have other ranks, in one batch. */
+static void check_batch(const question *k, const answer *first, int comparable) {
+    enum { STATES = 3 };
+    static double at[STATES * WORLD_COORDINATES], rates[STATES * WORLD_DOFS], torques[STATES * WORLD_DOFS],
+        wrenches[STATES * 6 * WORLD_BODIES], a[STATES * WORLD_DOFS], lambda[STATES * DENSE_ROWS];
+    const size_t size = rbd_batch_size(model), set_size = rbd_batch_constraints_size(model, now.list, now.n);
+    const int nb = now.robot.nb, own = below(&now.seed, STATES);
+    void *memory = memory_of(size), *set_memory = memory_of(set_size);
+    rbd_batch *b;
+    rbd_batch_constraints *c;
+    answer found;
+    for (int i = 0; i < STATES; i++) {
+        double step[WORLD_DOFS];
+        for (int j = 0; j < nv; j++) step[j] = i == own ? 0 : uniform(&now.seed, -0.3, 0.3);
+        rbd_integrate(model, now.state.q, step, 1, at + i * nq);
+        if (i == own) memcpy(at + i * nq, now.state.q, sizeof *at * (size_t)nq);
+        for (int j = 0; j < nv; j++) rates[i * nv + j] = i == own ? now.state.v[j] : 0;
+        memcpy(torques + i * nv, now.state.tau, sizeof *torques * (size_t)nv);
+        memcpy(wrenches + i * 6 * nb, now.state.f_ext, sizeof *wrenches * 6 * (size_t)nb);
+    }
+    if (rbd_batch_init(model, memory, size, &b) || rbd_batch_set_gravity(b, now.state.gravity) ||
+        rbd_batch_constraints_init(model, b, now.list, now.n, set_memory, set_size, &c, NULL)) {
+        fail(NOT_BUILT, 0);
+    } else {
+        found.status = rbd_batch_constrained_fd(model, c, STATES, at, rates, torques, f_ext ? wrenches : NULL,
+                                                a, lambda);
+        if (found.status == RBD_OK && k->feasible < 0) fail(NOT_REFUSED, found.status);
+        if (usable(found.status) && usable(first->status)) {
+            quad f[WORLD_DOFS], terms[WORLD_DOFS], x[WORLD_DOFS], y[DENSE_ROWS];
+            memcpy(found.x, a + own * nv, sizeof *a * (size_t)nv);
+            memcpy(found.lambda, lambda + own * rows, sizeof *lambda * (size_t)rows);
+            if (finite(a, STATES * nv) && finite(lambda, STATES * rows)) {
+                forces_of(found.x, f, terms);
+                check_equation(EQUATION, f, terms, found.lambda);
+                widen(first->x, nv, x);
+                widen(first->lambda, rows, y);
+                if (comparable)
+                    record(BATCH, relative(distance_between(found.x, x) + force_distance(found.lambda, y),
+                                           k->size * k->condition));
+            }
+        }
+    }
+    free(memory);
+    free(set_memory);
+}
+
 static void check_impact(const set *s, double restitution) {
     question k;
     answer found;
@@ -817,6 +865,7 @@ static void run_problem(int class_of, int number) {
         check_infeasible(&s, &found);
         const int comparable = check_motion(&k, &found);
         check_order(&k, &found, comparable);
+        check_batch(&k, &found, comparable);
         check_impact(&s, below(&now.seed, 2) ? 0 : uniform(&now.seed, 0, 1));
         if (usable(found.status)) check_inverse_dynamics(&s, found.x);
         if (comparable && !below(&now.seed, 2)) check_derivatives(&s, &k, &found);

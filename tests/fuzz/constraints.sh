@@ -15,9 +15,10 @@ flags="-std=c99 -O2 -I$root"
 # shellcheck disable=SC2086 # words wanted
 {
     "${CC:-gcc}" $flags -c "$root/tests/rbd.c" -o "$folder/rbd.o"
+    "${CC:-gcc}" $flags -DBATCH_LANES=2 -c "$root/tests/batch.c" -o "$folder/batch.o"
     "${CC:-gcc}" $flags -DWORLD_LONG_DOUBLE "$root/tests/fuzz/constraints.c" "$root/tests/fuzz/problems.c" \
         "$root/tests/fuzz/robots.c" "$root/tests/fuzz/dense.c" "$root/tests/fuzz/world.c" "$folder/rbd.o" \
-        -lm -o "$program"
+        "$folder/batch.o" -lm -o "$program"
 }
 
 case ${1-} in
