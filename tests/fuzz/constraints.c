@@ -1016,6 +1016,7 @@ int main(int argc, char **argv) {
             return 2;
         }
     }
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* a failure shows when it is found */
     const time_t start = time(NULL);
     const int each = problems / (only < 0 ? PROBLEM_CLASSES : 1);
     for (int number = from; seconds > 0 ? difftime(time(NULL), start) < seconds : number < from + each;
