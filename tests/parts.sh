@@ -171,5 +171,34 @@ mimic 28 -DRBD_NO_CHOLESKY # RBD_ERR_LEFT_OUT
 mimic 28 -DRBD_NO_CRBA
 mimic 0 -DRBD_NO_CRBA -DRBD_NO_ABA
 
+# Where what judges is left out, a state in doubt is singular, and one that is not has its acceleration.
+cat >"$scratch/doubt.c" <<'END'
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+/* A point mass on its axis, at this distance from it. */
+static int status(double distance, double a[1]) {
+    const rbd_body bead[1] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1, .com = {distance, 0, 1}}};
+    static unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
+    const double x[1] = {1};
+    const rbd_model *m;
+    rbd_work *w;
+    if (rbd_model_build(bead, 1, model_memory, sizeof model_memory, &m, NULL) != RBD_OK ||
+        rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
+        return 1;
+    return rbd_aba(m, w, x, x, x, NULL, a);
+}
+int main(void) {
+    double a[3];
+    return status(0, a) != RBD_ERR_SINGULAR || a[0] < 0 || a[0] > 0 || status(1e-12, a + 1) != RBD_ERR_SINGULAR ||
+           status(1e-3, a + 2) != RBD_OK || !(a[2] > 0.99e6 && a[2] < 1.01e6);
+}
+END
+for flags in "" -DRBD_NO_CHOLESKY -DRBD_NO_CRBA "-DRBD_NO_CHOLESKY -DRBD_NO_CRBA"; do
+    # shellcheck disable=SC2086 # words wanted
+    if ! ${CC:-cc} -std=c99 -I"$root" $flags "$scratch/doubt.c" -o "$scratch/doubt" -lm || ! "$scratch/doubt"; then
+        fail "states in doubt, $flags"
+    fi
+done
+
 echo "$combinations combinations, $failures failed"
 [ "$combinations" -ge 30 ] && [ "$failures" -eq 0 ]

@@ -266,11 +266,10 @@ def stages(header):
     def tables(name, *flags):
         return Stage("tables " + name, (("tables.c", ("-O0", APART, "-ffp-contract=off", *flags)),))
 
-    def bounds(scalar_name):
-        flag = f"-DRBD_REAL={scalar_name}"
-        return Stage("bounds " + scalar_name, (("test_bounds.c", ("-O0", APART, flag)),),
-                     (("fuzz/robots.c", ("-O1", flag)), ("fuzz/world.c", ("-O1", "-DRBD_REAL=double"))), ("-lquadmath",),
-                     functions="judge|gross|give_way|bound_up|axis_of|abi_plus|abi_up_link|held|factor")
+    def bounds():
+        return Stage("bounds", (("test_bounds.c", ("-O0", APART)),),
+                     (("fuzz/robots.c", ("-O1", "-DRBD_REAL=double")), ("fuzz/world.c", ("-O1", "-DRBD_REAL=double"))),
+                     ("-lquadmath",), functions="judge|add_links|hold_rows|factor")
 
     def axes(scalar_name):
         flag = f"-DRBD_REAL={scalar_name}"
@@ -295,13 +294,13 @@ def stages(header):
     out += [batch("double", 4), batch("double", 2), batch("double", 8), batch("float", 4), batch("float", 16),
             sincos("double"), sincos("float", "-DRBD_REAL=float"), sincos("scalars", "-U__SSE2__"),
             sincos("float scalars", "-U__SSE2__", "-DRBD_REAL=float"),
-            bounds("double"), bounds("float"), axes("double"), axes("float"),
+            bounds(), axes("double"), axes("float"),
             Stage("suites", (("rbd.c", ("-O0", "-D__OPTIMIZE__=1", APART)),), fast, parts=parts),
             Stage("suites, AVX2", (("rbd.c", ("-O1", APART, "-mavx2", "-mfma")),), fast, parts=parts,
                   functions="stride|whole_batches|batches_of"),
             Stage("suites specialised", (("rbd.c", ("-O0", APART, "-DRBD_SPECIALISE")),),
-                  tuple((name, ("-O1", "-DSPECIALISED")) for name in suites),
-                  parts=parts, functions="status_of|hybrid_status|aligned"),
+                  tuple((name, ("-O1",)) for name in suites),
+                  parts=parts, functions="aligned"),
             tables("double"), tables("float", "-DSCALAR_FLOAT"),
             scalar("float", "-DSCALAR_FLOAT"), scalar("4 lanes", "-DRBD_LANES=4"),
             sanitized_batch("double", 4), sanitized_batch("float", 16),
