@@ -609,7 +609,9 @@ RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
 /* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
-   rounding, or not a number; else -1. */
+   rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint that this dof
+   carries, or of its own joint if that has several dofs, or an overflow there. -1 after a call that factors M
+   and finds no fault; calls that do not factor it leave it as it is. With lanes: of all states together. */
 RBD_API int rbd_singular_dof(const rbd_work *w);
 
 /* ---- dynamics [dynamics] ----

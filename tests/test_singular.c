@@ -2,6 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "rbd_constraints.h"
+#include "rbd_derivatives.h"
 #include "suites.h"
 #include "support.h"
 
@@ -283,6 +285,106 @@ START_TEST(configuration_that_is_not_a_number_is_an_error) {
 }
 END_TEST
 
+/* What each call that factors M says of a state, and the dof that it names. */
+enum { NAMING = 10 };
+typedef struct naming {
+    rbd_derivatives *d;
+    rbd_constraints *c;
+    rbd_status status[NAMING];
+    int dof[NAMING];
+} naming;
+
+static rbd_status call_that_factors(const robot *r, const naming *n, int call, const double *q) {
+    static double M[MAX_V * MAX_V], N[MAX_V * MAX_V], P[MAX_V * MAX_V];
+    const unsigned char given[MAX_V] = {0};
+    double v[MAX_V], tau[MAX_V], a[MAX_V], lambda[3], rows[3][3 * MAX_V];
+    for (int k = 0; k < r->nv; k++) v[k] = 0.5 + k, tau[k] = 1 - k;
+    switch (call) {
+    case 0: return rbd_aba(r->m, r->w, q, v, tau, NULL, a);
+    case 1: return rbd_fd_cholesky(r->m, r->w, q, v, tau, NULL, a);
+    case 2: return rbd_minverse(r->m, r->w, q, M);
+    case 3:
+        ck_assert_int_eq(rbd_crba(r->m, r->w, q, N), RBD_OK);
+        return rbd_cholesky_factor(r->m, r->w, N, M);
+    case 4:
+        ck_assert_int_eq(rbd_crba_packed(r->m, r->w, q, M), RBD_OK);
+        return rbd_cholesky_factor_packed(r->m, r->w, M);
+    case 5: return rbd_hybrid(r->m, r->w, q, v, given, NULL, a, tau);
+    case 6: return rbd_fd_derivatives(r->m, n->d, q, v, tau, NULL, a, M, N, P);
+    case 7: return rbd_constrained_fd(r->m, n->c, q, v, tau, NULL, a, lambda);
+    case 8: return rbd_impact(r->m, n->c, q, v, 0.5, a, lambda);
+    default:
+        return rbd_constrained_derivatives(r->m, n->c, n->d, q, v, tau, NULL, a, lambda, M, N, P, rows[0],
+                                           rows[1], rows[2]);
+    }
+}
+
+/* good: a state of no error, before each call: what the last one left is gone. */
+static void name_dofs(const robot *r, naming *n, const double *good, const double *q) {
+    for (int call = 0; call < NAMING; call++) {
+        ck_assert_int_eq(call_that_factors(r, n, call, good), RBD_OK);
+        ck_assert_int_eq(rbd_singular_dof(r->w), -1);
+        n->status[call] = call_that_factors(r, n, call, q);
+        n->dof[call] = rbd_singular_dof(r->w);
+    }
+}
+
+/* The joint of the coordinate turns what the dof before it carries: of all pivots, from the last dof on, that dof's
+   is the first that is not a number. M does not depend on a root joint's. */
+static void expect_dof_before(const robot *r, naming *n, const double *good, int body) {
+    const double no_numbers[3] = {NAN, INFINITY, -INFINITY};
+    rbd_joint_info j, before = {.iv = 0, .nv = 0};
+    rbd_joint(r->m, body, &j);
+    if (r->bodies[body].parent >= 0) rbd_joint(r->m, r->bodies[body].parent, &before);
+    for (int i = 0; i < 3; i++) {
+        double q[MAX_Q];
+        memcpy(q, good, (size_t)r->nq * sizeof *q);
+        q[j.iq] = no_numbers[i];
+        name_dofs(r, n, good, q);
+        for (int call = 0; call < NAMING; call++) {
+            ck_assert_msg(n->status[call] == (before.nv ? RBD_ERR_NAN : RBD_OK),
+                          "body %d, call %d: status %d", body, call, n->status[call]);
+            ck_assert_msg(n->dof[call] == before.iv + before.nv - 1, "body %d, call %d: dof %d, not %d", body,
+                          call, n->dof[call], before.iv + before.nv - 1);
+        }
+    }
+}
+
+START_TEST(dof_before_the_coordinate_that_is_not_a_number_is_named) {
+    uint64_t seed = 31;
+    for (int tree = 0; tree < 20; tree++) {
+        rbd_body b[8];
+        naming n;
+        state s;
+        rbd_constraint k;
+        const double point[3] = {0.1, 0.2, 0.3};
+        for (int i = 0; i < 8; i++) {
+            memset(&b[i], 0, sizeof b[i]);
+            b[i].type = i || tree % 2 ? RBD_REVOLUTE : RBD_FLOATING;
+            b[i].parent = i ? below(&seed, i) : -1;
+            for (int x = 0; x < 3 && b[i].type == RBD_REVOLUTE; x++) b[i].axis[x] = uniform(&seed, 0.2, 1);
+            for (int x = 0; x < 3; x++) b[i].position[x] = uniform(&seed, 0.1, 1);
+            random_mass(&seed, &b[i]);
+        }
+        robot r = BUILD(b);
+        const size_t size = rbd_derivatives_size(r.m);
+        void *memory = malloc(size), *more;
+        ck_assert_int_eq(rbd_derivatives_init(r.m, r.w, memory, size, &n.d), RBD_OK);
+        k = rbd_point_contact(7, point, NULL);
+        more = malloc(rbd_constraints_size(r.m, &k, 1));
+        ck_assert_int_eq(
+            rbd_constraints_init(r.m, r.w, &k, 1, more, rbd_constraints_size(r.m, &k, 1), &n.c, NULL),
+            RBD_OK);
+        draw_state(&r, &seed, &s);
+        for (int i = 0; i < 8; i++)
+            if (b[i].type == RBD_REVOLUTE) expect_dof_before(&r, &n, s.q, i);
+        free(memory);
+        free(more);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* Where the mass matrix does not depend on it, nobody looks for it, and it is in the results. */
 START_TEST(what_is_not_a_number_and_no_error_is_in_the_results) {
     const rbd_body b[2] = {
@@ -401,6 +503,7 @@ Suite *singular_suite(void) {
     tcase_add_test(c, point_mass_on_any_three_turns_is_singular);
     tcase_add_test(c, denormal_masses_give_finite_numbers);
     tcase_add_test(c, configuration_that_is_not_a_number_is_an_error);
+    tcase_add_test(c, dof_before_the_coordinate_that_is_not_a_number_is_named);
     tcase_add_test(c, what_is_not_a_number_and_no_error_is_in_the_results);
     tcase_add_test(c, mimic_that_undoes_its_leader_is_singular);
     tcase_add_test(c, regular_call_after_a_singular_one_is_clean);
