@@ -184,7 +184,7 @@ while [ ! -e "$scratch/tree/build/.lock/holder" ]; do sleep 0.1; done
 PATH=$bin RUN_LOCK_WAIT=0.1 "$scratch/tree/run" tools >"$scratch/printed" 2>&1 </dev/null &
 second=$!
 until grep -q waiting "$scratch/printed"; do sleep 0.1; done
-prints "waiting: ./run test (process $first) works in build/\$"
+prints "waiting: ./run test (process $first) works in build/; if not, remove build/.lock\$"
 prints_not 'built'
 : >"$scratch/end"
 wait "$first" || fail "the first of two commands"
