@@ -622,7 +622,8 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
 
    All calls say the same of a state: M is singular if one of its pivots is not above the rounding of the
    description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
-   move is in doubt. The call then computes and factors M to judge it, which takes up to five times as long.
+   move is in doubt. The call then computes and factors M to judge it: rbd_aba takes up to three (7 degrees of
+   freedom) or six times as long (36).
    With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
 
 #ifndef RBD_NO_RNEA

@@ -56,4 +56,51 @@ for word in $(grep -o 'RBD_ERR_[A-Z_]*' "$page" | sort -u); do grep -qx "$word" 
 for call in $(grep -o '`rbd_[a-z_]*`' "$page" | tr -d '`' | sort -u); do
     grep -q "[ *]$call(" "$root/rbd.h" "$root/rbd_derivatives.h" "$root/rbd_constraints.h" || grep -q "} $call;\|struct $call " "$root/rbd.h" || fail "there is no $call"
 done
+
+# Near a singular state rbd_aba takes up to three (iiwa) or six (Atlas) times the instructions: the last link's mass put
+# on its axis.
+cat >near.c <<'END'
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+#include "models/atlas.h"
+#include "models/iiwa.h"
+#include <string.h>
+static rbd_body bodies[ATLAS_NB];
+static unsigned char model_memory[RBD_MODEL_SIZE(ATLAS_NB)], work_memory[RBD_WORK_SIZE(ATLAS_NB, ATLAS_NV)];
+int main(int argc, char **argv) {
+    const int small = argv[1][0] == 'i', nb = small ? IIWA_NB : ATLAS_NB;
+    rbd_body *last = &bodies[nb - 1];
+    double q[ATLAS_NQ], v[ATLAS_NV], a[ATLAS_NV];
+    const rbd_model *m;
+    rbd_work *w;
+    uint64_t seed = 1;
+    memcpy(bodies, small ? iiwa_bodies : atlas_bodies, (size_t)nb * sizeof *bodies);
+    memset(last->inertia, 0, argc > 2 ? sizeof last->inertia : 0);
+    for (int i = 0; i < 3 && argc > 2; i++) last->com[i] = 0.1 * last->axis[i];
+    if (rbd_model_build(bodies, nb, model_memory, sizeof model_memory, &m, NULL) ||
+        rbd_work_init(m, work_memory, sizeof work_memory, &w) || rbd_random(m, &seed, q))
+        return 9;
+    for (int i = 0; i < rbd_nv(m); i++) v[i] = 0.1 * i;
+    return -(int)rbd_aba(m, w, q, v, v, NULL, a);
+}
+END
+# counted STATUS ARGUMENT...: instructions of the call
+counted() {
+    expected=$1 status=0
+    shift
+    valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=rbd_aba_double ./near "$@" >counts 2>&1 || status=$?
+    [ "$status" -eq "$expected" ] || fail "near a singular state, $*: status -$status"
+    sed -n 's/.*Collected : //p' counts
+}
+if command -v valgrind >/dev/null; then
+    # shellcheck disable=SC2086
+    ${CC:-cc} -std=c99 -O2 -I"$root" near.c -o near -lm
+    for robot in iiwa:3 atlas:6; do
+        far=$(counted 0 "${robot%:*}") near=$(counted 6 "${robot%:*}" near)
+        echo "${robot%:*}: $far instructions, near a singular state $near"
+        [ "$far" -gt 1000 ] && [ "$near" -gt "$far" ] && [ "$near" -le $((far * ${robot#*:})) ] || fail "${robot%:*}: more than ${robot#*:} times"
+    done
+else
+    echo "left out: near a singular state, for want of valgrind"
+fi
 [ "$failures" -eq 0 ]
