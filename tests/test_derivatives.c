@@ -927,6 +927,32 @@ END_TEST
 START_TEST(each_output_may_be_left_out) { for_random_trees(30, check_alone); }
 END_TEST
 
+/* Slides and turns 20 km from the first link that turns: M in the common frame has no digit of them. */
+START_TEST(far_from_the_common_frame_the_inverse_is_that_of_rbd_minverse) {
+    uint64_t seed = 95;
+    for (int i = 0; i < 50; i++) {
+        rbd_body b[7];
+        double M[2][49];
+        state s;
+        for (int k = 0; k < 7; k++) {
+            random_joint(&seed, b, k, k > 1 && k % 2 == 1 ? RBD_PRISMATIC : RBD_REVOLUTE);
+            random_mass(&seed, &b[k]);
+            b[k].parent = k - 1;
+        }
+        b[1].position[0] = 2e4;
+        robot r = robot_build("far arm", b, 7);
+        rbd_derivatives *d = derivatives_of(&r);
+        draw_state(&r, &seed, &s);
+        expect_ok("fd_derivatives", &r, i,
+                  rbd_fd_derivatives(r.m, d, s.q, s.v, s.tau, NULL, NULL, NULL, NULL, M[0]));
+        expect_ok("minverse", &r, i, rbd_minverse(r.m, r.w, s.q, M[1]));
+        expect_close("far arm, inverse", &r, i, M[0], M[1], 49, 1e-8); /* some eps / 1e-7: docs/accuracy.md */
+        free(d_memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 Suite *derivatives_suite(void) {
     Suite *s = suite_create("derivatives");
     TCase *c = tcase_create("derivatives");
@@ -960,6 +986,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, size_at_compile_time_suffices);
     tcase_add_test(c, zeros_may_be_kept);
     tcase_add_test(c, each_output_may_be_left_out);
+    tcase_add_test(c, far_from_the_common_frame_the_inverse_is_that_of_rbd_minverse);
     suite_add_tcase(s, c);
     return s;
 }
