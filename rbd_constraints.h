@@ -21,7 +21,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [solution] [least norm]
-     [articulated] [limbs] [loops] [legs] [passes]
+     [articulated] [limbs] [passes]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
@@ -335,14 +335,12 @@ typedef struct rbdi_constraint {
     int16_t low;       /* first row that a link between the bodies has to do with */
     int16_t near_low;  /* the same of a limb, else low */
     int16_t strand;    /* its first strand */
-    int16_t loop;      /* links between its bodies if it has these to itself, [loops], else 0 */
-    int16_t taken;     /* whether its rows have been eliminated as a limb's are */
 } rbdi_constraint;
 
 /* A batch of a constraint's rows, from one of its bodies to where the two sides meet: [articulated]. Side 2
    stands after side 1. */
 typedef struct rbdi_strand {
-    rbd_real *K; /* 6 x batch: wrench of each row on the link at hand; of side 2 of a loop: p, [loops] */
+    rbd_real *K;       /* 6 x batch: wrench of each row on the link at hand */
     int16_t row, rows; /* the first, and how many */
     int16_t link;      /* of the body, -1 = world */
     int16_t meet;      /* that of the constraint */
@@ -355,7 +353,6 @@ typedef struct rbdi_piece {
     int16_t strands;  /* that pass the link */
     int16_t dofs, at; /* of the piece; where among them the link's begin */
     int16_t posed;    /* whether strands begin on the link or behind it */
-    int16_t leg;      /* 1 + the leg, among the limbs, that the link is of; 0: none */
 } rbdi_piece;
 
 /* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
@@ -365,25 +362,7 @@ typedef struct rbdi_limb {
     int16_t row, rows;   /* the first, and how many */
     int16_t strand, end; /* strands, of side 1 every other: first, and behind the last */
     int16_t taken;       /* whether its rows have been eliminated there */
-    int16_t first;       /* its first link */
-    int16_t leg;         /* whether it can stand: [legs] */
-    int16_t stands;      /* whether it does in this call: [legs] has done with its rows and joints */
 } rbdi_limb;
-
-/* Up to RBDI_BATCH legs that hang on one link, as lanes: [legs]. */
-typedef struct rbdi_legs {
-    int16_t first, n;    /* limbs, one behind the other */
-    int16_t form[3];     /* of the joints: what is known of all links, and what any of them needs */
-    int16_t stand;       /* how many stand: their rows have been done with */
-    const void *link[3]; /* of the joints' constants */
-    rbd_real *solved;    /* 6 x 7 x batch: [X x] of the joints, -J^-T [G g] of the rows */
-    rbdi_abi IA;         /* what the link feels of them */
-    rbdi_force pA;
-} rbdi_legs;
-#define RBDI_LEGS_BYTES(groups, batch) \
-    ((batch) > 1 \
-         ? (size_t)(groups) * (RBDI_ROUND(sizeof(rbdi_legs)) + 102 * (size_t)(batch) * sizeof(rbd_real)) \
-         : 0)
 
 /* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
 typedef struct rbdi_span {
@@ -394,39 +373,38 @@ struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride; /* stride: of rows, padded */
-    int strands, limbs, legs;
-    int stand;      /* how many limbs are legs that stand, in the last call */
-    int again;      /* whether to solve once more with no leg standing, since a pivot is in doubt */
+    int strands, limbs;
     int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
     int infeasible; /* row, -1 = none */
     int moving;     /* whether velocities of links' origins are wanted, but for impacts */
-    int used;       /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
+    int factored; /* whether the factor of M is used always: rows that depend on each other in every state */
+    int used;     /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
     rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
     int16_t *at;                 /* rows: where each row of the caller's is */
     rbdi_strand *strand;         /* two for each batch of each constraint */
     int16_t *route;              /* for each link, the last first, the strands that pass it */
     rbdi_piece *piece;           /* nl */
     rbdi_limb *limb;             /* n at most, by their links */
-    rbdi_legs *leg;              /* groups of legs */
     rbd_real *wrench;            /* rows x 8: K where the sides have met, less that of rows before; of limbs
                                     also b and 1/d */
     rbdi_span *span;             /* nv */
     int16_t *order;              /* nv: dofs, depth first */
     int32_t *path;               /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
-    rbd_real *D;                 /* rows x stride: Delta, then D L; above the diagonal null vectors */
-    rbd_real *P;                 /* nv x RBDI_BATCH: rows of Y, by the path */
-    rbd_real *x, *stack;         /* nv each: solution; of it what is on a path, by depth */
-    rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
+    rbd_real *D;         /* Lambda of [articulated], then D L, rows x stride; or R of [rank], nv x stride */
+    rbd_real *P;         /* nv x RBDI_BATCH: rows of Y, by the path */
+    rbd_real *x, *stack; /* nv each: solution; of it what is on a path, by depth */
+    rbd_real *D_inverse; /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
                                                       position error, wanted J a */
     rbd_real *demand;   /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *inverse;  /* rows: of the pivots, 0 where a row depends on those behind it */
-    rbd_real *diagonal; /* rows: of Delta */
-    rbd_real levers;    /* rbdi_levers */
-    rbd_real give;      /* sum of 1/D of the dofs that rows have to do with */
-    rbdi_v3 world;      /* acceleration of the world */
-    rbd_real size; /* sum of squares of the accelerations that [articulated] met, a measure of rounding */
+    rbd_real *inverse;  /* rows: of the pivots, 0 where a row depends on those before it */
+    rbd_real *diagonal; /* rows: of Lambda */
+    rbd_real *square, *share,
+        *chosen;     /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
+    rbd_real levers; /* rbdi_levers */
+    rbd_real give;   /* sum of 1/D of the dofs that rows have to do with */
+    rbdi_v3 world;   /* acceleration of the world */
 };
 
 /* n constraints; batches: of the rows of each. */
@@ -434,12 +412,13 @@ struct rbd_constraints {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND(2 * (size_t)(batches) * sizeof(rbdi_strand)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_piece)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + RBDI_LEGS_BYTES((rows) / 3, batch) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + \
      RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
-     sizeof(rbd_real) * ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 3 + (batch)) + \
-                         12 * (size_t)(batches) * (size_t)(batch) + \
-                         (size_t)(rows) * ((size_t)(stride) + 10) + 7 * (size_t)(stride)))
+     sizeof(rbd_real) * \
+         ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 3 + (batch)) + \
+          12 * (size_t)(batches) * (size_t)(batch) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
+          10 * (size_t)(rows) + 10 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
 /* Bytes that suffice for any set that holds this many axes. */
 #define RBD_CONSTRAINTS_SIZE(nv, rows) \
@@ -492,18 +471,19 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 /* ---- tolerances [tolerances] ---- */
 
-/* Of Delta's diagonal entry a pivot must exceed RBDI_RANK; those of dependent rows are found below 1e-15 of
-   it, of four points a hundredth of a foot apart at 3e-6; of a row that moves no dof the diagonal itself is
-   rounding: levers^2 eps^2 / D. Where any pivot is below RBDI_DOUBT of it,
-   rounding may have been magnified before: pivot j and those after it must exceed RBDI_NOISE times the sum
-   of n_k^2 Delta_kk too, for n with n' Delta n = d_j (rbdi_combination). What a dependent row asks for may
-   be off by RBDI_FEASIBLE of its terms: that much a set contradicts itself by drift.
-   A limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal entry, and they add to
-   no diagonal entry of the link's inertia more than RBDI_ADDED times it: both equations then hold to 2e-13
-   (HyQ and Atlas in 40,000 states, many limbs near the end of their reach; 1e-13 without limbs). Of a leg
-   RBDI_SOUND bounds the square of the determinant of J, its rows having length 1. */
+/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both equations
+   then hold to 1e-11 of their terms.
+   RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
+   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a leg
+   1e-7 rad from straight has 1e-14. The part must also exceed the rounding of J's entries, RBDI_NOISE times
+   their levers, wherever the lightest joints magnify it.
+   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its terms:
+   drift contradicts itself by that.
+   RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
+   entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
 #if RBDI_KIND(RBD_CONST) == 1
-#define RBDI_RANK 1e-12
+#define RBDI_CLEAR 1e-5
+#define RBDI_RANK 1e-20
 #define RBDI_SOUND 1e-3
 #define RBDI_ADDED 1e2
 #define RBDI_FEASIBLE 1e-6
@@ -511,7 +491,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLOSED 1e-9
 
 #elif RBDI_KIND(RBD_CONST) == 2
-#define RBDI_RANK 1e-5f
+#define RBDI_CLEAR 1e-2f
+#define RBDI_RANK 1e-8f
 #define RBDI_SOUND 1e-2f
 #define RBDI_ADDED 1e2f
 #define RBDI_FEASIBLE 1e-2f
@@ -519,7 +500,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLOSED 1e-4f
 
 #else
-#define RBDI_RANK RBD_C(1e-26)
+#define RBDI_CLEAR RBD_C(1e-10)
+#define RBDI_RANK RBD_C(1e-54)
 #define RBDI_SOUND RBD_C(1e-3)
 #define RBDI_ADDED RBD_C(1e2)
 #define RBDI_FEASIBLE RBD_C(1e-12)
@@ -527,6 +509,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLOSED RBD_C(1e-12)
 
 #endif
+
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
 
 /* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
    below RBDI_CLOSED. */
@@ -773,8 +757,7 @@ RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, cons
     for (int side = 0; side < 2; ++side) {
         const int first = side ? k->trunk : 0, base = n - first;
         for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda, ++n)
-            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride),
-                           c->stack[base + m->dof[i].depth] = c->D_inverse[i];
+            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride);
     }
     return n;
 }
@@ -806,32 +789,18 @@ RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, con
     *(rbdi_batch *)&c->demand[r] = demand;
 }
 
-/* Rows of Delta = Y' D^-1 Y up to the diagonal, of a constraint and those before it, three at a time. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, const rbdi_constraint *k, int n) {
-    const int32_t *path = c->path;
-    const rbd_real *Y = c->Y, *inverse = c->stack;
-    const int last = k->row + k->rows - 1;
-    for (int i0 = k->row; i0 <= last; i0 += 3) {
-        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
-        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
-        for (int j = 0; j <= i2; j += RBDI_BATCH) {
-            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
-            for (int t = 0; t < n; ++t) {
-                const rbd_real *y = Y + path[t];
-                const rbdi_batch z = *(const rbdi_batch *)&y[j] * inverse[t];
-                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
-            }
-            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
-        }
-    }
+/* Adds the squares of a constraint's levers, from above. */
+RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
+    for (int side = 0; side < 2; ++side)
+        if (k->link[side] >= 0)
+            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
 }
 
-/* Of a constraint, after all before it: L^-T J' from J', b, and its rows of Delta. */
+/* Of a constraint: L^-T J' from J', and b. */
 static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
                                    const rbd_real *L) {
     const int n = rbdi_lay_path(m, c, k);
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
-    rbdi_delta_rows(c, k, n);
 }
 
 /* sum of x_k y_k */
@@ -844,97 +813,6 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     if (k > 0) sum = rbdi_sum_lanes(lanes);
     for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
-}
-
-/* n = L^-1 e_j, for which n' Delta n = d_j, in the part of row j from the diagonal on, which nobody reads. */
-static void rbdi_combination(const rbd_constraints *c, int j) {
-    rbd_real *n = &c->D[j * c->stride];
-    n[j] = rbdi_set(RBD_C(1));
-    for (int k = j + 1; k < c->rows; ++k)
-        n[k] = -c->inverse[k] * rbdi_rows_product(&c->D[k * c->stride + j], &n[j], k - j);
-}
-
-/* Whether pivot d of row j is more than rounding: [tolerances]. */
-static rbdi_mask rbdi_judge_row(const rbd_constraints *c, int j, rbd_real d) {
-    const rbd_real *n = &c->D[j * c->stride];
-    rbd_real noise = rbdi_zero();
-    rbdi_combination(c, j);
-    for (int k = j; k < c->rows; ++k) noise = noise + n[k] * n[k] * c->diagonal[k];
-    return rbdi_and(rbdi_less(c->diagonal[j] * RBDI_RANK, d), rbdi_less(noise * RBDI_NOISE, d));
-}
-
-/* Rows that are eliminated together, and the first of those before them that they know. carried: their sides
-   meet on a link, and elimination goes on in c->wrench. */
-typedef struct rbdi_rows {
-    int first, end, low, carried;
-} rbdi_rows;
-
-static rbdi_rows rbdi_all_rows(const rbd_constraints *c) {
-    const rbdi_rows g = {0, c->rows, 0, 0};
-    return g;
-}
-
-/* Adds the squares of a constraint's levers, from above. */
-RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
-    for (int side = 0; side < 2; ++side)
-        if (k->link[side] >= 0)
-            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
-}
-
-/* 1/d of row k; judged, once any has been so small that it must be. */
-RBDI_INLINE rbd_real rbdi_delta_pivot(rbd_constraints *c, int k, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    const rbd_real d = c->D[k * c->stride + k];
-    rbd_real inverse = rbdi_reciprocal(d, RBDI_TINY, &none);
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(c->diagonal[k] * RBDI_DOUBT, d)));
-    if (rbdi_any(*doubt)) inverse = rbdi_select(rbdi_judge_row(c, k, d), inverse, rbdi_zero());
-    c->inverse[k] = inverse;
-    return inverse;
-}
-
-/* x -= l u + n v, in whole batches. */
-RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
-                                   int count) {
-    for (int j = 0; j < count; j += RBDI_BATCH)
-        *(rbdi_batch *)&x[j] =
-            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
-}
-
-/* Delta = L'DL, D L in place of Delta, and b = L^-T b; 1/d = 0 where the pivot is only rounding. Rows k and
-   k - 1 are taken from those before them together: these are read and written half as often. c->diagonal has
-   what rows have lost before. */
-static void rbdi_delta_factor(rbd_constraints *c, rbdi_rows g) {
-    const rbd_real zero_row = c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
-    const int stride = c->stride, low = g.low;
-    rbd_real *D = c->D, *b = c->b, *w = c->wrench;
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i] + zero_row;
-    for (int k = g.end - 1; k >= g.first; k -= 2) {
-        const rbd_real *u = &D[k * stride], first = rbdi_delta_pivot(c, k, &doubt);
-        rbd_real *v, l, second;
-        if (k == g.first) return;
-        v = &D[(k - 1) * stride], l = u[k - 1] * first;
-        rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
-        b[k - 1] = b[k - 1] - l * b[k];
-        if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
-        second = rbdi_delta_pivot(c, k - 1, &doubt);
-        for (int i = k - 2; i >= g.first; --i) {
-            const rbd_real n = v[i] * second;
-            l = u[i] * first;
-            rbdi_subtract_two(&D[i * stride + low], l, &u[low], n, &v[low], i + 1 - low);
-            b[i] = b[i] - l * b[k] - n * b[k - 1];
-            if (!g.carried) continue;
-            rbdi_subtract(&w[8 * i], l, &w[8 * k], 6);
-            rbdi_subtract(&w[8 * i], n, &w[8 * (k - 1)], 6);
-        }
-    }
-}
-
-/* lambda = L^-1 D^-1 b. */
-static void rbdi_delta_solve(rbd_constraints *c, rbdi_rows g) {
-    for (int i = g.first; i < g.end; ++i)
-        c->lambda[i] = c->inverse[i] * (c->b[i] - rbdi_rows_product(&c->D[i * c->stride + g.low],
-                                                                    &c->lambda[g.low], i - g.low));
 }
 
 /* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
@@ -973,49 +851,170 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
     }
 }
 
-/* ---- least norm [least norm] ----
-   For each dropped row j the vector n = L^-1 e_j, without the other dropped rows, is a null vector: J'n = 0.
-   It stands in the row's part right of the diagonal, which nobody reads. What row j asks for is in order if
-   n'b = 0, and n'b is the b_j that elimination left. lambda loses its components along the null vectors, made
-   orthogonal one after the other (Gram and Schmidt). In lanes that kept the row n is zero. */
+/* ---- rank [rank] ----
+   Which rows are independent of each other is decided without Delta, whose condition is the square of that of
+   its rows. With Z = D^-1/2 Y, so that Delta = Z'Z,
 
-static rbdi_mask rbdi_dropped(const rbd_constraints *c, int j) {
-    return rbdi_not(rbdi_less(rbdi_zero(), c->inverse[j]));
+       Z P = Q R,    Delta = P R' R P'
+
+   by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
+   Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
+   it with the row in its place. So the state decides on the order, and not the order in which the caller lists the
+   constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend on those that
+   were taken: they are dropped, 1/R_tt = 0.
+
+   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the first
+   equation holds to rounding whatever the rank is, the second for all rows that were taken. For a dropped row j,
+   R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0, and n'b is what R' w = b
+   leaves of b_j. lambda loses its components along the null vectors, made orthogonal one after the other (Gram
+   and Schmidt), and has the least norm.
+
+   There is no branch on data but on whether all lanes agree, so that lanes may differ in order and rank. */
+
+static rbdi_mask rbdi_is_index(rbd_real x, int k) {
+    return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
+                    rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
 }
 
-static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
-
-/* What J v, gamma and e of a constraint are differences of: turns and the velocities and accelerations that
-   come with them, of places at the distance p. */
-static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
-    rbd_real w = rbdi_zero(), v = w, a = w, p = rbdi_sqrt(c->levers);
-    if (k->loop && !c->used) {
-        for (int i = k->link[0]; i > k->link[0] - k->loop; --i)
-            w = w + rbdi_sum_abs(c->w->kin[i].state.omega);
-        if (k->link[1] >= 0) w = w + rbdi_sum_abs(c->w->kin[k->link[1]].state.omega);
-        v = w * p, a = w * v;
-    } else { /* the bodies' own motion, the same for both maybe */
-        const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
-        w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega);
-        v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v);
-        a = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot) + rbdi_sum_abs(one.acc) +
-            rbdi_sum_abs(two.acc);
-        p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
-    }
-    return a + p * rbdi_sqrt(c->size) + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+static rbdi_mask rbdi_dropped(const rbd_constraints *c, int t) {
+    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
 }
 
-/* Notes row j if what it asks for contradicts what the kept rows behind it have. */
-static void rbdi_check_row(rbd_constraints *c, int j) {
-    const rbd_real *n = &c->D[j * c->stride];
-    rbd_real bound = rbdi_zero();
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_constraint *k = &c->constraint[i];
-        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
-        for (int r = k->row > j ? k->row : j; r < k->row + k->rows; ++r)
-            bound = bound + rbdi_abs(n[r]) * (rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise);
+/* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
+   n - 1 other x, `next` apart. */
+static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step, int n, int next) {
+    for (int j = t + 1; j < c->rows; ++j) {
+        const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
+        rbd_real *a = x + t * step, *b = x + j * step;
+        if (!rbdi_any(here)) continue;
+        for (int k = 0; k < n; ++k, a += next, b += next) {
+            const rbd_real old = *a;
+            *a = rbdi_select(here, *b, old);
+            *b = rbdi_select(here, old, *b);
+        }
     }
-    if (rbdi_any(rbdi_less(bound, rbdi_abs(n[j] * c->b[j])))) c->infeasible = j;
+}
+
+/* All exchanges: to the order of R, or back. */
+static void rbdi_to_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+    for (int t = 0; t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
+}
+static void rbdi_from_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+    for (int t = c->rows - 1; t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
+}
+
+/* Of each row from t on the square of what is independent of the rows taken. */
+static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
+    for (int j = t; j < c->rows; j += RBDI_BATCH) {
+        rbdi_batch sum = rbdi_zero_batch();
+        for (int k = t; k < nv; ++k) {
+            const rbdi_batch z = *(const rbdi_batch *)&c->D[k * c->stride + j];
+            sum = sum + z * z;
+        }
+        *(rbdi_batch *)&c->square[j] = sum;
+    }
+}
+
+/* Chooses the row of which the largest share is independent, and exchanges it with row t. */
+static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
+    rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
+    for (int j = t + 1; j < c->rows; ++j) {
+        const rbd_real share = c->square[j] * c->share[j];
+        const rbdi_mask more = rbdi_less(best * RBDI_CLEARLY_MORE, share);
+        best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
+    }
+    c->chosen[t] = at;
+    rbdi_exchange(c, t, c->D, 1, nv, c->stride);
+    rbdi_exchange(c, t, c->square, 1, 1, 0);
+    rbdi_exchange(c, t, c->share, 1, 1, 0);
+}
+
+/* Householder's reflection that leaves of column t but R_tt nothing below row t. */
+static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
+    const int stride = c->stride;
+    rbd_real *Z = c->D, *v = c->stack;
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
+                   R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
+                   scale = rbdi_reciprocal(length * (length + rbdi_abs(head)), RBDI_TINY, &none);
+    for (int k = t; k < nv; ++k) v[k] = Z[k * stride + t];
+    v[t] = head - R;
+    for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
+        rbdi_batch sum = rbdi_zero_batch();
+        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * v[k];
+        sum = sum * scale;
+        for (int k = t; k < nv; ++k) {
+            rbdi_batch *z = (rbdi_batch *)&Z[k * stride + j];
+            *z = *z - sum * v[k];
+        }
+    }
+    Z[t * stride + t] = R;
+}
+
+/* What a row's square must exceed by RBDI_RANK to be more than the rounding of J's entries. */
+static rbd_real rbdi_row_floor(const rbd_constraints *c) {
+    return c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
+}
+
+/* R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
+static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
+    const rbd_real least = rbdi_row_floor(c), one = rbdi_set(RBD_C(1));
+    const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
+    rbdi_mask taken = rbdi_less(rbdi_zero(), one);
+    for (int k = 0; k < nv; ++k) {
+        const rbd_real root = rbdi_sqrt(c->D_inverse[k]);
+        for (int j = 0; j < c->stride; j += RBDI_BATCH)
+            *(rbdi_batch *)&c->D[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
+    }
+    if (c->rows > nv) rbdi_clear(&c->D[nv * c->stride], (c->rows - nv) * c->stride);
+    rbdi_independent_squares(c, nv, 0);
+    for (int r = 0; r < c->rows; ++r) {
+        rbdi_mask none = rbdi_less(one, rbdi_zero());
+        c->share[r] = rbdi_reciprocal(c->square[r] + least, RBDI_TINY, &none);
+        c->inverse[r] = rbdi_zero(), c->chosen[r] = rbdi_set(RBD_C(r));
+    }
+    for (int t = 0; t < steps; ++t) {
+        if (t > 0) rbdi_independent_squares(c, nv, t);
+        rbdi_choose_row(c, nv, t);
+        taken = rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->share[t], rbdi_set(RBDI_RANK))));
+        if (!rbdi_any(taken)) return;
+        rbdi_reflect(c, nv, t);
+        c->inverse[t] =
+            rbdi_select(taken, one / rbdi_select(taken, c->D[t * c->stride + t], one), rbdi_zero());
+    }
+}
+
+/* R' w = b and R lambda = w: of a dropped row b keeps what contradicts the rows taken. */
+static void rbdi_solve_lambda(rbd_constraints *c) {
+    rbd_real *x = c->lambda;
+    rbdi_to_order(c, c->b, 1, 1, 0);
+    for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *R = &c->D[t * c->stride];
+        x[t] = c->b[t] * c->inverse[t];
+        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
+            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
+    }
+    for (int t = c->rows - 1; t >= 0; --t)
+        x[t] = c->inverse[t] *
+               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
+}
+
+/* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
+static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
+    n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+    for (int i = t - 1; i >= 0; --i)
+        n[i] = -c->inverse[i] * rbdi_rows_product(&c->D[i * c->stride + i + 1], &n[i + 1], t - i);
+}
+
+/* It is kept as row t of c->D, in the lanes that have no other use for that. */
+static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
+    const rbdi_mask dropped = rbdi_dropped(c, t);
+    rbd_real *to = &c->D[t * c->stride];
+    for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
+}
+static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
+    const rbdi_mask dropped = rbdi_dropped(c, t);
+    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->D[t * c->stride + j], rbdi_zero());
 }
 
 /* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
@@ -1026,22 +1025,62 @@ static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
     for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
 }
 
-/* Makes lambda the solution of least norm, where rows were dropped; which contradicts the others, if any. */
-static void rbdi_least_norm(rbd_constraints *c) {
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero()), dropped;
+static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
+
+/* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
+   that come with them. */
+static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
+    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
+    const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
+                   v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
+                   p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+    const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
+                   moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
+    return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+}
+
+/* By how much the right-hand sides may contradict each other: c->demand, in the order of R. */
+static void rbdi_bound_demand(rbd_constraints *c) {
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
+        for (int r = k->row; r < k->row + k->rows; ++r)
+            c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
+    }
+    rbdi_to_order(c, c->demand, 1, 1, 0);
+}
+
+/* Notes the row that stands at t, if it contradicts the rows taken and none did before. */
+static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
+    rbd_real bound = rbdi_zero();
+    rbdi_mask bad;
+    for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
+    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(c->b[t])));
+    if (c->infeasible >= 0 || !rbdi_any(bad)) return;
+    for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
+    rbdi_to_order(c, c->share, 1, 1, 0);
+    for (int r = 0; r < c->rows; ++r)
+        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r)))) c->infeasible = r;
+}
+
+/* Makes lambda the solution of least norm, where rows were dropped; notes contradictions, if wanted. */
+static void rbdi_least_norm(rbd_constraints *c, int check) {
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
     c->infeasible = -1;
-    for (int j = 0; j < c->rows; ++j) any = rbdi_or(any, rbdi_dropped(c, j));
+    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
     if (!rbdi_any(any)) return;
-    for (int j = c->rows - 1; j >= 0; --j) {
-        dropped = rbdi_dropped(c, j);
-        if (!rbdi_any(dropped)) continue;
-        for (int k = j; k < c->rows; ++k)
-            c->D[j * c->stride + k] = rbdi_select(dropped, c->D[j * c->stride + k], rbdi_zero());
-        rbdi_check_row(c, j);
-        for (int i = c->rows - 1; i > j; --i)
-            if (rbdi_any(rbdi_dropped(c, i)))
-                rbdi_project(&c->D[i * c->stride + i], &c->D[j * c->stride + i], c->rows - i);
-        rbdi_project(&c->D[j * c->stride + j], &c->lambda[j], c->rows - j);
+    if (check) rbdi_bound_demand(c);
+    for (int t = 0; t < c->rows; ++t) {
+        rbd_real *n = c->square;
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_null_vector(c, t, n);
+        if (check) rbdi_check_row(c, t, n);
+        for (int i = 0; i < t; ++i) {
+            if (!rbdi_any(rbdi_dropped(c, i))) continue;
+            rbdi_load_null(c, i, c->share);
+            rbdi_project(c->share, n, i + 1);
+        }
+        rbdi_project(n, c->lambda, t + 1);
+        rbdi_keep_null(c, t, n);
     }
 }
 
@@ -1122,16 +1161,9 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
     }
 }
 
-/* b -= term, and the sum of such terms' squares. */
-RBDI_INLINE void rbdi_take_term(rbd_real *b, rbd_real *demand, rbdi_batch term) {
-    rbdi_batch *to = (rbdi_batch *)b, *sum = (rbdi_batch *)demand;
-    *to = *to - term;
-    *sum = *sum + term * term;
-}
-
-/* What a sweep up carries of a strand: wrenches K' of its rows, b and its terms' squares. */
+/* What a sweep up carries of a strand: wrenches K' of its rows, and b. */
 typedef struct rbdi_carried {
-    rbdi_batch x[6], b, demand;
+    rbdi_batch x[6], b;
 } rbdi_carried;
 
 /* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y = S' K. */
@@ -1149,22 +1181,20 @@ RBDI_INLINE void rbdi_strand_axis(const rbd_model *m, const rbd_work *w, int i, 
     term = y * own->u_D + x[0] * own->c.omega.x + x[1] * own->c.omega.y;
     term = term + x[3] * own->c.v.x + x[4] * own->c.v.y + x[5] * own->c.v.z;
     k->b = k->b - term;
-    k->demand = k->demand + term * term;
     rbdi_rows_up(l, form, rbdi_trig_of(m, w, i, form), x);
 }
 
 /* The same of the n links from i on. */
 RBDI_INLINE void rbdi_strand_axes(const rbd_model *m, rbd_constraints *c, int i, int n, const rbdi_strand *on,
                                   rbdi_batch *Y) {
-    rbdi_batch *K = (rbdi_batch *)on->K, *b = (rbdi_batch *)&c->b[on->row],
-               *demand = (rbdi_batch *)&c->demand[on->row];
+    rbdi_batch *K = (rbdi_batch *)on->K, *b = (rbdi_batch *)&c->b[on->row];
     rbdi_carried k;
     RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { k.x[j] = K[j]; }
-    k.b = *b, k.demand = *demand;
+    k.b = *b;
     for (int t = n - 1; t >= 0; --t)
         RBDI_BY_FORM(form, &m->link[i + t], rbdi_strand_axis(m, c->w, i + t, form, &k, &Y[t]));
     RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = k.x[j]; }
-    *b = k.b, *demand = k.demand;
+    *b = k.b;
 }
 
 /* The dofs of a block let go; of a free base x keeps what those before have to give. Returns Y u/D. */
@@ -1214,7 +1244,7 @@ static void rbdi_strand_block(const rbd_model *m, rbd_constraints *c, int i, con
         for (int j = 0; j < 6; ++j) term = term + x[j] * C[j];
         rbdi_strand_up_block(&bw->X, x);
     }
-    rbdi_take_term(&c->b[on->row], &c->demand[on->row], term);
+    *(rbdi_batch *)&c->b[on->row] = *(const rbdi_batch *)&c->b[on->row] - term;
     RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
 }
 
@@ -1231,15 +1261,13 @@ RBDI_INLINE void rbdi_piece_inverse(const rbd_model *m, rbd_constraints *c, int 
     const rbd_work *w = c->w;
     const int block = l->kind == RBDI_BLOCK;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    rbd_real give = c->give, size = c->size;
+    rbd_real give = c->give;
     RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) {
         const int k = block ? l->iv + t : l[t].iv;
-        const rbd_real u_D = block ? w->block[l->block].u_D[t] : w->scratch[i + t].u_D;
         c->D_inverse[k] = inverse[t] = rbdi_reciprocal(w->pivot[k], RBDI_TINY, &none);
         give = give + inverse[t];
-        size = size + u_D * u_D;
     }
-    c->give = give, c->size = size;
+    c->give = give;
 }
 
 /* rbdi_share_row of all pairs of strands. */
@@ -1332,10 +1360,67 @@ RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int f
     }
 }
 
+/* Rows that are eliminated together, and the first of those before them that they know. carried: their sides
+   meet on a link, and elimination goes on in c->wrench. */
+typedef struct rbdi_rows {
+    int first, end, low, carried;
+} rbdi_rows;
+
+/* 1/d of row k; in doubt if d is small beside what it is the difference of. */
+RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real floor, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    const rbd_real d = c->D[k * c->stride + k];
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + floor) * RBDI_CLEAR, d)));
+    return c->inverse[k] = rbdi_reciprocal(d, RBDI_TINY, &none);
+}
+
+/* x -= l u + n v, in whole batches. */
+RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
+                                   int count) {
+    for (int j = 0; j < count; j += RBDI_BATCH)
+        *(rbdi_batch *)&x[j] =
+            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
+}
+
+/* Lambda = L'DL, D L in place of Lambda, and b = L^-T b. Rows k and k - 1 are taken from those before them
+   together: these are read and written half as often. c->diagonal has what rows have lost before. */
+static void rbdi_lambda_factor(rbd_constraints *c, rbdi_rows g, rbdi_mask *doubt) {
+    const rbd_real floor = rbdi_row_floor(c);
+    const int stride = c->stride, low = g.low;
+    rbd_real *D = c->D, *b = c->b, *w = c->wrench;
+    for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i];
+    for (int k = g.end - 1; k >= g.first; k -= 2) {
+        const rbd_real *u = &D[k * stride], first = rbdi_lambda_pivot(c, k, floor, doubt);
+        rbd_real *v, l, second;
+        if (k == g.first) return;
+        v = &D[(k - 1) * stride], l = u[k - 1] * first;
+        rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
+        b[k - 1] = b[k - 1] - l * b[k];
+        if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
+        second = rbdi_lambda_pivot(c, k - 1, floor, doubt);
+        for (int i = k - 2; i >= g.first; --i) {
+            const rbd_real n = v[i] * second;
+            l = u[i] * first;
+            rbdi_subtract_two(&D[i * stride + low], l, &u[low], n, &v[low], i + 1 - low);
+            b[i] = b[i] - l * b[k] - n * b[k - 1];
+            if (!g.carried) continue;
+            rbdi_subtract(&w[8 * i], l, &w[8 * k], 6);
+            rbdi_subtract(&w[8 * i], n, &w[8 * (k - 1)], 6);
+        }
+    }
+}
+
+/* lambda = L^-1 D^-1 b. */
+static void rbdi_lambda_solve(rbd_constraints *c, rbdi_rows g) {
+    for (int i = g.first; i < g.end; ++i)
+        c->lambda[i] = c->inverse[i] * (c->b[i] - rbdi_rows_product(&c->D[i * c->stride + g.low],
+                                                                    &c->lambda[g.low], i - g.low));
+}
+
 /* The rows of the constraints first .. end - 1, which meet on one link or in the world. */
 static rbdi_rows rbdi_rows_between(const rbd_constraints *c, int first, int end) {
     rbdi_rows g = {0, 0, 0, 0};
-    g.carried = c->constraint[first].meet >= 0 || c->constraint[first].loop > 0;
+    g.carried = c->constraint[first].meet >= 0;
     g.first = g.low = c->constraint[first].row;
     g.end = c->constraint[end - 1].row + c->constraint[end - 1].rows;
     for (int k = first; k < end; ++k)
@@ -1350,10 +1435,9 @@ static void rbdi_pass_on(rbd_constraints *c, int r, int meet, const int16_t *rou
         const rbdi_strand a = c->strand[route[s]];
         for (int i = 0; a.link != meet && i < a.rows; ++i) {
             const int row = a.row + i;
-            const rbd_real l = d[row] * c->inverse[r], term = l * c->b[r];
+            const rbd_real l = d[row] * c->inverse[r];
             c->diagonal[row] = c->diagonal[row] + l * d[row];
-            c->b[row] = c->b[row] - term;
-            c->demand[row] = c->demand[row] + term * term;
+            c->b[row] = c->b[row] - l * c->b[r];
             for (int j = 0; j < 6; ++j) a.K[j * RBDI_BATCH + i] = a.K[j * RBDI_BATCH + i] - l * w[j];
             for (int t = 0; t <= s; ++t) {
                 const rbdi_strand b = c->strand[route[t]];
@@ -1365,17 +1449,16 @@ static void rbdi_pass_on(rbd_constraints *c, int r, int meet, const int16_t *rou
 }
 
 /* Eliminates rows whose sides meet on a link; IA and pA become what it then feels of its children. */
-static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
+static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA,
+                                rbdi_mask *doubt) {
     const rbdi_rows g = rbdi_rows_between(c, first, end);
     const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
-    const int loop = c->constraint[first].loop;
     rbd_real A[6][6], P[6];
     for (const rbdi_strand *s = c->strand + c->constraint[first].strand; s < stop; s += 2)
         for (int r = 0; r < s->rows; ++r)
             for (int j = 0; j < 6; ++j)
-                c->wrench[8 * (s->row + r) + j] =
-                    s[0].K[j * RBDI_BATCH + r] + (loop ? rbdi_zero() : s[1].K[j * RBDI_BATCH + r]);
-    rbdi_delta_factor(c, g);
+                c->wrench[8 * (s->row + r) + j] = s[0].K[j * RBDI_BATCH + r] + s[1].K[j * RBDI_BATCH + r];
+    rbdi_lambda_factor(c, g, doubt);
     rbdi_abi_to_array(*IA, A);
     rbdi_store_force(P, 1, *pA);
     for (int r = g.first; r < g.end; ++r) {
@@ -1393,10 +1476,10 @@ static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi
 
 /* So, and the strands that pass on lose what these rows take. */
 static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cursor *at, rbdi_abi *IA,
-                           rbdi_force *pA) {
+                           rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_rows g = rbdi_rows_between(c, first, end);
     const int meet = c->constraint[first].meet;
-    rbdi_eliminate_rows(c, first, end, IA, pA);
+    rbdi_eliminate_rows(c, first, end, IA, pA, doubt);
     for (int r = g.end - 1; r >= g.first && c->piece[meet].strands > 0; --r)
         rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
 }
@@ -1444,7 +1527,7 @@ RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand
    above `sound` of its diagonal entry, in any lane. */
 RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const sound, rbdi_limb_row *w,
                                  rbdi_limb_row *solved) {
-    const rbd_real zero_row = c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
+    const rbd_real floor = rbdi_row_floor(c);
     const int stride = c->stride;
     const rbd_real *D = &c->D[first * stride + first];
     rbd_real *inverse = &c->inverse[first], A[6][6];
@@ -1454,7 +1537,7 @@ RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const
         RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
     }
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
-        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + zero_row;
+        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + floor;
         inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
         weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * sound, A[k][k])));
         RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
@@ -1551,7 +1634,6 @@ static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, i
     rbdi_clear((rbd_real *)sum, 6 * RBDI_ROW_PARTS * RBDI_ROW_PART_SIZE);
     for (rbdi_limb *e = c->limb + first; e < c->limb + end; ++e) {
         const int strands = (e->end - e->strand) / 2;
-        if (e->stands) continue;
         if (e->rows == 3)
             rbdi_take_rows(c, e, 3, strands, most, sum);
         else if (e->rows == 6)
@@ -1574,7 +1656,7 @@ RBDI_INLINE void rbdi_rows_lambda(rbd_constraints *c, int first, int n, const rb
 
 /* The same of a limb. */
 static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
-    if (!e->taken || e->stands) return;
+    if (!e->taken) return;
     rbdi_rows_lambda(c, e->row, e->rows, y);
     for (rbdi_strand *s = c->strand + e->strand; s < c->strand + e->end; s += 2) s->open = 1;
 }
@@ -1586,584 +1668,15 @@ static int rbdi_limbs_together(const rbd_constraints *c, int end) {
     return first;
 }
 
-/* ---- loops [loops] ----
-   A constraint of linear rows whose body 2, or the world, carries body 1 by revolute joints, links one behind
-   the other that no other rows pass: a chain that a ball joint closes. All that it needs is found between
-   its bodies. From body 1 to body 2 go p, the origin of frame 1, and u = dp/dt as the link sees them,
-
-       p_p = E' p + r,   u_p = E' (u + z x p qd)
-
-   the other way the axes that are held; and with p and u in the axes of body 2, p_1 in those of body 1,
-
-       gamma = [w_1 x (w_1 x p_1)] - [w_2 x (w_2 x p + 2 u)]
-
-   Its rows are eliminated where they meet, as a limb's are if all pivots are sound, else as others. So the
-   links before have no poses to find, and no other rows to heed. */
-
-/* A point and its velocity as a link sees them. */
-typedef struct rbdi_sight {
-    rbdi_v3 p, u;
-} rbdi_sight;
-
-/* Vector, link axes to parent axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
-    v = rbdi_cycle(rbdi_turn_up_z(0, t.c, t.s, v));
-    v = rbdi_uncycle(rbdi_turn_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), v));
-    return form & RBDI_BRANCH_TURN ? rbdi_turn_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v) : v;
-}
-
-/* As the parent of link i sees them. */
-RBDI_INLINE rbdi_sight rbdi_sight_up(const rbd_model *m, const rbd_work *w, int i, int form, rbd_real qd,
-                                     rbdi_sight x) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    if (form & RBDI_SHIFT_Z) x.p.z = x.p.z + t.d;
-    x.u.x = x.u.x - x.p.y * qd, x.u.y = x.u.y + x.p.x * qd;
-    x.p = rbdi_up(l, form, t, x.p), x.u = rbdi_up(l, form, t, x.u);
-    if (form & RBDI_SHIFT_R) x.p.x = x.p.x + l->r.x;
-    if (form & RBDI_SHIFT_XYZ) x.p.y = x.p.y + l->r.y, x.p.z = x.p.z + l->r.z;
-    return x;
-}
-
-/* rbdi_down of a batch of vectors. */
-RBDI_INLINE void rbdi_turn_lanes(int form, rbd_real c, rbd_real s, rbdi_batch *x, rbdi_batch *y) {
-    const rbdi_batch x0 = *x, y0 = *y;
-    if (form & RBDI_TWIST_0) return;
-    *x = y0, *y = -x0;
-    if (form & RBDI_TWIST_90) return;
-    *x = x0 * c + y0 * s, *y = y0 * c - x0 * s;
-}
-RBDI_INLINE void rbdi_lanes_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_batch f[3]) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    if (form & RBDI_BRANCH_TURN) rbdi_turn_lanes(0, rbdi_set(l->cb), rbdi_set(l->sb), &f[0], &f[1]);
-    rbdi_turn_lanes(form, rbdi_set(l->ca), rbdi_set(l->sa), &f[1], &f[2]);
-    rbdi_turn_lanes(0, t.c, t.s, &f[0], &f[1]);
-}
-
-/* Components of x along a batch of vectors. */
-RBDI_INLINE rbdi_batch rbdi_along(const rbdi_batch f[3], rbdi_v3 x) {
-    return f[0] * x.x + f[1] * x.y + f[2] * x.z;
-}
-
-/* A batch of constants. */
-RBDI_INLINE rbdi_batch rbdi_batch_of(const rbd_const *x) {
-#if RBDI_BATCH > 1
-    return *(const rbdi_batch *)x;
-#else
-    return rbdi_set(*x);
-#endif
-}
-
-/* gamma of a loop, links steady, and what else is wanted; its strands begin, on side 2 with p. */
-static void rbdi_start_loop(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                            const rbd_real *v, int want) {
-    const rbd_work *w = c->w;
-    const int tip = k->link[0], end = tip - k->loop;
-    const rbdi_v3 arm = rbdi_vec_c(k->p[0]), omega = w->kin[tip].state.omega,
-                  acc = rbdi_cross(omega, rbdi_cross(omega, arm));
-    rbdi_v3 rest = rbdi_vec0();
-    rbdi_sight x;
-    x.p = arm, x.u = rest;
-    for (int i = tip; i > end; --i)
-        RBDI_BY_BRANCH_FORM(form, &m->link[i], x = rbdi_sight_up(m, w, i, form, v[m->link[i].iv], x));
-    if (k->link[1] >= 0) {
-        const rbdi_v3 w2 = w->kin[k->link[1]].state.omega;
-        rest = rbdi_cross(rbdi_add(rbdi_cross(w2, x.p), rbdi_add(x.u, x.u)), w2);
-    }
-    c->levers = c->levers + rbdi_dot(x.p, x.p);
-    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        const rbdi_strand *s = &c->strand[k->strand + 2 * (r / RBDI_BATCH)];
-        rbdi_batch f[3], gamma;
-        for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]);
-        gamma = rbdi_along(f, rest);
-        for (int i = end + 1; i <= tip; ++i)
-            RBDI_BY_FORM(form, &m->link[i], rbdi_lanes_down(m, w, i, form, f));
-        rbdi_set_wrenches(f, arm, (rbdi_batch *)s[0].K);
-        s[1].K[0] = x.p.x, s[1].K[1] = x.p.y, s[1].K[2] = x.p.z;
-        *(rbdi_batch *)&c->gamma[k->row + r] = gamma + rbdi_along(f, acc);
-    }
-    for (int r = 0; want && r < k->rows; r += RBDI_BATCH) {
-        rbdi_batch f[3];
-        for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]);
-        *(rbdi_batch *)&c->u[k->row + r] = rbdi_along(f, x.u);
-        *(rbdi_batch *)&c->e[k->row + r] = rbdi_along(f, rbdi_sub(x.p, rbdi_vec_c(k->p[1])));
-    }
-}
-
-/* Side 1 has come to where side 2 begins, with p: K becomes what both put on the link. */
-RBDI_INLINE void rbdi_join_sides(const rbdi_constraint *k, const rbdi_strand *on, int r) {
-    rbdi_batch *K = (rbdi_batch *)on[0].K, f[3];
-    const rbdi_v3 p = rbdi_vec(on[1].K[0], on[1].K[1], on[1].K[2]);
-    for (int j = 0; j < 3; ++j) f[j] = rbdi_batch_of(&k->held[j][r]), K[3 + j] = K[3 + j] - f[j];
-    K[0] = K[0] - f[2] * p.y + f[1] * p.z;
-    K[1] = K[1] - f[0] * p.z + f[2] * p.x;
-    K[2] = K[2] - f[1] * p.x + f[0] * p.y;
-}
-
-/* Lambda = Y D^-1 Y' of n dofs: entries of rows of one strand and those of another, from D on. */
-RBDI_INLINE void rbdi_share_loop(const rbd_real *inverse, int n, const rbd_real *ya, const rbdi_batch *yb,
-                                 int rows, rbd_real *D, int stride) {
-    rbdi_batch sum[3];
-    RBDI_UNROLL_SIX for (int r = 0; r < 3; ++r) { sum[r] = rbdi_zero_batch(); }
-    for (int t = 0; t < n; ++t) {
-        const rbdi_batch z = yb[t] * inverse[t];
-        RBDI_UNROLL_SIX for (int r = 0; r < rows; ++r) { sum[r] = sum[r] + z * ya[t * RBDI_BATCH + r]; }
-    }
-    RBDI_UNROLL_SIX for (int r = 0; r < rows; ++r) { *(rbdi_batch *)&D[r * stride] = sum[r]; }
-}
-
-/* The n rows of a loop are eliminated, if no pivot is in doubt: as by rbdi_eliminate_rows. */
-RBDI_INLINE int rbdi_take_loop(rbd_constraints *c, const rbdi_constraint *k, int n, rbdi_abi *IA,
-                               rbdi_force *pA) {
-    const rbdi_strand *s = c->strand + k->strand;
-    rbdi_limb_row *solved = (rbdi_limb_row *)&c->wrench[8 * k->row], w[3], share[3], own[RBDI_BATCH], sum[6];
-    RBDI_UNROLL_SIX for (int r = 0, i = RBDI_BATCH; r < n; ++r, ++i) {
-        if (i == RBDI_BATCH) rbdi_rows_of_strand(c, s, own), s += 2, i = 0;
-        w[r] = own[i];
-    }
-    if (!rbdi_limb_factor(c, k->row, n, RBDI_DOUBT, w, solved)) return 0;
-    RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
-        const rbd_real inverse = c->inverse[k->row + r];
-        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r].x[j] * inverse;
-    }
-    rbdi_limb_sum(w, share, n, 0, sum);
-    rbdi_add_sum(sum, IA, pA);
-    return 1;
-}
-
-/* The rows of a loop, whose joints have let go, are eliminated. */
-static void rbdi_eliminate_loop(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k, rbdi_cursor *at,
-                                rbdi_abi *IA, rbdi_force *pA) {
-    const int n = k->loop, i = k->link[0] - n + 1, batches = rbdi_whole_batches(k->rows) / RBDI_BATCH;
-    rbdi_batch *Y = (rbdi_batch *)at->Y;
-    at->Y += batches * n * RBDI_BATCH;
-    rbdi_piece_inverse(m, c, i, n, c->stack);
-    for (int a = 0; a < batches; ++a) {
-        const rbdi_strand *on = &c->strand[k->strand + 2 * a];
-        rbd_real *D = &c->D[on->row * c->stride + k->row];
-        rbdi_strand_axes(m, c, i, n, on, Y + a * n);
-        rbdi_join_sides(k, on, a * RBDI_BATCH);
-        for (int b = 0; b <= a; ++b, D += RBDI_BATCH) {
-            if (RBDI_BATCH > 2 && on->rows == 3)
-                rbdi_share_loop(c->stack, n, (rbd_real *)(Y + a * n), Y + b * n, 3, D, c->stride);
-            else
-                rbdi_share_loop(c->stack, n, (rbd_real *)(Y + a * n), Y + b * n, 1 + (on->rows == 2), D,
-                                c->stride);
-        }
-    }
-    if (k->rows == 3)
-        k->taken = (int16_t)rbdi_take_loop(c, k, 3, IA, pA);
-    else
-        k->taken = (int16_t)rbdi_take_loop(c, k, 1 + (k->rows == 2), IA, pA);
-    if (!k->taken) rbdi_eliminate_rows(c, (int)(k - c->constraint), (int)(k - c->constraint) + 1, IA, pA);
-}
+/* ---- passes [passes] ---- */
 
 /* lambda of rows whose sides meet on a link, from its acceleration. */
 static void rbdi_solve_between(rbd_constraints *c, int first, int end, const rbd_real Y[6]) {
     const rbdi_rows g = rbdi_rows_between(c, first, end);
-    for (int j = 0; j < 6; ++j) c->size = c->size + Y[j] * Y[j];
     for (int r = g.first; r < g.end; ++r)
         for (int j = 0; j < 6; ++j) c->b[r] = c->b[r] - c->wrench[8 * r + j] * Y[j];
-    rbdi_delta_solve(c, g);
+    rbdi_lambda_solve(c, g);
 }
-
-/* lambda of a loop from the acceleration y of the link where it was eliminated, and u/D behind that. */
-static void rbdi_solve_loop(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, rbdi_cursor *at,
-                            const rbd_real y[6]) {
-    const int n = k->loop, i = k->link[0] - n + 1, self = (int)(k - c->constraint),
-              batches = rbdi_whole_batches(k->rows) / RBDI_BATCH;
-    const rbdi_batch *lambda = (const rbdi_batch *)&c->lambda[k->row], *Y;
-    if (k->taken)
-        rbdi_rows_lambda(c, k->row, k->rows, y);
-    else
-        rbdi_solve_between(c, self, self + 1, y);
-    at->Y -= batches * n * RBDI_BATCH;
-    Y = (const rbdi_batch *)at->Y;
-    for (int t = 0; t < n; ++t, ++Y) {
-        rbdi_batch sum = *Y * *lambda;
-        for (int s = 1; s < batches; ++s) sum = sum + Y[s * n] * lambda[s];
-        c->w->scratch[i + t].u_D =
-            c->w->scratch[i + t].u_D + rbdi_sum_lanes(sum) * c->D_inverse[m->link[i + t].iv];
-    }
-}
-
-/* ---- legs [legs] ----
-   A limb of three one-axis joints, one behind the other, whose three rows act on its last link: a leg that
-   stands. The acceleration y of the link that it hangs on leaves its joints nothing to choose, so that none
-   has to let go, which is most of the work of pass 2. With composite bodies as in [crba] of rbd.h, at that
-   link
-
-       rows      J qdd + K' y = b                K: wrenches of the rows
-       joints    M qdd + F' y = u + J' lambda    F = I^c S; u: tau less what velocities take
-       wrench    f = I^c y + F qdd - K lambda + pA
-
-   On the way there rows and joints are wrenches alike: at joint t each has the entry S' K or S' F of J or M,
-   and takes K' c or F' c from b or u. Then
-
-       [X x] = J^-1 [K' b],   [G g] = [F' u] - M [X x]
-       qdd = x - X y,   lambda = -J^-T (g - G y),   IA += I^c - F X - X' G,   pA += F x + X' g
-
-   Nothing in it asks what the leg is like, so that the legs of a robot stand side by side in the lanes of a
-   batch: all four of HyQ cost 4,100 instructions, where articulated bodies and [limbs] take 9,400. Where
-   there is no SIMD, or RBD_LANES has filled it with states, it is no faster, and left out. A leg near the end
-   of its reach is left to [limbs], alone. M is not judged in legs that stand, but may be singular there. */
-
-#if RBDI_BATCH > 1
-/* Constants of links side by side, by their names in rbdi_link; cosine, sine and slide. */
-typedef struct rbdi_leg_link {
-    rbdi_batch ca, sa, cb, sb, d, rho, kappa, subtree_mass;
-    struct {
-        rbdi_batch x, y, z;
-    } r, h;
-    struct {
-        rbdi_batch xx, xy, xz, yy, yz, zz;
-    } Sigma;
-} rbdi_leg_link;
-typedef struct rbdi_leg_trig {
-    rbdi_batch c, s, d;
-} rbdi_leg_trig;
-
-/* Composite bodies. */
-typedef struct rbdi_leg_body {
-    rbdi_batch xx, xy, xz, yy, yz, zz, x, y, z; /* Sigma, h */
-} rbdi_leg_body;
-
-/* Wrenches of rows and joints, with b or u as the last component; what they have along the joints' axes. */
-typedef struct rbdi_leg_pass {
-    rbdi_batch row[3][7], joint[3][7];
-    rbdi_batch J[3][3], M[3][3]; /* row, joint; M: from its diagonal on */
-    rbdi_leg_body C;
-    rbdi_batch pA[6], m; /* m: mass of the whole leg */
-} rbdi_leg_pass;
-
-#define RBDI_LEG_SET(x) (x)
-RBDI_DEFINE_FORCE_UP(rbdi_leg_up, rbdi_batch, rbdi_batch, RBDI_LEG_SET, rbdi_leg_link, rbdi_leg_trig)
-
-/* One number of each leg: that at base[at[k]]. */
-RBDI_INLINE rbdi_batch rbdi_leg_gather(const rbd_real *base, const int32_t at[RBDI_BATCH]) {
-#if RBDI_BATCH == 4
-    const rbdi_batch x = {base[at[0]], base[at[1]], base[at[2]], base[at[3]]};
-#else
-    rbdi_batch x;
-    for (int k = 0; k < RBDI_BATCH; ++k) x[k] = base[at[k]];
-#endif
-    return x;
-}
-
-/* Turn about the axis z of x, y, z; shift along it. As rbdi_rbi_up_z and rbdi_rbi_shift_z. */
-RBDI_INLINE void rbdi_leg_turn(int form, rbdi_batch c, rbdi_batch s, rbdi_batch *xx, rbdi_batch *xy,
-                               rbdi_batch *yy, rbdi_batch *xz, rbdi_batch *yz, rbdi_batch *hx,
-                               rbdi_batch *hy) {
-    const rbdi_batch a = *xx, b = *xy, d = *yy, t = s * (d - a) - (c + c) * b;
-    if (form & RBDI_TWIST_0) return;
-    rbdi_leg_up_turn(form, c, s, xz, yz);
-    rbdi_leg_up_turn(form, c, s, hx, hy);
-    if (form & RBDI_TWIST_90) {
-        *xx = d, *yy = a, *xy = -b;
-        return;
-    }
-    *xx = a + s * t, *yy = d - s * t, *xy = -(c * t) - b;
-}
-RBDI_INLINE void rbdi_leg_shift(rbdi_batch d, rbdi_batch m, rbdi_batch *xz, rbdi_batch *yz, rbdi_batch *zz,
-                                rbdi_batch hx, rbdi_batch hy, rbdi_batch *hz) {
-    const rbdi_batch k = *hz + d * m;
-    *xz = *xz + d * hx, *yz = *yz + d * hy;
-    *zz = *zz + d * (*hz + k);
-    *hz = k;
-}
-/* As rbdi_rbi_up. */
-RBDI_INLINE void rbdi_leg_body_up(const rbdi_leg_link *l, int form, rbdi_leg_trig t, rbdi_leg_body *C) {
-    const rbdi_batch m = l->subtree_mass;
-    if (form & RBDI_SHIFT_Z) rbdi_leg_shift(t.d, m, &C->xz, &C->yz, &C->zz, C->x, C->y, &C->z);
-    rbdi_leg_turn(0, t.c, t.s, &C->xx, &C->xy, &C->yy, &C->xz, &C->yz, &C->x, &C->y);
-    rbdi_leg_turn(form, l->ca, l->sa, &C->yy, &C->yz, &C->zz, &C->xy, &C->xz, &C->y, &C->z);
-    if (form & RBDI_BRANCH_TURN)
-        rbdi_leg_turn(0, l->cb, l->sb, &C->xx, &C->xy, &C->yy, &C->xz, &C->yz, &C->x, &C->y);
-    if (!(form & RBDI_SHIFT_R)) return;
-    rbdi_leg_shift(l->r.x, m, &C->xy, &C->xz, &C->xx, C->y, C->z, &C->x);
-    if (!(form & RBDI_SHIFT_XYZ)) return;
-    rbdi_leg_shift(l->r.y, m, &C->yz, &C->xy, &C->yy, C->z, C->x, &C->y);
-    rbdi_leg_shift(l->r.z, m, &C->xz, &C->yz, &C->zz, C->x, C->y, &C->z);
-}
-
-/* C plus the links' own bodies. */
-RBDI_INLINE void rbdi_leg_add(const rbdi_leg_link *l, rbdi_leg_body *C) {
-    C->xx = C->xx + l->Sigma.xx, C->xy = C->xy + l->Sigma.xy, C->xz = C->xz + l->Sigma.xz;
-    C->yy = C->yy + l->Sigma.yy, C->yz = C->yz + l->Sigma.yz, C->zz = C->zz + l->Sigma.zz;
-    C->x = C->x + l->h.x, C->y = C->y + l->h.y, C->z = C->z + l->h.z;
-}
-/* x = C S. */
-RBDI_INLINE void rbdi_leg_axis(const rbdi_leg_link *l, int form, const rbdi_leg_body *C, rbdi_batch x[6]) {
-    x[0] = -C->xz, x[1] = -C->yz, x[2] = C->xx + C->yy;
-    x[3] = -C->y, x[4] = C->x, x[5] = rbdi_zero_batch();
-    if (!(form & RBDI_SLIDES)) return;
-    x[0] = x[0] * l->rho + C->y * l->kappa, x[1] = x[1] * l->rho - C->x * l->kappa, x[2] = x[2] * l->rho;
-    x[3] = x[3] * l->rho, x[4] = x[4] * l->rho;
-    x[5] = rbdi_zero_batch() + l->subtree_mass * l->kappa;
-}
-/* pA plus what C takes to accelerate with c, whose omega has no z. */
-RBDI_INLINE void rbdi_leg_accelerate(const rbdi_leg_body *C, rbdi_batch m, const rbdi_batch c[6],
-                                     rbdi_batch pA[6]) {
-    pA[0] = pA[0] + (C->yy + C->zz) * c[0] - C->xy * c[1] + (C->y * c[5] - C->z * c[4]);
-    pA[1] = pA[1] + (C->xx + C->zz) * c[1] - C->xy * c[0] + (C->z * c[3] - C->x * c[5]);
-    pA[2] = pA[2] - (C->xz * c[0] + C->yz * c[1]) + (C->x * c[4] - C->y * c[3]);
-    pA[3] = pA[3] + m * c[3] + C->z * c[1];
-    pA[4] = pA[4] + m * c[4] - C->z * c[0];
-    pA[5] = pA[5] + m * c[5] + (C->y * c[0] - C->x * c[1]);
-}
-
-/* S' x. */
-RBDI_INLINE rbdi_batch rbdi_leg_along(const rbdi_leg_link *l, int form, const rbdi_batch x[6]) {
-    if (form & RBDI_SLIDES) return x[2] * l->rho + x[5] * l->kappa;
-    return x[2];
-}
-/* A wrench passes a joint. Returns its entry. */
-RBDI_INLINE rbdi_batch rbdi_leg_pass_on(const rbdi_leg_link *l, int form, rbdi_leg_trig t,
-                                        const rbdi_batch c[6], rbdi_batch x[7]) {
-    const rbdi_batch y = rbdi_leg_along(l, form, x);
-    x[6] = x[6] - x[0] * c[0] - x[1] * c[1];
-    x[6] = x[6] - x[3] * c[3] - x[4] * c[4] - x[5] * c[5];
-    rbdi_leg_up(l, form, t, x);
-    return y;
-}
-
-/* All that the legs have passes their joint t. */
-RBDI_INLINE void rbdi_leg_joint(const rbd_model *m, const rbd_constraints *c, const rbdi_legs *f, int t,
-                                const rbd_real *tau, rbdi_leg_pass *s) {
-    const rbd_work *w = c->w;
-    const rbdi_leg_link *l = (const rbdi_leg_link *)f->link[t];
-    const int form = f->form[t];
-    const rbd_real *own = (const rbd_real *)&w->scratch[0].f, *rate = (const rbd_real *)&w->scratch[0].c;
-    int32_t link[RBDI_BATCH], dof[RBDI_BATCH], at[RBDI_BATCH];
-    rbdi_batch x[6], *F = s->joint[t];
-    rbdi_leg_trig trig;
-    for (int k = 0; k < RBDI_BATCH; ++k) {
-        link[k] = c->limb[f->first + (k < f->n ? k : 0)].first + t;
-        at[k] = link[k] * (int32_t)(sizeof(rbdi_scratch) / sizeof(rbd_real));
-        dof[k] = m->link[link[k]].iv;
-    }
-    trig.c = rbdi_leg_gather(w->c, link), trig.s = rbdi_leg_gather(w->s, link);
-    trig.d = form & RBDI_SLIDES ? rbdi_leg_gather(w->d, link) : l->d;
-    rbdi_leg_add(l, &s->C);
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-        s->pA[j] = s->pA[j] + rbdi_leg_gather(own + j, at);
-        x[j] = rbdi_leg_gather(rate + j, at);
-    }
-    rbdi_leg_axis(l, form, &s->C, F);
-    F[6] = rbdi_leg_gather(tau, dof) - rbdi_leg_along(l, form, s->pA);
-    rbdi_leg_accelerate(&s->C, l->subtree_mass, x, s->pA);
-    for (int r = 0; r < 3; ++r) s->J[r][t] = rbdi_leg_pass_on(l, form, trig, x, s->row[r]);
-    for (int k = t; k < 3; ++k) s->M[t][k] = rbdi_leg_pass_on(l, form, trig, x, s->joint[k]);
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) {
-        rbd_real armature[RBDI_BATCH];
-        for (int k = 0; k < RBDI_BATCH; ++k) armature[k] = rbdi_set(m->dof[dof[k]].armature);
-        s->M[t][t] = s->M[t][t] + *(const rbdi_batch *)armature;
-    }
-    rbdi_leg_up(l, form, trig, s->pA);
-    rbdi_leg_body_up(l, form, trig, &s->C);
-}
-
-/* Which legs: the first n; those with a < b; whether leg k is; x of these, else y. */
-typedef rbdi_bits rbdi_leg_mask;
-RBDI_INLINE rbdi_leg_mask rbdi_leg_first(int n) {
-    rbdi_batch lane;
-    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
-    return (rbdi_bits)(lane < (rbd_real)n);
-}
-RBDI_INLINE rbdi_leg_mask rbdi_leg_less(rbdi_batch a, rbdi_batch b) { return (rbdi_bits)(a < b); }
-RBDI_INLINE rbdi_batch rbdi_leg_select(rbdi_leg_mask mask, rbdi_batch x, rbdi_batch y) {
-    return (rbdi_batch)(((rbdi_bits)x & mask) | ((rbdi_bits)y & ~mask));
-}
-
-RBDI_INLINE void rbdi_leg_cross(const rbdi_batch a[3], const rbdi_batch b[3], rbdi_batch x[3]) {
-    x[0] = a[1] * b[2] - a[2] * b[1];
-    x[1] = a[2] * b[0] - a[0] * b[2];
-    x[2] = a[0] * b[1] - a[1] * b[0];
-}
-RBDI_INLINE rbdi_batch rbdi_leg_dot(const rbdi_batch a[3], const rbdi_batch b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Y = J^-1, transposed: cross products of rows, over the determinant d. Returns for which legs: of the square
-   of the volume that the rows would have at right angles d^2 is not a small part. */
-RBDI_INLINE rbdi_leg_mask rbdi_leg_inverse(rbdi_batch J[3][3], rbdi_batch Y[3][3]) {
-    rbdi_batch d, inverse, most, one = rbdi_zero_batch() + RBD_C(1);
-    rbdi_leg_mask sound;
-    for (int r = 0; r < 3; ++r) rbdi_leg_cross(J[(r + 1) % 3], J[(r + 2) % 3], Y[r]);
-    d = rbdi_leg_dot(J[0], Y[0]);
-    most = rbdi_leg_dot(J[0], J[0]) * rbdi_leg_dot(J[1], J[1]) * rbdi_leg_dot(J[2], J[2]);
-    sound = rbdi_leg_less(most * RBDI_SOUND, d * d);
-    inverse = one / rbdi_leg_select(sound, d, one);
-    for (int r = 0; r < 3; ++r)
-        for (int t = 0; t < 3; ++t) Y[r][t] = Y[r][t] * inverse;
-    return sound;
-}
-
-/* [X x], -J^-T [G g] and [G g] of the legs. Returns for which. */
-RBDI_INLINE rbdi_leg_mask rbdi_leg_solve(rbdi_leg_pass *s, rbdi_batch X[3][7], rbdi_batch lambda[3][7],
-                                         rbdi_batch G[3][7]) {
-    rbdi_batch Y[3][3];
-    const rbdi_leg_mask sound = rbdi_leg_inverse(s->J, Y);
-    RBDI_UNROLL_ROW for (int j = 0; j < 7; ++j) {
-        for (int t = 0; t < 3; ++t)
-            X[t][j] = s->row[0][j] * Y[0][t] + s->row[1][j] * Y[1][t] + s->row[2][j] * Y[2][t];
-        G[0][j] = s->joint[0][j] - s->M[0][0] * X[0][j] - s->M[0][1] * X[1][j] - s->M[0][2] * X[2][j];
-        G[1][j] = s->joint[1][j] - s->M[0][1] * X[0][j] - s->M[1][1] * X[1][j] - s->M[1][2] * X[2][j];
-        G[2][j] = s->joint[2][j] - s->M[0][2] * X[0][j] - s->M[1][2] * X[1][j] - s->M[2][2] * X[2][j];
-        for (int r = 0; r < 3; ++r)
-            lambda[r][j] = -(Y[r][0] * G[0][j] + Y[r][1] * G[1][j] + Y[r][2] * G[2][j]);
-    }
-    return sound;
-}
-
-/* F X + X' G, entry i, j. */
-RBDI_INLINE rbdi_batch rbdi_leg_loss(const rbdi_leg_pass *s, rbdi_batch X[3][7], rbdi_batch G[3][7], int i,
-                                     int j) {
-    rbdi_batch x = s->joint[0][i] * X[0][j] + X[0][i] * G[0][j];
-    for (int t = 1; t < 3; ++t) x = x + s->joint[t][i] * X[t][j] + X[t][i] * G[t][j];
-    return x;
-}
-
-/* Sums over the legs that stand of n numbers of each. */
-RBDI_INLINE void rbdi_leg_sums(rbdi_leg_mask stands, int all, rbdi_batch *x, int n, rbd_real *sum) {
-    for (int j = 0; !all && j < n; ++j) x[j] = rbdi_leg_select(stands, x[j], rbdi_zero_batch());
-#if RBDI_BATCH == 4
-    for (int j = 0; j < n; j += 4) {
-        rbdi_four y[4];
-        rbdi_fours_of_lanes(&x[j], y);
-        *(rbdi_four *)&sum[j] = (y[0] + y[1]) + (y[2] + y[3]);
-    }
-#else
-    for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_lanes(x[j]);
-#endif
-}
-
-/* Of which legs what the rows add to the inertia of the link and the leg leaves enough digits: [limbs]. */
-RBDI_INLINE rbdi_leg_mask rbdi_legs_add_little(const rbdi_link *hang, const rbdi_leg_pass *s,
-                                               rbdi_batch X[3][7], rbdi_batch G[3][7]) {
-    const rbdi_abi own = rbdi_abi_add_link(hang, RBDI_MASS_KEPT, rbdi_abi_zero());
-    const rbdi_batch m[6] = {s->C.yy + s->C.zz + own.I.xx,
-                             s->C.xx + s->C.zz + own.I.yy,
-                             s->C.xx + s->C.yy + own.I.zz,
-                             s->m + own.M.xx,
-                             s->m + own.M.yy,
-                             s->m + own.M.zz};
-    rbdi_leg_mask little = rbdi_leg_less(rbdi_zero_batch(), m[0]);
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-        rbdi_batch x = rbdi_zero_batch();
-        for (int t = 0; t < 3; ++t) x = x + X[t][i] * (s->joint[t][i] - G[t][i]);
-        little &= rbdi_leg_less(x, m[i] * RBDI_ADDED);
-    }
-    return little;
-}
-
-/* What the link feels of the legs: their composite bodies less F X + X' G, by rows of [IA pA]. */
-RBDI_INLINE void rbdi_legs_hand_on(rbdi_legs *f, const rbdi_leg_pass *s, rbdi_batch X[3][7],
-                                   rbdi_batch G[3][7], rbdi_leg_mask stands) {
-    const rbdi_leg_body C = s->C;
-    const rbdi_batch o = rbdi_zero_batch(), m = s->m;
-    const rbdi_batch body[21] = {C.yy + C.zz, -C.xy, -C.xz, o, -C.z, C.y, C.xx + C.zz, -C.yz, C.z, o, -C.x,
-                                 C.xx + C.yy, -C.y,  C.x,   o, m,    o,   o,           m,     o,   m};
-    rbdi_batch x[28];
-    rbd_real sum[28], A[6][6];
-    int n = 0;
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
-        for (int j = i; j < 6; ++j, ++n) x[n] = body[n] - rbdi_leg_loss(s, X, G, i, j);
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i, ++n) { x[n] = s->pA[i] + rbdi_leg_loss(s, X, G, i, 6); }
-    x[27] = o;
-    rbdi_leg_sums(stands, f->stand == RBDI_BATCH, x, 28, sum);
-    for (int i = 0, k = 0; i < 6; ++i)
-        for (int j = i; j < 6; ++j, ++k) A[i][j] = sum[k];
-    f->IA = rbdi_abi_from_array(A);
-    f->pA = rbdi_load_force(&sum[21], 1);
-}
-
-/* Wrenches of the rows at the legs' last links, with b. */
-RBDI_INLINE void rbdi_legs_rows(const rbd_constraints *c, const rbdi_legs *f, rbdi_leg_pass *s) {
-#if RBDI_BATCH == 4
-    const rbdi_strand *on[4];
-    for (int k = 0; k < 4; ++k) on[k] = &c->strand[c->limb[f->first + (k < f->n ? k : 0)].strand];
-    RBDI_UNROLL_ROW for (int j = 0; j < 7; ++j) {
-        rbdi_batch x[4];
-        rbdi_four y[4];
-        for (int k = 0; k < 4; ++k)
-            x[k] = j < 6 ? ((const rbdi_batch *)on[k]->K)[j] : *(const rbdi_batch *)&c->b[on[k]->row];
-        rbdi_fours_of_lanes(x, y);
-        for (int r = 0; r < 3; ++r) s->row[r][j] = y[r];
-    }
-#else
-    for (int k = 0; k < RBDI_BATCH; ++k) {
-        const rbdi_limb *e = &c->limb[f->first + (k < f->n ? k : 0)];
-        for (int r = 0; r < 3; ++r) {
-            const rbd_real *K = c->strand[e->strand + 2 * (r / RBDI_BATCH)].K + r % RBDI_BATCH;
-            for (int j = 0; j < 7; ++j)
-                ((rbd_real *)&s->row[r][j])[k] = j < 6 ? K[j * RBDI_BATCH] : c->b[e->row + r];
-        }
-    }
-#endif
-}
-
-/* The rows of the legs that stand are done with where these hang. */
-static void rbdi_legs_stand(const rbd_model *m, rbd_constraints *c, rbdi_legs *f, const rbd_real *tau) {
-    const rbdi_link *hang = &m->link[c->limb[f->first].link];
-    const rbdi_batch zero = rbdi_zero_batch();
-    const rbdi_leg_body none = {zero, zero, zero, zero, zero, zero, zero, zero, zero};
-    rbdi_batch(*X)[7] = (rbdi_batch(*)[7])f->solved, (*lambda)[7] = X + 3, G[3][7];
-    rbdi_leg_mask stands;
-    rbdi_leg_pass s;
-    s.C = none;
-    s.m = zero + ((const rbdi_leg_link *)f->link[0])->subtree_mass;
-    for (int j = 0; j < 6; ++j) s.pA[j] = zero;
-    rbdi_legs_rows(c, f, &s);
-    for (int t = 2; t >= 0; --t) rbdi_leg_joint(m, c, f, t, tau, &s);
-    stands = rbdi_leg_first(f->n) & rbdi_leg_solve(&s, X, lambda, G);
-    stands &= rbdi_legs_add_little(hang, &s, X, G);
-    for (int k = 0; k < f->n; ++k) {
-        rbdi_limb *e = &c->limb[f->first + k];
-        e->stands = e->taken = stands[k] != 0;
-        if (!e->stands) continue;
-        ++f->stand;
-        for (int r = e->row; r < e->row + 3; ++r) c->inverse[r] = rbdi_set(RBD_C(1));
-        for (int i = e->strand; i < e->end; i += 2) c->strand[i].open = 0;
-    }
-    if (f->stand) rbdi_legs_hand_on(f, &s, X, G, stands);
-}
-
-/* lambda, and the accelerations x, of legs that stand, from y of the link that they hang on. */
-static void rbdi_legs_follow(const rbd_model *m, rbd_constraints *c, const rbdi_legs *f, const rbd_real y[6],
-                             rbd_real *x) {
-    const rbdi_batch(*solved)[7] = (const rbdi_batch(*)[7])f->solved;
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-        rbdi_batch found = solved[i][6];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { found = found - solved[i][j] * y[j]; }
-        for (int k = 0; k < f->n; ++k) {
-            const rbdi_limb *e = &c->limb[f->first + k];
-            if (!e->stands) continue;
-            if (i >= 3)
-                c->lambda[e->row + i - 3] = found[k];
-            else
-                x[m->link[e->first + i].iv] = found[k], c->size = c->size + found[k] * found[k];
-        }
-    }
-}
-
-/* All legs, before pass 2. */
-static void rbdi_legs_all(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
-    c->stand = 0;
-    for (rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f) {
-        f->stand = 0;
-        for (int k = 0; k < f->n; ++k) c->limb[f->first + k].stands = 0;
-        if (!c->again) rbdi_legs_stand(m, c, f, tau);
-        c->stand += f->stand;
-    }
-}
-#define RBDI_STAND(c) ((c)->stand)
-#else
-#define RBDI_STAND(c) 0
-#endif
-
-/* ---- passes [passes] ---- */
 
 /* Before other rows are eliminated: those that limbs have taken have nothing to do with them. */
 static void rbdi_skip_limbs(rbd_constraints *c) {
@@ -2176,7 +1689,7 @@ static void rbdi_skip_limbs(rbd_constraints *c) {
 }
 
 /* As rbdi_eliminate, of the rows that meet in the world, which accelerates as c->world says. */
-static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
+static void rbdi_eliminate_at_world(rbd_constraints *c, int end, rbdi_mask *doubt) {
     const rbdi_v3 g = c->world;
     const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
     int open = 0;
@@ -2185,18 +1698,16 @@ static void rbdi_eliminate_at_world(rbd_constraints *c, int end) {
     rbdi_skip_limbs(c);
     for (const rbdi_strand *s = c->strand; s < stop; ++s) {
         const rbdi_batch *K = (const rbdi_batch *)s->K;
-        if (s->link < 0) continue;
-        rbdi_take_term(&c->b[s->row], &c->demand[s->row], K[3] * g.x + K[4] * g.y + K[5] * g.z);
+        rbdi_batch *b = (rbdi_batch *)&c->b[s->row];
+        if (s->link >= 0) *b = *b - K[3] * g.x - K[4] * g.y - K[5] * g.z;
     }
-    rbdi_delta_factor(c, rbdi_rows_between(c, 0, end));
-    rbdi_delta_solve(c, rbdi_rows_between(c, 0, end));
+    rbdi_lambda_factor(c, rbdi_rows_between(c, 0, end), doubt);
+    rbdi_lambda_solve(c, rbdi_rows_between(c, 0, end));
 }
 
-/* Of the constraints before `end` the first that is eliminated with the last: which meets there, too; a loop
-   is alone. */
+/* Of the constraints before `end` the first that meets where the last does: they are eliminated together. */
 static int rbdi_together(const rbd_constraints *c, int end) {
     int first = end - 1;
-    if (c->constraint[first].loop) return first;
     while (first > 0 && c->constraint[first - 1].meet == c->constraint[end - 1].meet) --first;
     return first;
 }
@@ -2225,31 +1736,6 @@ RBDI_INLINE rbdi_mask rbdi_articulate_part(const rbd_model *m, rbd_constraints *
     return doubt;
 }
 
-/* Whether link i is of a leg that stands. */
-RBDI_INLINE int rbdi_stands(const rbd_constraints *c, int i) {
-    return c->piece[i].leg > 0 && c->limb[c->piece[i].leg - 1].stands;
-}
-
-/* The same but for legs that stand: each is one piece, which has put nothing into Y. */
-RBDI_INLINE rbdi_mask rbdi_articulate_parts(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
-                                            int first, int end, rbdi_cursor *at, rbdi_abi *IA, rbdi_force *pA,
-                                            rbdi_mask doubt) {
-    for (int i = end - 1; RBDI_STAND(c) && i >= first; --i) {
-        if (!rbdi_stands(c, i)) continue;
-        doubt = rbdi_articulate_part(m, c, tau, i + 1, end, at, IA, pA, doubt);
-        at->route += c->piece[i].strands;
-        end = i -= 2;
-    }
-    return rbdi_articulate_part(m, c, tau, first, end, at, IA, pA, doubt);
-}
-
-/* Legs that stand on link i; IA and pA become what it then feels of its children. */
-RBDI_INLINE void rbdi_legs_hang(const rbd_constraints *c, int i, rbdi_abi *IA, rbdi_force *pA) {
-    for (const rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f)
-        if (f->stand && c->limb[f->first].link == i)
-            *IA = rbdi_abi_add(*IA, f->IA), *pA = rbdi_force_add(*pA, f->pA);
-}
-
 /* Pass 2 with the strands, and lambda of what meets in the world. */
 static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
                                     rbdi_cursor *at) {
@@ -2257,46 +1743,25 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     int link = m->nl, end = c->n, limbs = c->limbs;
-#if RBDI_BATCH > 1
-    rbdi_legs_all(m, c, tau);
-#endif
     for (;;) {
         const int meet = rbdi_meeting(c, end), hang = limbs > 0 ? c->limb[limbs - 1].link : -1,
                   stop = meet > hang ? meet : hang;
-        doubt = rbdi_articulate_parts(m, c, tau, stop + 1, link, at, &IA, &pA, doubt);
+        doubt = rbdi_articulate_part(m, c, tau, stop + 1, link, at, &IA, &pA, doubt);
         link = stop + 1;
         if (stop < 0) break;
         if (hang == stop) {
             const int first = rbdi_limbs_together(c, limbs);
             rbdi_take_limbs(m, c, first, limbs, &IA, &pA);
-            rbdi_legs_hang(c, stop, &IA, &pA);
             limbs = first;
         }
         if (meet == stop) {
             const int first = rbdi_together(c, end);
-            if (c->constraint[first].loop)
-                rbdi_eliminate_loop(m, c, &c->constraint[first], at, &IA, &pA);
-            else
-                rbdi_eliminate(c, first, end, at, &IA, &pA);
+            rbdi_eliminate(c, first, end, at, &IA, &pA, &doubt);
             end = first;
         }
     }
-    for (; end > 0 && c->constraint[end - 1].loop; --end)
-        rbdi_eliminate_loop(m, c, &c->constraint[end - 1], at, &IA, &pA);
-    rbdi_eliminate_at_world(c, end);
+    rbdi_eliminate_at_world(c, end, &doubt);
     return doubt;
-}
-
-/* Pass 3 of the links first .. end - 1, but for legs that stand. */
-RBDI_INLINE rbdi_motion rbdi_pass3_parts(const rbd_model *m, rbd_constraints *c, int first, int end,
-                                         rbdi_motion world, rbdi_motion y, rbd_real *x) {
-    for (int i = first; RBDI_STAND(c) && i < end; ++i) {
-        if (!rbdi_stands(c, i)) continue;
-        if (i > first) y = rbdi_aba_pass3_links(m, c->w, first, i, world, y, x);
-        first = i + 3, i += 2;
-    }
-    if (end > first) y = rbdi_aba_pass3_links(m, c->w, first, end, world, y, x);
-    return y;
 }
 
 /* Pass 3, and lambda of what meets on links. */
@@ -2307,24 +1772,18 @@ static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cu
     world.v = c->world;
     y = world;
     rbdi_motion_to_array(y, Y);
-    for (; first < c->n && c->constraint[first].meet < 0; ++first)
-        if (c->constraint[first].loop) rbdi_solve_loop(m, c, &c->constraint[first], at, Y);
+    while (first < c->n && c->constraint[first].meet < 0) ++first;
     for (;;) {
         const int met = first < c->n ? c->constraint[first].meet : m->nl - 1,
                   hung = limb < c->limbs ? c->limb[limb].link : m->nl - 1, last = hung < met ? hung : met;
         int end = first;
         rbdi_strands_down(m, c, link, last + 1, at);
-        y = rbdi_pass3_parts(m, c, link, last + 1, world, y, x);
+        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
         link = last + 1;
         if (link == m->nl) break;
         rbdi_motion_to_array(y, Y);
-#if RBDI_BATCH > 1
-        for (const rbdi_legs *f = c->leg; f < c->leg + c->legs; ++f)
-            if (f->stand && c->limb[f->first].link == last) rbdi_legs_follow(m, c, f, Y, x);
-#endif
         for (; limb < c->limbs && c->limb[limb].link == last; ++limb) rbdi_solve_limb(c, &c->limb[limb], Y);
-        for (; end < c->n && c->constraint[end].meet == last; ++end)
-            if (c->constraint[end].loop) rbdi_solve_loop(m, c, &c->constraint[first++], at, Y);
+        while (end < c->n && c->constraint[end].meet == last) ++end;
         if (end > first) rbdi_solve_between(c, first, end, Y);
         first = end;
     }
@@ -2340,32 +1799,27 @@ RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constrai
         for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
 }
 
-/* x, which may be tau, and lambda from the joints' torques, bias wrenches and b = target. */
-static rbd_status rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
-                                         rbd_real *x, rbd_real *lambda) {
+/* x and lambda from the joints' torques, bias wrenches and b = target. Returns 0, x unknown, if a pivot of a joint
+   or a row is in doubt. */
+static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
     rbdi_cursor at;
     rbdi_mask doubt;
-    rbd_status status;
     at.route = c->route, at.Y = c->Y;
-    c->size = rbdi_dot(c->world, c->world), c->give = rbdi_zero();
+    c->give = rbdi_zero();
     rbdi_clear(c->diagonal, c->rows);
     rbdi_clear(c->lambda, c->stride);
     for (int s = 0; s < c->strands; ++s) c->strand[s].open = 1;
     if (c->used) rbdi_clear(c->D, c->rows * c->stride);
     for (const rbdi_constraint *k = c->constraint; !c->used && k < c->constraint + c->n; ++k)
-        if (!k->loop) rbdi_clear_lambda(c, k);
+        rbdi_clear_lambda(c, k);
     c->used = 0;
-    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
-    }
+    for (int r = 0; r < c->rows; r += RBDI_BATCH)
+        *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
     doubt = rbdi_articulate_up(m, c, tau, &at);
-    c->again = RBDI_STAND(c) > 0 && rbdi_any(doubt);
-    if (c->again) return RBD_OK;
+    if (rbdi_any(doubt)) return 0;
     rbdi_articulate_down(m, c, &at, x);
-    rbdi_least_norm(c);
-    status = rbdi_status_of(m, c->w, doubt, x, m->nv);
-    return rbdi_constrained_status(m, c, status, lambda);
+    c->infeasible = c->w->singular = -1;
+    return 1;
 }
 
 /* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
@@ -2398,14 +1852,9 @@ static void rbdi_articulated_contact(rbd_constraints *c, const rbdi_constraint *
 }
 
 /* gamma of a constraint, links steady, and what else is wanted; its strands begin. */
-static void rbdi_articulated_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                  const rbd_real *v, int want) {
+static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
-    if (k->loop) {
-        rbdi_start_loop(m, c, k, v, want);
-        return;
-    }
     rbdi_add_levers(c, k);
     for (int side = 0; side < 2; ++side)
         if (k->link[side] >= 0) {
@@ -2435,20 +1884,18 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* lambda from Delta and b; with it x. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
-    const rbdi_rows all = rbdi_all_rows(c);
-    rbdi_clear(c->diagonal, c->rows);
-    rbdi_clear(c->lambda, c->stride);
-    c->size = c->give = rbdi_zero();
+/* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
+static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L, int check) {
+    c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
-    rbdi_delta_factor(c, all);
-    rbdi_delta_solve(c, all);
-    rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
     c->used = 1;
-    rbdi_least_norm(c);
+    rbdi_orthogonalise(m, c);
+    rbdi_solve_lambda(c);
+    rbdi_least_norm(c, check);
+    rbdi_from_order(c, c->lambda, 1, 1, 0);
+    rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
     rbdi_sweep_down(m, c, L);
 }
 
@@ -2460,9 +1907,9 @@ static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c)
 }
 
 /* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt,
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt, int check,
                                          rbd_real *lambda) {
-    rbdi_multipliers(m, c, c->w->H);
+    rbdi_multipliers(m, c, c->w->H, check);
     return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
 }
 
@@ -2482,10 +1929,11 @@ static int rbdi_stabilisation(const rbdi_constraint *k) {
 
 /* By M = L'DL. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a,
                                    rbd_real *lambda) {
     rbd_work *w = c->w;
     rbdi_mask doubt;
+    rbd_status status;
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
     rbdi_external(m, w, f_ext);
@@ -2499,30 +1947,33 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
         rbdi_stabilise(c, k);
         rbdi_reduce_constraint(m, c, k, w->H);
     }
-    return rbdi_constrained_solve(m, c, doubt, lambda);
+    status = rbdi_constrained_solve(m, c, doubt, 1, lambda);
+    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
+    return status;
+}
+
+/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
+static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                               const rbd_real *tau, const rbd_real *f_ext) {
+    if (c->factored) return 0;
+    rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
+    rbdi_external(m, c->w, f_ext);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
+        rbdi_stabilise(c, k);
+    }
+    return rbdi_articulated_solve(m, c, tau, c->x);
 }
 
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda) {
-    rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
     if (status) return status;
-    if (m->nmimic) {
-        status = rbdi_factored_fd(m, c, q, v, tau, f_ext, lambda);
-        for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
-    } else {
-        c->again = 0;
-        do {
-            rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
-            rbdi_external(m, c->w, f_ext);
-            for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-                rbdi_articulated_rows(m, c, k, v, rbdi_stabilisation(k));
-                rbdi_stabilise(c, k);
-            }
-            status = rbdi_articulated_solve(m, c, tau, a, lambda);
-        } while (c->again);
-    }
-    return status;
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext))
+        return rbdi_factored_fd(m, c, q, v, tau, f_ext, a, lambda);
+    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
+    return rbdi_constrained_status(m, c, RBD_OK, lambda);
 }
 
 /* The motion of all links without gravity. */
@@ -2565,32 +2016,34 @@ static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, c
         rbdi_rebound(c, k, restitution);
         rbdi_reduce_constraint(m, c, k, c->w->H);
     }
-    return rbdi_constrained_solve(m, c, doubt, impulse);
+    return rbdi_constrained_solve(m, c, doubt, 0, impulse); /* J v is in the range of J */
+}
+
+/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
+static int rbdi_articulated_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   const rbd_real *v, rbd_real restitution) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    if (c->factored) return 0;
+    rbdi_articulated_start(m, c, q, v, none, 1);
+    for (int i = 0; i < m->nl; ++i) c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_articulated_rows(c, k, RBDI_HELD_RATES);
+        rbdi_rebound(c, k, restitution);
+    }
+    return rbdi_articulated_solve(m, c, c->w->zero, c->x);
 }
 
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_GAIN;
-    if (m->nmimic) {
+    if (rbdi_articulated_impact(m, c, q, v, restitution))
+        status = rbdi_constrained_status(m, c, RBD_OK, impulse);
+    else
         status = rbdi_factored_impact(m, c, q, v, restitution, impulse);
-    } else {
-        c->again = 0;
-        do {
-            rbdi_articulated_start(m, c, q, v, none, 1);
-            for (int i = 0; i < m->nl; ++i)
-                c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
-            for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-                rbdi_articulated_rows(m, c, k, v, RBDI_HELD_RATES);
-                rbdi_rebound(c, k, restitution);
-            }
-            status = rbdi_articulated_solve(m, c, c->w->zero, c->x, impulse);
-        } while (c->again);
-    }
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
-    if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
+    if (status) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
     return status;
 }
 
@@ -2622,7 +2075,7 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
 static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_reduce_constraint(m, c, k, NULL);
-    rbdi_multipliers(m, c, NULL);
+    rbdi_multipliers(m, c, NULL, 0);
 }
 
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
@@ -2737,7 +2190,7 @@ RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
 RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
     rbd_real rank = rbdi_zero();
     for (int r = 0; c && r < c->rows; ++r)
-        rank = rank + rbdi_select(rbdi_less(rbdi_zero(), c->inverse[r]), rbdi_set(RBD_C(1)), rbdi_zero());
+        rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
     return rank;
 }
 
@@ -2972,22 +2425,26 @@ static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real
 
 /* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
 static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
-    for (int i = c->rows - 1; i >= 0; --i) {
-        for (int k = i + 1; k < c->rows; ++k) c->b[k] = c->D[k * c->stride + i] * c->inverse[k];
-        rbdi_subtract_rows(c, &X[i * n], &X[(i + 1) * n], &c->b[i + 1], c->rows - i - 1, n);
+    rbdi_to_order(c, X, n, n, 1);
+    for (int t = 0; t < c->rows; ++t) {
+        for (int i = 0; i < t; ++i) c->b[i] = c->D[i * c->stride + t];
+        rbdi_subtract_rows(c, &X[t * n], X, c->b, t, n);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
-    for (int i = 0; i < c->rows; ++i) {
-        rbdi_subtract_rows(c, &X[i * n], X, &c->D[i * c->stride], i, n);
-        rbdi_multiply(&X[i * n], c->inverse[i], n);
+    for (int t = c->rows - 1; t >= 0; --t) {
+        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->D[t * c->stride + t + 1], c->rows - t - 1, n);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
-    for (int j = c->rows - 1; j >= 0; --j) {
-        if (!rbdi_any(rbdi_dropped(c, j))) continue;
+    for (int t = 0; t < c->rows; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_load_null(c, t, c->square);
         for (int column = 0; column < n; ++column) {
-            for (int i = j; i < c->rows; ++i) c->b[i] = X[i * n + column];
-            rbdi_project(&c->D[j * c->stride + j], &c->b[j], c->rows - j);
-            for (int i = j; i < c->rows; ++i) X[i * n + column] = c->b[i];
+            for (int i = 0; i <= t; ++i) c->b[i] = X[i * n + column];
+            rbdi_project(c->square, c->b, t + 1);
+            for (int i = 0; i <= t; ++i) X[i * n + column] = c->b[i];
         }
     }
+    rbdi_from_order(c, X, n, n, 1);
 }
 
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
@@ -3031,8 +2488,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, lambda);
-    for (int k = 0; k < nv; ++k) d->a[k] = c->x[k];
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, lambda);
     if (da_dq || da_dv) (void)rbd_rnea_derivatives(m, d, q, v, d->a, f_ext, da_dq, da_dv, NULL);
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
@@ -3250,31 +2706,6 @@ static int rbdi_is_between(const rbd_model *m, int meet, int tip, int i) {
     return i > meet && i <= tip && m->link[tip].first < m->link[i].end;
 }
 
-/* The links of a loop that has them to itself, [loops]; else 0. */
-static int rbdi_loop_links(const rbd_model *m, const rbdi_constraint *list, int n, const rbdi_constraint *k) {
-    int i = k->link[0];
-    if (m->nmimic || k->angular || k->link[1] != k->meet) return 0;
-    for (;; --i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_BLOCK || (l->flags & RBDI_SLIDES)) return 0;
-        for (const rbdi_constraint *other = list; other < list + n; ++other)
-            for (int side = 0; side < 2; ++side)
-                if (other != k && other->link[side] >= 0 &&
-                    rbdi_is_between(m, other->meet, other->link[side], i))
-                    return 0;
-        if (l->parent == k->meet) return k->link[0] - i + 1;
-        if (l->parent != i - 1) return 0;
-    }
-}
-
-/* Of the constraints that meet on a link all are loops or none. */
-static void rbdi_find_loops(const rbd_model *m, rbdi_constraint *list, int n) {
-    for (rbdi_constraint *k = list; k < list + n; ++k) k->loop = (int16_t)rbdi_loop_links(m, list, n, k);
-    for (rbdi_constraint *k = list; k < list + n; ++k)
-        for (const rbdi_constraint *other = list; other < list + n; ++other)
-            if (other->meet == k->meet && !other->loop) k->loop = 0;
-}
-
 /* What meets behind goes behind, and so is eliminated before; else the caller's order stays. */
 static void rbdi_sort_constraints(rbdi_constraint *list, int n) {
     for (int i = 1; i < n; ++i) {
@@ -3336,15 +2767,14 @@ static void rbdi_number_rows(rbd_constraints *c, rbd_real *K) {
                 s->K = K;
                 s->row = (int16_t)(row + r);
                 s->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                s->link = k->loop ? -1 : k->link[side], s->meet = k->meet;
+                s->link = k->link[side], s->meet = k->meet;
             }
         row += k->rows;
     }
     c->strands = (int)(s - c->strand);
     c->moving = 0;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        c->moving |=
-            !k->loop && (k->kd > 0 || k->kp > 0 || k->link[1] >= 0); /* else: rbdi_articulated_contact */
+        c->moving |= k->kd > 0 || k->kp > 0 || k->link[1] >= 0; /* else: rbdi_articulated_contact */
 }
 
 /* Whether a strand passes the joint of link i. */
@@ -3382,66 +2812,10 @@ static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
         const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
         for (int k = 0; k < links; ++k, ++i) {
             c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
-            c->piece[i].posed = c->piece[i].leg = 0;
+            c->piece[i].posed = 0;
         }
     }
 }
-
-#if RBDI_BATCH > 1
-/* Whether limb e, of three rows and dofs, is a leg: its links one behind the other, the rows on the last. */
-static int rbdi_is_leg(const rbd_model *m, const rbd_constraints *c, const rbdi_limb *e) {
-    const int last = e->first + 2;
-    if (m->link[e->first].end - m->link[e->first].first != 3) return 0; /* other links hang on it */
-    for (int i = e->first; i <= last; ++i)
-        if (m->link[i].kind == RBDI_BLOCK || (i > e->first && m->link[i].parent != i - 1)) return 0;
-    for (int s = e->strand; s < e->end; s += 2)
-        if (c->strand[s].link != last || c->strand[s].row != e->row + (s - e->strand) / 2 * RBDI_BATCH)
-            return 0;
-    return 1;
-}
-
-/* Constants of joint t of the legs of a group, each in its lane; lanes that are left repeat the first. */
-static void rbdi_lay_joint(const rbd_model *m, const rbd_constraints *c, rbdi_legs *f, int t,
-                           rbdi_leg_link *to) {
-    const int known = RBDI_TWIST_0 | RBDI_TWIST_90;
-    int form = known;
-    for (int k = 0; k < RBDI_BATCH; ++k) {
-        const rbdi_link *l = &m->link[c->limb[f->first + (k < f->n ? k : 0)].first + t];
-        form = (form & l->flags & known) | ((form | l->flags) & ~known);
-        to->ca[k] = l->ca, to->sa[k] = l->sa, to->cb[k] = l->cb, to->sb[k] = l->sb, to->d[k] = l->d;
-        to->rho[k] = l->rho, to->kappa[k] = l->kappa, to->subtree_mass[k] = l->subtree_mass;
-        to->r.x[k] = l->r.x, to->r.y[k] = l->r.y, to->r.z[k] = l->r.z;
-        to->h.x[k] = l->h.x, to->h.y[k] = l->h.y, to->h.z[k] = l->h.z;
-        to->Sigma.xx[k] = l->Sigma.xx, to->Sigma.xy[k] = l->Sigma.xy, to->Sigma.xz[k] = l->Sigma.xz;
-        to->Sigma.yy[k] = l->Sigma.yy, to->Sigma.yz[k] = l->Sigma.yz, to->Sigma.zz[k] = l->Sigma.zz;
-    }
-    f->link[t] = to, f->form[t] = (int16_t)form;
-}
-
-/* Whether two limbs are legs that hang on the same link, their joints sliding or not alike. */
-static int rbdi_legs_alike(const rbd_model *m, const rbdi_limb *a, const rbdi_limb *b) {
-    if (!a->leg || !b->leg || a->link != b->link) return 0;
-    for (int t = 0; t < 3; ++t)
-        if ((m->link[a->first + t].flags ^ m->link[b->first + t].flags) & RBDI_SLIDES) return 0;
-    return 1;
-}
-
-/* Groups of legs, of limbs that stand one behind the other in the list. */
-static void rbdi_lay_legs(const rbd_model *m, rbd_constraints *c, rbd_real *room) {
-    for (int k = 0, n; k < c->limbs; k += n ? n : 1) {
-        const rbdi_limb *e = &c->limb[k];
-        rbdi_legs *f = &c->leg[c->legs];
-        for (n = 0; n < RBDI_BATCH && k + n < c->limbs && rbdi_legs_alike(m, e, e + n); ++n)
-            for (int t = 0; t < 3; ++t) c->piece[e[n].first + t].leg = (int16_t)(k + n + 1);
-        if (n == 0) continue;
-        f->first = (int16_t)k, f->n = (int16_t)n, f->stand = 0;
-        f->solved = room, room += 42 * RBDI_BATCH;
-        for (int t = 0; t < 3; ++t, room += sizeof(rbdi_leg_link) / sizeof(rbd_real))
-            rbdi_lay_joint(m, c, f, t, (rbdi_leg_link *)room);
-        ++c->legs;
-    }
-}
-#endif
 
 /* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
    order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
@@ -3465,10 +2839,6 @@ static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, c
         for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
         if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
     }
-    e->first = (int16_t)i, e->leg = e->stands = 0;
-#if RBDI_BATCH > 1
-    e->leg = e->rows == 3 && dofs == 3 && rbdi_is_leg(m, c, e);
-#endif
     return e->rows <= 6 && e->rows <= dofs;
 }
 
@@ -3484,13 +2854,13 @@ static void rbdi_sort_limbs(rbdi_limb *list, int n) {
 
 /* The strands of each link; and of constraints that meet in one place the first row that any of them shares a
    link with. */
-static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c, rbd_real *room) {
+static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
     int16_t *route = c->route;
     rbdi_lay_pieces(m, c);
     c->posed = 0;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         for (int side = 0; side < 2; ++side)
-            for (int i = k->loop ? -1 : k->link[side]; i >= 0; i = m->link[i].parent) {
+            for (int i = k->link[side]; i >= 0; i = m->link[i].parent) {
                 c->piece[i].posed = 1;
                 if (i >= c->posed) c->posed = i + 1;
             }
@@ -3507,11 +2877,6 @@ static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c, rbd_real *roo
         if (c->piece[i].at == 0) route += n;
     }
     rbdi_sort_limbs(c->limb, c->limbs);
-#if RBDI_BATCH > 1
-    rbdi_lay_legs(m, c, room);
-#else
-    (void)room;
-#endif
     for (int end = c->n, first; end > 0; end = first) {
         const rbdi_rows g = rbdi_rows_between(c, first = rbdi_together(c, end), end);
         for (int k = first; k < end; ++k) c->constraint[k].low = c->constraint[k].near_low = (int16_t)g.low;
@@ -3527,7 +2892,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     rbd_report own;
     rbd_constraints *c;
     unsigned char *p;
-    rbd_real *K, *room;
+    rbd_real *K;
     int rows = 0, batches;
     if (!report) report = &own;
     report->warnings = 0;
@@ -3551,7 +2916,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     p = rbdi_aligned(memory);
     c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->n = n, c->rows = rows, c->infeasible = -1;
+    c->w = w, c->n = n, c->rows = rows;
     c->stride = rbdi_row_stride(rows);
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->strand = (rbdi_strand *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)batches * sizeof(rbdi_strand)));
@@ -3561,23 +2926,22 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->at = c->order + m->nv, c->route = c->at + rows;
     c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
     c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
-    c->leg = (rbdi_legs *)rbdi_take(&p, RBDI_BATCH > 1 ? rows / 3 : 0, RBDI_ROUND(sizeof(rbdi_legs)));
-    c->limbs = c->legs = c->stand = c->again = 0;
+    c->limbs = 0;
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
                                  sizeof(rbd_real));
     K = (rbd_real *)rbdi_take(&p, 12 * batches * RBDI_BATCH, sizeof(rbd_real));
-    room = (rbd_real *)rbdi_take(&p, RBDI_BATCH > 1 ? rows / 3 * 102 * RBDI_BATCH : 0, sizeof(rbd_real));
     c->wrench = (rbd_real *)rbdi_take(&p, 8 * rows, sizeof(rbd_real));
-    c->D = (rbd_real *)rbdi_take(&p, rows * c->stride, sizeof(rbd_real));
+    c->D = (rbd_real *)rbdi_take(&p, (int)RBDI_LARGER(rows, m->nv) * c->stride, sizeof(rbd_real));
     c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
     c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->b = (rbd_real *)rbdi_take(&p, 7 * c->stride, sizeof(rbd_real));
+    c->b = (rbd_real *)rbdi_take(&p, 10 * c->stride, sizeof(rbd_real));
     c->lambda = c->b + c->stride, c->target = c->lambda + c->stride;
     c->u = c->target + c->stride, c->gamma = c->u + c->stride, c->e = c->gamma + c->stride;
-    c->demand = c->e + c->stride;
+    c->demand = c->e + c->stride, c->square = c->demand + c->stride;
+    c->share = c->square + c->stride, c->chosen = c->share + c->stride;
     c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
     rbdi_order_dofs(m, c->order);
@@ -3587,14 +2951,14 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
         c->constraint[i].index = (int16_t)i;
     }
     rbdi_sort_constraints(c->constraint, n);
-    rbdi_find_loops(m, c->constraint, n);
     rbdi_number_rows(c, K);
     for (int i = 0; i < n; ++i) rbdi_span_constraint(m, c, &c->constraint[i]);
-    if (!m->nmimic) rbdi_lay_route(m, c, room);
+    if (!m->nmimic) rbdi_lay_route(m, c);
     for (int k = 0; k < m->nv; ++k)
         c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
-    rbdi_clear(c->b, 7 * c->stride);
-    c->used = 1;
+    rbdi_clear(c->b, 10 * c->stride);
+    c->used = 1, c->infeasible = -1;
+    c->factored = m->nmimic > 0;
     rbdi_clear(c->inverse, rows);
     *constraints = c;
     return RBD_OK;
