@@ -984,21 +984,6 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     }
 }
 
-/* R' w = b and R lambda = w: of a dropped row b keeps what contradicts the rows taken. */
-static void rbdi_solve_lambda(rbd_constraints *c) {
-    rbd_real *x = c->lambda;
-    rbdi_to_order(c, c->b, 1, 1, 0);
-    for (int t = 0; t < c->rows; ++t) {
-        const rbd_real *R = &c->D[t * c->stride];
-        x[t] = c->b[t] * c->inverse[t];
-        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
-    }
-    for (int t = c->rows - 1; t >= 0; --t)
-        x[t] = c->inverse[t] *
-               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
-}
-
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
 static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
     n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
@@ -1049,39 +1034,73 @@ static void rbdi_bound_demand(rbd_constraints *c) {
     rbdi_to_order(c, c->demand, 1, 1, 0);
 }
 
-/* Notes the row that stands at t, if it contradicts the rows taken and none did before. */
+/* Notes the row that stands at t if b has a component along its null vector n. */
 static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
     rbdi_mask bad;
     for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(c->b[t])));
-    if (c->infeasible >= 0 || !rbdi_any(bad)) return;
+    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->b, t + 1))));
+    if (!rbdi_any(bad)) return;
     for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
     rbdi_to_order(c, c->share, 1, 1, 0);
     for (int r = 0; r < c->rows; ++r)
         if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r)))) c->infeasible = r;
 }
 
-/* Makes lambda the solution of least norm, where rows were dropped; notes contradictions, if wanted. */
-static void rbdi_least_norm(rbd_constraints *c, int check) {
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    c->infeasible = -1;
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    if (!rbdi_any(any)) return;
-    if (check) rbdi_bound_demand(c);
+/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+static void rbdi_null_space(const rbd_constraints *c) {
+    rbd_real *n = c->square, *before = c->share;
     for (int t = 0; t < c->rows; ++t) {
-        rbd_real *n = c->square;
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_null_vector(c, t, n);
-        if (check) rbdi_check_row(c, t, n);
         for (int i = 0; i < t; ++i) {
             if (!rbdi_any(rbdi_dropped(c, i))) continue;
-            rbdi_load_null(c, i, c->share);
-            rbdi_project(c->share, n, i + 1);
+            rbdi_load_null(c, i, before);
+            rbdi_project(before, n, i + 1);
         }
-        rbdi_project(n, c->lambda, t + 1);
         rbdi_keep_null(c, t, n);
     }
+}
+
+/* x loses its components along all null vectors. */
+static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
+    for (int t = 0; t < c->rows; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_load_null(c, t, c->square);
+        rbdi_project(c->square, x, t + 1);
+    }
+}
+
+/* Notes a row that contradicts others. */
+static void rbdi_check_rows(rbd_constraints *c) {
+    rbdi_bound_demand(c);
+    for (int t = 0; t < c->rows && c->infeasible < 0; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_load_null(c, t, c->square);
+        rbdi_check_row(c, t, c->square);
+    }
+}
+
+/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement before: b
+   loses its components along the null vectors, too. check: whether to note where they do not agree. */
+static void rbdi_solve_lambda(rbd_constraints *c, int check) {
+    rbd_real *x = c->lambda;
+    rbdi_to_order(c, c->b, 1, 1, 0);
+    rbdi_null_space(c);
+    c->infeasible = -1;
+    if (check) rbdi_check_rows(c);
+    rbdi_project_rows(c, c->b);
+    for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *R = &c->D[t * c->stride];
+        x[t] = c->b[t] * c->inverse[t];
+        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
+            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
+    }
+    for (int t = c->rows - 1; t >= 0; --t)
+        x[t] = c->inverse[t] *
+               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
+    rbdi_project_rows(c, x);
+    rbdi_from_order(c, x, 1, 1, 0);
 }
 
 RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
@@ -1892,9 +1911,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
     c->used = 1;
     rbdi_orthogonalise(m, c);
-    rbdi_solve_lambda(c);
-    rbdi_least_norm(c, check);
-    rbdi_from_order(c, c->lambda, 1, 1, 0);
+    rbdi_solve_lambda(c, check);
     rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
     rbdi_sweep_down(m, c, L);
 }
@@ -2423,9 +2440,21 @@ static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real
     }
 }
 
+/* n columns of rows n apart lose their components along the null vectors. */
+static void rbdi_project_columns(rbd_constraints *c, rbd_real *X, int n) {
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
+    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+        for (int i = 0; i < c->rows; ++i) c->b[i] = X[i * n + column];
+        rbdi_project_rows(c, c->b);
+        for (int i = 0; i < c->rows; ++i) X[i * n + column] = c->b[i];
+    }
+}
+
 /* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
 static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
     rbdi_to_order(c, X, n, n, 1);
+    rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) c->b[i] = c->D[i * c->stride + t];
         rbdi_subtract_rows(c, &X[t * n], X, c->b, t, n);
@@ -2435,15 +2464,7 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
         rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->D[t * c->stride + t + 1], c->rows - t - 1, n);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
-    for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_load_null(c, t, c->square);
-        for (int column = 0; column < n; ++column) {
-            for (int i = 0; i <= t; ++i) c->b[i] = X[i * n + column];
-            rbdi_project(c->square, c->b, t + 1);
-            for (int i = 0; i <= t; ++i) X[i * n + column] = c->b[i];
-        }
-    }
+    rbdi_project_columns(c, X, n);
     rbdi_from_order(c, X, n, n, 1);
 }
 
