@@ -475,8 +475,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
    then hold to 1e-11 of their terms.
    RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
    this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a leg
-   1e-7 rad from straight has 1e-14. The part must also exceed the rounding of J's entries, RBDI_NOISE times
-   their levers, wherever the lightest joints magnify it.
+   1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
+   lightest joints magnify them: such a row moves nothing but for rounding.
    RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its terms:
    drift contradicts itself by that.
    RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
@@ -510,7 +510,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
+#define RBDI_MOTIONLESS (1000 * RBDI_EPS) /* of its levers, of a row that moves nothing */
+#define RBDI_CLEARLY_MORE RBD_C(1.001)    /* of rows that are equal but for rounding the first is taken */
 
 /* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
    below RBDI_CLOSED. */
@@ -951,14 +952,14 @@ static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
     Z[t * stride + t] = R;
 }
 
-/* What a row's square must exceed by RBDI_RANK to be more than the rounding of J's entries. */
-static rbd_real rbdi_row_floor(const rbd_constraints *c) {
-    return c->levers * c->give * (RBDI_NOISE * RBDI_NOISE / RBDI_RANK);
+/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
+static rbd_real rbdi_row_noise(const rbd_constraints *c) {
+    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
 /* R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
-    const rbd_real least = rbdi_row_floor(c), one = rbdi_set(RBD_C(1));
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
     for (int k = 0; k < nv; ++k) {
@@ -970,7 +971,7 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
-        c->share[r] = rbdi_reciprocal(c->square[r] + least, RBDI_TINY, &none);
+        c->share[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
         c->inverse[r] = rbdi_zero(), c->chosen[r] = rbdi_set(RBD_C(r));
     }
     for (int t = 0; t < steps; ++t) {
@@ -1024,7 +1025,8 @@ static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint
     return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
-/* By how much the right-hand sides may contradict each other: c->demand, in the order of R. */
+/* By how much the right-hand sides may contradict each other: c->demand; it and
+   c->target are in the order of R then. */
 static void rbdi_bound_demand(rbd_constraints *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
@@ -1032,14 +1034,15 @@ static void rbdi_bound_demand(rbd_constraints *c) {
             c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
     }
     rbdi_to_order(c, c->demand, 1, 1, 0);
+    rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
-/* Notes the row that stands at t if b has a component along its null vector n. */
+/* Notes the row that stands at t if the targets have a component along its null vector n. */
 static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
     rbdi_mask bad;
     for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->b, t + 1))));
+    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))));
     if (!rbdi_any(bad)) return;
     for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
     rbdi_to_order(c, c->share, 1, 1, 0);
@@ -1386,10 +1389,10 @@ typedef struct rbdi_rows {
 } rbdi_rows;
 
 /* 1/d of row k; in doubt if d is small beside what it is the difference of. */
-RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real floor, rbdi_mask *doubt) {
+RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real noise, rbdi_mask *doubt) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real d = c->D[k * c->stride + k];
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + floor) * RBDI_CLEAR, d)));
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + noise) * RBDI_CLEAR, d)));
     return c->inverse[k] = rbdi_reciprocal(d, RBDI_TINY, &none);
 }
 
@@ -1404,19 +1407,19 @@ RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, r
 /* Lambda = L'DL, D L in place of Lambda, and b = L^-T b. Rows k and k - 1 are taken from those before them
    together: these are read and written half as often. c->diagonal has what rows have lost before. */
 static void rbdi_lambda_factor(rbd_constraints *c, rbdi_rows g, rbdi_mask *doubt) {
-    const rbd_real floor = rbdi_row_floor(c);
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
     const int stride = c->stride, low = g.low;
     rbd_real *D = c->D, *b = c->b, *w = c->wrench;
     for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i];
     for (int k = g.end - 1; k >= g.first; k -= 2) {
-        const rbd_real *u = &D[k * stride], first = rbdi_lambda_pivot(c, k, floor, doubt);
+        const rbd_real *u = &D[k * stride], first = rbdi_lambda_pivot(c, k, noise, doubt);
         rbd_real *v, l, second;
         if (k == g.first) return;
         v = &D[(k - 1) * stride], l = u[k - 1] * first;
         rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
         b[k - 1] = b[k - 1] - l * b[k];
         if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
-        second = rbdi_lambda_pivot(c, k - 1, floor, doubt);
+        second = rbdi_lambda_pivot(c, k - 1, noise, doubt);
         for (int i = k - 2; i >= g.first; --i) {
             const rbd_real n = v[i] * second;
             l = u[i] * first;
@@ -1546,7 +1549,7 @@ RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand
    above `sound` of its diagonal entry, in any lane. */
 RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const sound, rbdi_limb_row *w,
                                  rbdi_limb_row *solved) {
-    const rbd_real floor = rbdi_row_floor(c);
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
     const int stride = c->stride;
     const rbd_real *D = &c->D[first * stride + first];
     rbd_real *inverse = &c->inverse[first], A[6][6];
@@ -1556,7 +1559,7 @@ RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const
         RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
     }
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
-        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + floor;
+        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + noise;
         inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
         weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * sound, A[k][k])));
         RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
