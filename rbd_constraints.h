@@ -391,9 +391,10 @@ struct rbd_constraints {
     int16_t *order;              /* nv: dofs, depth first */
     int32_t *path;               /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
-    rbd_real *D;         /* Lambda of [articulated], then D L, rows x stride; or R of [rank], nv x stride */
-    rbd_real *P;         /* nv x RBDI_BATCH: rows of Y, by the path */
-    rbd_real *x, *stack; /* nv each: solution; of it what is on a path, by depth */
+    rbd_real *D; /* Lambda of [articulated], then D L, rows x stride; or R of [rank], nv x stride */
+    rbd_real *P; /* nv x RBDI_BATCH: rows of Y, by the path */
+    rbd_real *x, *stack,
+        *before;         /* nv each: solution; of it what is on a path, by depth; the last step of assembly */
     rbd_real *D_inverse; /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
                                                       position error, wanted J a */
@@ -416,7 +417,7 @@ struct rbd_constraints {
      RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * \
-         ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 3 + (batch)) + \
+         ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 4 + (batch)) + \
           12 * (size_t)(batches) * (size_t)(batch) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
           10 * (size_t)(rows) + 10 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
@@ -516,7 +517,8 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 /* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
    below RBDI_CLOSED. */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_NEARING_STEPS 100
+#define RBDI_MOST_SHARE RBD_C(10)
+#define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
 /* ---- kinematics [kinematics] ---- */
@@ -2146,13 +2148,31 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* Takes one step; returns its length. */
+/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the one
+   before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where they curve,
+   steps with it may end too late or never. */
+static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
+    const rbd_real one = rbdi_set(RBD_C(1)), most = rbdi_set(RBDI_MOST_SHARE);
+    rbdi_mask none = rbdi_less(one, rbdi_zero());
+    rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
+    for (int k = 0; k < nv; ++k) {
+        const rbd_real weighted = c->before[k] / c->D_inverse[k];
+        square = square + weighted * c->before[k];
+        change = change + weighted * (c->before[k] / share_before - c->x[k] / share);
+    }
+    next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
+    next = rbdi_select(none, one, next); /* no step before this */
+    next = rbdi_select(rbdi_less(most, next), most, next);
+    return rbdi_select(rbdi_less(next * most, one), one / most, next);
+}
+
+/* Takes one step, with this share of the distance; returns its length. */
 static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                   rbd_real *q_near, int close) {
+                                   rbd_real *q_near, rbd_real share) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, k;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = close ? rbdi_zero() : -c->x[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
     rbdi_weighted_solve(m, c);
     length = rbdi_largest(c->x, m->nv);
@@ -2161,26 +2181,40 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const
     return length;
 }
 
+/* q_near, from q. */
+static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   rbd_real *q_near) {
+    rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
+    for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
+    rbdi_clear(c->before, m->nv);
+    for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
+        rbd_real length, next;
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
+        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
+            ++close;
+        if (close) continue;
+        next = rbdi_next_share(c, m->nv, share, share_before);
+        share_before = share, share = next;
+        for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
+    }
+    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+}
+
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
     rbd_real open;
     if (status) return status;
     if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
-    for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
-    for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
-        rbd_real length;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
-        length = rbdi_assembly_step(m, c, q, q_near, close);
-        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
-            ++close;
-    }
-    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+    rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        rbdi_clear(c->target, c->rows);
-        rbdi_weighted_solve(m, c);
+        for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
+            rbdi_clear(c->target, c->rows);
+            rbdi_weighted_solve(m, c);
+        }
         for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
     }
     c->infeasible = -1;
@@ -2960,6 +2994,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
     c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    c->before = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
     c->b = (rbd_real *)rbdi_take(&p, 10 * c->stride, sizeof(rbd_real));
     c->lambda = c->b + c->stride, c->target = c->lambda + c->stride;

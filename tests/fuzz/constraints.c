@@ -572,11 +572,17 @@ static void check_impact(const set *s, double restitution) {
 
 /* ---- constrained_id ---- */
 
+/* Whether a body cannot move. */
+static int on_world(int body) {
+    while (body >= 0 && now.robot.bodies[body].type == RBD_FIXED) body = now.robot.bodies[body].parent;
+    return body < 0;
+}
+
 static int actuated_of(int *actuated, int given) {
     int free_dofs = 0;
     for (int i = 0, iv = 0; i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
-        const int base = b->type == RBD_FLOATING && b->parent < 0;
+        const int base = b->type == RBD_FLOATING && on_world(b->parent);
         for (int j = 0; j < world_nv(b); j++, iv++) actuated[iv] = given ? below(&now.seed, 3) > 0 : !base;
     }
     for (int k = 0; k < nv; k++) free_dofs += !actuated[k];
@@ -737,23 +743,6 @@ static void check_derivatives(const set *s, const question *k, const answer *fir
 
 /* ---- assembly ---- */
 
-/* The derivative of sum weight d^2 / 2, d = rbd_difference(from, to), by a step of `to`: by differences, of calls
-   that the library's own fuzzer and tests hold. */
-static void gradient(const double *from, const double *to, const double *weight, quad *out) {
-    const double h = 1e-4;
-    double d[WORLD_DOFS], side[2][WORLD_DOFS], unit[WORLD_DOFS], moved[WORLD_COORDINATES];
-    rbd_difference(model, from, to, d);
-    for (int k = 0; k < nv; k++) {
-        for (int i = 0; i < nv; i++) unit[i] = i == k;
-        for (int i = 0; i < 2; i++) {
-            rbd_integrate(model, to, unit, i ? h : -h, moved);
-            rbd_difference(model, from, moved, side[i]);
-        }
-        out[k] = 0;
-        for (int i = 0; i < nv; i++) out[k] += (quad)((side[1][i] - side[0][i]) / (2 * h) * d[i] * weight[i]);
-    }
-}
-
 /* Whether the rank is that of the state at another place too, and far from a smaller one at both. */
 static int regular_at(const double *place, const rbd_constraint *list) {
     static world moved;
@@ -776,7 +765,7 @@ static void check_assembly(void) {
     static quad W[WORLD_DOFS * WORLD_DOFS], unit[WORLD_DOFS];
     rbd_constraint list[PROBLEM_CONSTRAINTS];
     double step[WORLD_DOFS], weight[WORLD_DOFS], start[WORLD_COORDINATES], q_near[WORLD_COORDINATES],
-        v_near[WORLD_DOFS];
+        v_near[WORLD_DOFS], d[WORLD_DOFS];
     quad wide_q[WORLD_COORDINATES], wide_v[WORLD_DOFS], x[WORLD_DOFS], lambda[DENSE_ROWS], rest[DENSE_ROWS],
         g[WORLD_DOFS], zero[DENSE_ROWS] = {0}, none[WORLD_DOFS] = {0}, worst_e = 0, worst_v = 0,
                        length_of_v = 0;
@@ -834,8 +823,8 @@ static void check_assembly(void) {
     for (int k = 0; k < nv; k++) x[k] -= v_near[k];
     const quad least = near.sigma[r - 1] * near.least_share;
     record(NEAREST_V, relative(dense_norm(&near, x) * least * least, dense_norm(&near, v)));
-    gradient(start, q_near, weight, g);
-    for (int k = 0; k < nv; k++) g[k] /= weight[k];
+    rbd_difference(model, start, q_near, d);
+    widen(d, nv, g);
     dense_solve(&near, &at, r, g, none, x, lambda, rest);
     record(NEAREST_Q, relative(dense_norm(&near, x), dense_norm(&near, g) + (quad)1e-3L));
 }
