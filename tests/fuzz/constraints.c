@@ -823,6 +823,7 @@ static void check_assembly(void) {
     for (int k = 0; k < nv; k++) x[k] -= v_near[k];
     const quad least = near.sigma[r - 1] * near.least_share;
     record(NEAREST_V, relative(dense_norm(&near, x) * least * least, dense_norm(&near, v)));
+    if (r < rank) return; /* a singular place: no forces of constraints hold the distance there */
     rbd_difference(model, start, q_near, d);
     widen(d, nv, g);
     dense_solve(&near, &at, r, g, none, x, lambda, rest);
