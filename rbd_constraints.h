@@ -1049,7 +1049,9 @@ static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
     rbdi_to_order(c, c->share, 1, 1, 0);
     for (int r = 0; r < c->rows; ++r)
-        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r)))) c->infeasible = r;
+        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
+            (c->infeasible < 0 || r < c->infeasible))
+            c->infeasible = r;
 }
 
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
@@ -1076,10 +1078,10 @@ static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
     }
 }
 
-/* Notes a row that contradicts others. */
+/* Notes the first row that contradicts others. */
 static void rbdi_check_rows(rbd_constraints *c) {
     rbdi_bound_demand(c);
-    for (int t = 0; t < c->rows && c->infeasible < 0; ++t) {
+    for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_load_null(c, t, c->square);
         rbdi_check_row(c, t, c->square);
