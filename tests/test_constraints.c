@@ -1101,18 +1101,20 @@ START_TEST(contradiction_names_the_row) {
     const double point[3] = {0, 0, 0.1}, far[3] = {1, 2, 3};
     rbd_constraint list[3] = {rbd_point_contact(3, point, NULL), rbd_point_contact(6, point, NULL),
                               rbd_point_contact(6, point, far)};
-    double a[MAX_V], lambda[9], J[9 * MAX_V], gamma[9], held[9];
+    double a[MAX_V], lambda[9], J[9 * MAX_V], gamma[9], e[9], held[9];
     list[0].axes[3] = list[0].axes[4] = 0;
     list[1].kp = 0, list[2].kp = 10;
     set c = set_of(&r, list, 3);
     ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_ERR_INFEASIBLE);
     ck_assert_int_eq(rbd_infeasible_row(c.c), 4);
     ck_assert_int_eq((int)rbd_constraint_rank(c.c), 4);
-    /* the rows that were taken have what they ask for */
-    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, gamma, NULL), RBD_OK);
+    /* twins that contradict each other meet half way, the other row has what it asks for */
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, gamma, e), RBD_OK);
     multiply(J, a, c.rows, r.nv, held);
-    for (int row = 0; row < 4; row++)
-        expect_small("row before a contradiction", &r, row, fabs(held[row] + gamma[row]), 1e-9);
+    for (int row = 0; row < 7; row++) {
+        const double asked = row == 0 ? 0 : -10 * e[row < 4 ? row + 3 : row] / 2;
+        expect_small("beside a contradiction", &r, row, fabs(held[row] + gamma[row] - asked), 1e-9);
+    }
     free(c.memory);
     list[1].axes[3] = list[1].axes[4] = list[2].axes[3] = list[2].axes[4] = 0;
     c = set_of(&r, list + 1, 2); /* the last row may be the one */
