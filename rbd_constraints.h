@@ -377,8 +377,8 @@ struct rbd_constraints {
     int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
     int infeasible; /* row, -1 = none */
     int moving;     /* whether velocities of links' origins are wanted, but for impacts */
-    int factored; /* whether the factor of M is used always: rows that depend on each other in every state */
-    int used;     /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
+    int factored;   /* whether the factor of M is used always */
+    int used;       /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
     rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
     int16_t *at;                 /* rows: where each row of the caller's is */
     rbdi_strand *strand;         /* two for each batch of each constraint */
@@ -492,7 +492,7 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLOSED 1e-9
 
 #elif RBDI_KIND(RBD_CONST) == 2
-#define RBDI_CLEAR 1e-2f
+#define RBDI_CLEAR 1e-3f
 #define RBDI_RANK 1e-8f
 #define RBDI_SOUND 1e-2f
 #define RBDI_ADDED 1e2f
@@ -2877,6 +2877,52 @@ static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
     }
 }
 
+/* Adds up the bodies of a link: their inertia about its origin, in its axes. */
+static void rbdi_bodies_of_link(const rbd_model *m, int link, rbd_real A[6][6]) {
+    for (int i = 0; i < 36; ++i) A[i / 6][i % 6] = rbdi_zero();
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->link != link) continue;
+        const rbdi_mat E = rbdi_mat_c(u->E);
+        const rbdi_v3 p = rbdi_add(rbdi_vec_c(u->r), rbdi_mul_t(E, rbdi_vec_c(u->com)));
+        const rbdi_sym I = rbdi_sym_up(E, rbdi_sym_c(u->I));
+        const rbd_real mass = rbdi_set(u->mass), x = mass * p.x, y = mass * p.y, z = mass * p.z;
+        A[0][0] = A[0][0] + I.xx + y * p.y + z * p.z, A[1][1] = A[1][1] + I.yy + x * p.x + z * p.z;
+        A[2][2] = A[2][2] + I.zz + x * p.x + y * p.y, A[0][1] = A[0][1] + I.xy - x * p.y;
+        A[0][2] = A[0][2] + I.xz - x * p.z, A[1][2] = A[1][2] + I.yz - y * p.z;
+        A[0][4] = A[0][4] - z, A[0][5] = A[0][5] + y, A[1][3] = A[1][3] + z;
+        A[1][5] = A[1][5] - x, A[2][3] = A[2][3] - y, A[2][4] = A[2][4] + x;
+        for (int i = 3; i < 6; ++i) A[i][i] = A[i][i] + mass;
+    }
+}
+
+/* Whether the pivots of a link's joint are above doubt by the link's own inertia: what hangs on it only adds. */
+static int rbdi_own_pivots_clear(const rbd_model *m, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int n = rbdi_link_dofs(m, l), first = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first : 0;
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbd_real A[6][6], H[6][6];
+    rbdi_bodies_of_link(m, i, A);
+    for (int j = 0; j < n; ++j)
+        for (int k = j; k < n; ++k) H[j][k] = A[first + j][first + k];
+    if (l->kind != RBDI_BLOCK) H[0][0] = A[2][2] * (l->rho * l->rho) + A[5][5] * (l->kappa * l->kappa);
+    for (int k = 0; k < n; ++k) H[k][k] = H[k][k] + m->dof[l->iv + k].armature;
+    for (int k = n - 1; k >= 0; --k) {
+        const rbd_real inverse = rbdi_pivot_inverse(H[k][k], m->dof[l->iv + k].scale, &doubt);
+        for (int i1 = 0; i1 < k; ++i1)
+            for (int j = i1; j < k; ++j) H[i1][j] = H[i1][j] - H[i1][k] * H[j][k] * inverse;
+    }
+    return !rbdi_any(doubt);
+}
+
+/* Whether rows may be eliminated on a link. From there on they add to the pivots of its joint and those before it,
+   which then no longer tell whether M is regular. So the links' own inertia must. */
+static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
+    for (; link >= 0; link = m->link[link].parent)
+        if (!rbdi_own_pivots_clear(m, link)) return 0;
+    return 1;
+}
+
 /* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
    order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
 static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, const int16_t *route,
@@ -2899,7 +2945,7 @@ static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, c
         for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
         if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
     }
-    return e->rows <= 6 && e->rows <= dofs;
+    return e->rows <= 6 && e->rows <= dofs && rbdi_may_eliminate_at(m, parent);
 }
 
 /* By the links that they hang on. */
@@ -3020,6 +3066,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     rbdi_clear(c->b, 10 * c->stride);
     c->used = 1, c->infeasible = -1;
     c->factored = m->nmimic > 0;
+    for (int i = 0; i < n; ++i) c->factored |= !rbdi_may_eliminate_at(m, c->constraint[i].meet);
     rbdi_clear(c->inverse, rows);
     *constraints = c;
     return RBD_OK;

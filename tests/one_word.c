@@ -11,6 +11,8 @@
 #define RBD_STATIC
 #include "rbd_derivatives.h"
 
+#include "rbd_constraints.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,10 +23,18 @@ enum { LANES = RBD_LANES };
 #else
 enum { LANES = 1 };
 #endif
-enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 7 };
-static const char *const call_name[CALLS] = {
-    "aba",      "fd_cholesky",    "cholesky_factor", "cholesky_factor_packed",
-    "minverse", "fd_derivatives", "hybrid"};
+enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 11 };
+static const char *const call_name[CALLS] = {"aba",
+                                             "fd_cholesky",
+                                             "cholesky_factor",
+                                             "cholesky_factor_packed",
+                                             "minverse",
+                                             "fd_derivatives",
+                                             "hybrid",
+                                             "constrained_fd (end)",
+                                             "impact (end)",
+                                             "constrained_fd (middle)",
+                                             "constrained_fd (loop)"};
 
 typedef enum variant { SINGULAR, SOUND, NEAR, VARIANTS } variant;
 static const char *const variant_name[VARIANTS] = {"singular", "sound", "near"};
@@ -323,7 +333,7 @@ static void add_armature(system_ *s, double share) {
 static union {
     long double align;
     unsigned char bytes[1 << 20];
-} memory[3];
+} memory[4];
 
 static void put(rbd_real *x, int lane, double y) { ((RBD_REAL *)x)[lane] = (RBD_REAL)y; }
 static double get(const rbd_real *x, int lane) { return (double)((const RBD_REAL *)x)[lane]; }
@@ -388,6 +398,16 @@ static int run(const system_ *s, words *o) {
     SAY(4, rbd_minverse(m, w, q, M[0]));
     SAY(5, rbd_fd_derivatives(m, d, q, v, tau, NULL, a, M[0], M[1], M[2]));
     SAY(6, rbd_hybrid(m, w, q, v, given, NULL, a, tau));
+    for (int k = 0; k < 4; k++) { /* a foot at the end, a foot before it, and one held to the first body */
+        const double point[3] = {s->size, 0, s->size}, place[3] = {0, s->size, 0};
+        rbd_constraint foot = rbd_point_contact(k == 2 ? s->first - 1 : s->nb - 1, point, NULL);
+        rbd_constraints *c;
+        if (k == 3) foot = rbd_ball_loop(s->nb - 1, point, 0, place);
+        o->status[7 + k] = o->status[1], o->dof[7 + k] = o->dof[1];
+        if (rbd_constraints_init(m, w, &foot, 1, &memory[3], sizeof memory[3], &c, NULL) != RBD_OK) continue;
+        SAY(7 + k, k == 1 ? rbd_impact(m, c, q, v, rbdi_zero(), a, NULL)
+                          : rbd_constrained_fd(m, c, q, v, tau, NULL, a, NULL));
+    }
     return rbd_nv(m);
 }
 
