@@ -273,7 +273,7 @@ static void answer_question(question *k, quad x0_size) {
     const quad least = (rank > 0 ? exact.sigma[rank - 1] : 1) * exact.least_share;
     k->condition = 1 / (exact.distance * least * least);
     k->feasible = nothing;
-    if (clear_rank && most < consistent) k->feasible = 1;
+    if (clear_rank && most < consistent && k->condition < (quad)1e12L) k->feasible = 1;
     if (clear_rank && !nothing && most > contradictory) k->feasible = -1;
 }
 
@@ -960,14 +960,14 @@ static void hold_row(int quantity, const char *row) {
     }
 }
 
-/* Compares with the rows under the heading that names the header. */
+/* Compares with the rows behind the mark. */
 static void hold(const char *path) {
     char line[400];
     int here = 0, held = 0;
     FILE *file = fopen(path, "r");
     while (file && fgets(line, sizeof line, file)) {
         const int quantity = quantity_of(line);
-        if (strncmp(line, "## ", 3) == 0) here = strcmp(line, "## Constraints\n") == 0;
+        if (strncmp(line, "<!-- ", 5) == 0) here = strcmp(line, "<!-- constraints -->\n") == 0;
         if (here && quantity >= 0) {
             hold_row(quantity, line);
             held++;

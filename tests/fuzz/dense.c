@@ -149,8 +149,8 @@ static void constraint_rows(const world *s, const rbd_constraint *k, all_rows *o
         }
     angular_error(k, R, out->e);
     into(&two, x, out->e + 3);
-    /* Of a half turn either sign is right. */
-    out->e_size[0] = length(out->e) > (quad)3.14L ? HUGE_VALL : 4;
+    /* Of half a turn, or nearly so, either sign is right. */
+    out->e_size[0] = length(out->e) > (quad)3.1L ? HUGE_VALL : 4;
     out->e_size[1] = one.path + two.path;
     out->Jv_size[0] = one.w_size + two.w_size;
     out->Jv_size[1] = one.v_size + two.v_size + two.w_size * l;
