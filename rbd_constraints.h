@@ -20,7 +20,7 @@
      [description] [set] [calls] [derivatives] [batch]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [least norm]
+     [design] [tolerances] [kinematics] [rows] [solution] [rank]
      [articulated] [limbs] [passes]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
@@ -45,8 +45,7 @@
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
      and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
-     not described. M must be regular, also where the constraints would make up for it: in [legs] that stand
-     that is not needed, nor noticed unless another joint is in doubt.
+     not described. M must be regular, also where the constraints would make up for it.
 */
 #include "rbd.h"
 
@@ -175,8 +174,8 @@ typedef struct rbd_constraints rbd_constraints; /* constraints that hold togethe
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
    use. Contacts that come and go: a set for each phase; they may share the work.
    list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment; RBD_CONSTRAINTS_SIZE(nv, rows) always suffices, rows: axes held
-            by all; rbd_constraints_size says what this set takes, on a PC a fraction of it
+   memory   size bytes of any alignment. RBD_CONSTRAINTS_SIZE(nv, rows) suffices, rows: axes held by all.
+            RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) is nearer; rbd_constraints_size says what this set takes
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
@@ -199,8 +198,7 @@ RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint);
 /* After rbd_constrained_fd and rbd_impact: the rank of J, a whole number (in each lane its own). */
 RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that contradicts others: of rows whose bodies' paths meet on the same link
-   the first that contradicts those behind it; else -1. */
+/* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
 RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* ---- calls [calls] ----
@@ -218,8 +216,9 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    unique and lambda the solution of least norm.
    lambda   rows; may be NULL
    Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other: then a and lambda are those of the rows behind
-   the one that rbd_infeasible_row names, and the first equation holds to some 1e-6 of its terms only. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds all
+   the same, and the second in the sense of least squares. A set in which rows depend on each other takes two to
+   three times as long as one in which they do not. */
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda);
@@ -227,7 +226,8 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1. */
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1.
+   Dependent rows never contradict each other here. */
 RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                               rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
@@ -245,14 +245,18 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
                                       const int *actuated, const rbd_const *weight, rbd_real *tau,
                                       rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: q_near with e = 0 nearest to q, in the sum of weight d^2, d =
-   rbd_difference(q, q_near); and v_near with J v_near = 0 there nearest to v. By Newton's method, from q: far
-   from any solution it may find none, or one that is not the nearest.
+/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the one
+   that is nearest to v in the sum of weight (v_near - v)^2.
+   q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
+   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place, or
+   at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's method, from q,
+   finds it: far from any solution it may find none, or another one, and in a singular place, where rows lose
+   their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if e does not vanish, in the
-   row rbd_infeasible_row most. */
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below 1e-9
+   (float: 1e-4), the largest in rbd_infeasible_row. */
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
 
@@ -308,12 +312,12 @@ RBDI_EXTERN_C_CLOSE
 
 /* ---- layout [layout] ---- */
 
-#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
-#define RBDI_ROW_SURPLUS 0
+/* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || \
+    !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_ROW_BATCH 1
 #else
-#define RBDI_ROW_SURPLUS (3 * RBDI_CHUNK - 3) /* rows are padded by two batches, and to whole ones */
-#define RBDI_ROW_BATCH RBDI_CHUNK
+#define RBDI_ROW_BATCH (8 * RBDI_REAL_KIND)
 #endif
 
 #define RBDI_SIX_ROWS (RBDI_ROW_BATCH > 6 ? RBDI_ROW_BATCH : 6) /* a constraint's rows, padded to batches */
@@ -377,6 +381,7 @@ struct rbd_constraints {
     int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
     int infeasible; /* row, -1 = none */
     int moving;     /* whether velocities of links' origins are wanted, but for impacts */
+    int exchanged;  /* whether the rows of R are in another order, c->chosen */
     int factored;   /* whether the factor of M is used always */
     int used;       /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
     rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
@@ -403,13 +408,13 @@ struct rbd_constraints {
     rbd_real *diagonal; /* rows: of Lambda */
     rbd_real *square, *share,
         *chosen;     /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
-    rbd_real levers; /* rbdi_levers */
+    rbd_real levers; /* 1 + sum of the squares of the bodies' places */
     rbd_real give;   /* sum of 1/D of the dofs that rows have to do with */
     rbdi_v3 world;   /* acceleration of the world */
 };
 
-/* n constraints; batches: of the rows of each. */
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batches, batch) \
+/* n constraints; batches: of the rows of each; padded: rows in whole batches. */
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batches, padded, batch) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND(2 * (size_t)(batches) * sizeof(rbdi_strand)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_piece)) + \
@@ -417,13 +422,15 @@ struct rbd_constraints {
      RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * \
-         ((size_t)(nv) * (RBDI_LARGER(stride, (batches) * (batch)) + 4 + (batch)) + \
-          12 * (size_t)(batches) * (size_t)(batch) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
-          10 * (size_t)(rows) + 10 * (size_t)(stride)))
+         ((size_t)(nv) * (RBDI_LARGER(stride, padded) + 4 + (batch)) + 12 * (size_t)(padded) + \
+          RBDI_LARGER(rows, nv) * (size_t)(stride) + 10 * (size_t)(rows) + 10 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
-/* Bytes that suffice for any set that holds this many axes. */
-#define RBD_CONSTRAINTS_SIZE(nv, rows) \
-    RBDI_CONSTRAINTS_BYTES(nv, rows, rows, (rows) + RBDI_ROW_SURPLUS + 1, rows, RBDI_ROW_BATCH)
+
+/* Bytes that suffice for any n constraints that hold this many axes together; and for any number of them. */
+#define RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) \
+    RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 3 * RBDI_ROW_BATCH - 2, rows, \
+                           (rows) + (n) * (RBDI_ROW_BATCH - 1), RBDI_ROW_BATCH)
+#define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
 
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
@@ -436,14 +443,15 @@ struct rbd_constraints {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
-   with the squares of the rows that pass a link together. Models with mimic joints, and derivatives, go by
-   the factor of M, which costs the squares of the paths as well. Chains that a ball joint closes every fourth
-   link, HyQ on four points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
+   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as well,
+   and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and for each
+   state in which a pivot of the other way is in doubt. Chains that a ball joint closes every fourth link, HyQ on four
+   points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
 
                            chain 8     chain 100      HyQ     Atlas
        rbd_aba                3940         45231     8600     17723
-       articulated bodies     8564         98873    12224     27770
-       factor of M           12460        976000    27640     45710
+       articulated bodies    10925        139300    17347     27870
+       factor of M           13600       1007000    29700     49800
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
@@ -453,14 +461,7 @@ struct rbd_constraints {
 
    Row k of Y stands for dof k, its columns for the rows of the constraints, so that what goes with one dof is
    contiguous and the sweep is that of a vector, on lanes of rows. Only rows of constraints that hold a body
-   behind the dof are not zero there: its span.
-
-   Rank. Delta = L'DL again, from the last row to the first, without pivoting: pivot d_i over Delta_ii is the
-   part of row i that those behind it do not produce. Where that is rounding, 1/d_i is put to 0: row i of L
-   and its lambda vanish, and a is right already (a basic solution). What the row asks for must then follow
-   from the others: else the set is infeasible. lambda of least norm: projected across the null vectors
-   ([least norm]). No branch on data but whether a limb takes its rows and whether any row was dropped, so
-   that lanes may differ in rank. */
+   behind the dof are not zero there: its span. */
 
 RBDI_CODE_BEGIN
 
@@ -484,6 +485,7 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
    entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
+#define RBDI_MOTIONLESS 2e-13
 #define RBDI_RANK 1e-20
 #define RBDI_SOUND 1e-3
 #define RBDI_ADDED 1e2
@@ -493,6 +495,7 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 #elif RBDI_KIND(RBD_CONST) == 2
 #define RBDI_CLEAR 1e-3f
+#define RBDI_MOTIONLESS 4e-6f
 #define RBDI_RANK 1e-8f
 #define RBDI_SOUND 1e-2f
 #define RBDI_ADDED 1e2f
@@ -502,6 +505,7 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 #else
 #define RBDI_CLEAR RBD_C(1e-10)
+#define RBDI_MOTIONLESS RBD_C(2e-31)
 #define RBDI_RANK RBD_C(1e-54)
 #define RBDI_SOUND RBD_C(1e-3)
 #define RBDI_ADDED RBD_C(1e2)
@@ -511,12 +515,12 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 #endif
 
-#define RBDI_MOTIONLESS (1000 * RBDI_EPS) /* of its levers, of a row that moves nothing */
-#define RBDI_CLEARLY_MORE RBD_C(1.001)    /* of rows that are equal but for rounding the first is taken */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
 
 /* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
    below RBDI_CLOSED. */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
+#define RBDI_LEAST_SHARE RBD_C(1e-3)
 #define RBDI_MOST_SHARE RBD_C(10)
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
@@ -760,7 +764,8 @@ RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, cons
     for (int side = 0; side < 2; ++side) {
         const int first = side ? k->trunk : 0, base = n - first;
         for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda, ++n)
-            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride);
+            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride),
+                           c->stack[base + m->dof[i].depth] = c->D_inverse[i];
     }
     return n;
 }
@@ -900,10 +905,10 @@ static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step
 
 /* All exchanges: to the order of R, or back. */
 static void rbdi_to_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
-    for (int t = 0; t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
+    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
 }
 static void rbdi_from_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
-    for (int t = c->rows - 1; t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
+    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
 }
 
 /* Of each row from t on the square of what is independent of the rows taken. */
@@ -959,7 +964,7 @@ static rbd_real rbdi_row_noise(const rbd_constraints *c) {
     return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
+/* By Householder: R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -985,6 +990,60 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
         c->inverse[t] =
             rbdi_select(taken, one / rbdi_select(taken, c->D[t * c->stride + t], one), rbdi_zero());
     }
+}
+
+/* x -= l u + n v, in whole batches. */
+RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
+                                   int count) {
+    for (int j = 0; j < count; j += RBDI_BATCH)
+        *(rbdi_batch *)&x[j] =
+            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
+}
+
+/* Row i of Delta loses what the rows of R before it give, two at a time. */
+RBDI_INLINE void rbdi_subtract_past(const rbd_constraints *c, int i) {
+    rbd_real *row = &c->D[i * c->stride + i];
+    const int count = c->rows - i;
+    for (int t = 0; t < i; t += 2) {
+        const rbd_real *u = &c->D[t * c->stride + i], *v = t + 1 < i ? u + c->stride : u;
+        rbdi_subtract_two(row, u[0], u, t + 1 < i ? v[0] : rbdi_zero(), v, count);
+    }
+}
+
+/* Rows of Delta = Y' D^-1 Y from the diagonal on, of a constraint and those behind it, three at a time. */
+static void rbdi_delta_rows(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
+    const int n = rbdi_lay_path(m, c, k), last = k->row + k->rows - 1;
+    for (int i0 = k->row; i0 <= last; i0 += 3) {
+        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
+        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
+        for (int j = i0; j < c->rows; j += RBDI_BATCH) {
+            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
+            for (int t = 0; t < n; ++t) {
+                const rbd_real *y = c->Y + c->path[t];
+                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->stack[t];
+                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
+            }
+            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
+        }
+    }
+}
+
+/* By Cholesky, Delta = R'R: the same where no row is in doubt. Returns 0 if one is. */
+static int rbdi_delta_factor(const rbd_model *m, rbd_constraints *c) {
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) rbdi_delta_rows(m, c, k);
+    for (int t = 0; t < c->rows; ++t) c->diagonal[t] = (c->D[t * c->stride + t] + noise) * RBDI_CLEAR;
+    for (int t = 0; t < c->rows; ++t) {
+        rbd_real *R = &c->D[t * c->stride];
+        rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[t], R[t])));
+        c->inverse[t] = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+        for (int j = t; j < c->rows; j += RBDI_BATCH)
+            *(rbdi_batch *)&R[j] = *(const rbdi_batch *)&R[j] * c->inverse[t];
+        if (t + 1 < c->rows) rbdi_subtract_past(c, t + 1);
+    }
+    return !rbdi_any(doubt);
 }
 
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
@@ -1071,7 +1130,7 @@ static void rbdi_null_space(const rbd_constraints *c) {
 
 /* x loses its components along all null vectors. */
 static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
-    for (int t = 0; t < c->rows; ++t) {
+    for (int t = 0; c->exchanged && t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_load_null(c, t, c->square);
         rbdi_project(c->square, x, t + 1);
@@ -1092,10 +1151,10 @@ static void rbdi_check_rows(rbd_constraints *c) {
    loses its components along the null vectors, too. check: whether to note where they do not agree. */
 static void rbdi_solve_lambda(rbd_constraints *c, int check) {
     rbd_real *x = c->lambda;
-    rbdi_to_order(c, c->b, 1, 1, 0);
-    rbdi_null_space(c);
     c->infeasible = -1;
-    if (check) rbdi_check_rows(c);
+    rbdi_to_order(c, c->b, 1, 1, 0);
+    if (c->exchanged) rbdi_null_space(c);
+    if (c->exchanged && check) rbdi_check_rows(c);
     rbdi_project_rows(c, c->b);
     for (int t = 0; t < c->rows; ++t) {
         const rbd_real *R = &c->D[t * c->stride];
@@ -1398,14 +1457,6 @@ RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real
     const rbd_real d = c->D[k * c->stride + k];
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + noise) * RBDI_CLEAR, d)));
     return c->inverse[k] = rbdi_reciprocal(d, RBDI_TINY, &none);
-}
-
-/* x -= l u + n v, in whole batches. */
-RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
-                                   int count) {
-    for (int j = 0; j < count; j += RBDI_BATCH)
-        *(rbdi_batch *)&x[j] =
-            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
 }
 
 /* Lambda = L'DL, D L in place of Lambda, and b = L^-T b. Rows k and k - 1 are taken from those before them
@@ -1917,7 +1968,8 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
     c->used = 1;
-    rbdi_orthogonalise(m, c);
+    c->exchanged = !rbdi_delta_factor(m, c);
+    if (c->exchanged) rbdi_orthogonalise(m, c);
     rbdi_solve_lambda(c, check);
     rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
     rbdi_sweep_down(m, c, L);
@@ -2154,7 +2206,8 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
    before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where they curve,
    steps with it may end too late or never. */
 static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
-    const rbd_real one = rbdi_set(RBD_C(1)), most = rbdi_set(RBDI_MOST_SHARE);
+    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
+                   most = rbdi_set(RBDI_MOST_SHARE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
     rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
     for (int k = 0; k < nv; ++k) {
@@ -2165,7 +2218,7 @@ static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share
     next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
     next = rbdi_select(none, one, next); /* no step before this */
     next = rbdi_select(rbdi_less(most, next), most, next);
-    return rbdi_select(rbdi_less(next * most, one), one / most, next);
+    return rbdi_select(rbdi_less(next, least), least, next);
 }
 
 /* Takes one step, with this share of the distance; returns its length. */
@@ -2676,7 +2729,7 @@ RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *li
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
     return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_batches_of(list, n),
-                                  RBDI_BATCH);
+                                  rbdi_batches_of(list, n) * RBDI_BATCH, RBDI_BATCH);
 }
 
 /* The link that carries a body, -1 = world. */

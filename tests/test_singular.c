@@ -2,8 +2,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "rbd_constraints.h"
 #include "rbd_derivatives.h"
+
+#include "rbd_constraints.h"
+
 #include "suites.h"
 #include "support.h"
 
