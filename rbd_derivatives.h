@@ -2081,7 +2081,12 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0, left = d->n - d->base; left > 0;
          ++b, left -= RBDI_BATCH, pivot += RBDI_BATCH) {
         const rbdi_sums *s = &d->columns[b].sum;
-        const rbdi_batch trace = s->xx + s->yy + s->zz, D = *(const rbdi_batch *)pivot;
+        const rbdi_batch trace = s->xx + s->yy + s->zz;
+        rbdi_batch D = rbdi_zero_batch();
+        if (left >= RBDI_BATCH)
+            D = *(const rbdi_batch *)pivot;
+        else
+            for (int k = 0; k < left; ++k) ((rbd_real *)&D)[k] = pivot[k];
         doubt = doubt + rbdi_negative(D - trace * (d->constants[b].rho * RBDI_DOUBT), left);
     }
     return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));

@@ -71,7 +71,8 @@ for compiler in gcc g++ clang-19 clang++-19; do
     compile main "$@" -O0 -Dalways_inline=unused $right || fail "$*, the implementation behind it"
     # shellcheck disable=SC2086 # words wanted
     compile use "$@" -O2 $right || fail "$*, use"
-    [ "$(nm "$scratch/use.o" | awk '$2 ~ /[A-TV-Z]/ { print $3 }' | wc -l)" -eq 1 ] || fail "$*: more symbols than use"
+    # The absolute symbol (A) is that of RBD_CHECK_SCALAR and takes no room.
+    [ "$(nm "$scratch/use.o" | awk '$2 ~ /[B-TV-Z]/ { print $3 }' | wc -l)" -eq 1 ] || fail "$*: more symbols than use"
     mv "$scratch/use.o" "$scratch/one.o"
     compile use "$@" -O2 -DFRAME=5 -DOTHER=6 '-DKIND(v,f)=f' || fail "$*, use"
     cmp -s "$scratch/one.o" "$scratch/use.o" || fail "$*: unchecked frames change the code"
