@@ -1332,7 +1332,8 @@ RBDI_EXTERN_C_END
    [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
    rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
    rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
-   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of, rbdi_judge_state and rbdi_verdict;
+   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of, rbdi_judge_state and
+   rbdi_verdict;
    [axes]; rbdi_kin, rbdi_kin_links, rbdi_body_kin and rbdi_column; [descriptions].
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
@@ -1470,17 +1471,17 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 RBDI_CODE_BEGIN
 
 /* ---- tolerances [tolerances] ----
-   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite; RBDI_LEAST_SCALE is
-   so large that every pivot up to RBDI_TINY is in doubt.
+   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;
+   RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
 
-   A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a pivot
-   must exceed RBDI_NOISE times the terms that it is the difference of, or it is singular: 32 roundings, for a
-   pivot is a sum of many. An exact pivot can be rounding too: an axis that should go through a mass m misses it
-   by L eps, L the distance to the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has
-   RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to
-   RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far above the 5e-32 m L^2 of a rounding, and as
-   far below any real robot, whose radius of gyration would be 1e-11 L. In float 3e-18 m L^2, for descriptions
-   are double. [pivots] derives the rest. */
+   A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a
+   pivot must exceed RBDI_NOISE times the terms that it is the difference of, or it is singular: 32
+   roundings, for a pivot is a sum of many. An exact pivot can be rounding too: an axis that should go
+   through a mass m misses it by L eps, L the distance to the frame that it is described in, and the pivot is
+   m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps
+   m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far above the
+   5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be 1e-11 L. In
+   float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -4698,21 +4699,21 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 
    Description. An axis is off by eps, and so is a position or a centre of mass by eps of its lever. These
    errors move a mass m that should stand still by eps L. Its share of D is m (eps L)^2, exactly computed: the
-   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_draft_scale), so that
-   K_jj covers it.
+   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_draft_scale), so
+   that K_jj covers it.
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
    A fast call has pivots of its own and judges none. It asks once per pivot whether D > RBDI_DOUBT dof.scale.
    If all are, M is regular: a rounding reaches that size only if it is magnified by more than RBDI_DOUBT /
    eps, and then some pivot before it was small beside its own scale too; RBDI_DOUBT is at least sqrt(eps), so
-   that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew from
-   the joints' transforms, factors it and judges. The call's own results stand if M is regular.
+   that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew
+   from the joints' transforms, factors it and judges. The call's own results stand if M is regular.
 
    With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 
-/* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if it
-   is not a number. */
+/* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
+   it is not a number. */
 RBDI_PART void rbdi_judge(rbd_work *w, int k, rbd_real noise, rbdi_mask doubt) {
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
@@ -4768,8 +4769,8 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     }
 }
 
-/* The judge. L is the packed factor that the pivots are of, doubt what rbdi_factor said of it: M_jj = sum of L_kj^2 D_k; column k of L^-1, which
-   is zero but for k and what lies behind it, by substitution. */
+/* The judge. L is the packed factor that the pivots are of, doubt what rbdi_factor said of it: M_jj = sum of
+   L_kj^2 D_k; column k of L^-1, which is zero but for k and what lies behind it, by substitution. */
 RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
     const int n = m->nv;
     rbd_real *K = w->F, *y = w->F + n; /* the scratch of crba */

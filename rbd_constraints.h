@@ -216,9 +216,9 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    unique and lambda the solution of least norm.
    lambda   rows; may be NULL
    Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds all
-   the same, and the second in the sense of least squares. A set in which rows depend on each other takes two to
-   three times as long as one in which they do not. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
+   all the same, and the second in the sense of least squares. A set in which rows depend on each other takes
+   two to three times as long as one in which they do not. */
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda);
@@ -245,18 +245,18 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
                                       const int *actuated, const rbd_const *weight, rbd_real *tau,
                                       rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the one
-   that is nearest to v in the sum of weight (v_near - v)^2.
+/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
+   one that is nearest to v in the sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place, or
-   at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's method, from q,
-   finds it: far from any solution it may find none, or another one, and in a singular place, where rows lose
-   their rank, q_near may only be close.
+   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place,
+   or at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's
+   method, from q, finds it: far from any solution it may find none, or another one, and in a singular place,
+   where rows lose their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below 1e-9
-   (float: 1e-4), the largest in rbd_infeasible_row. */
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
+   1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
 
@@ -443,15 +443,15 @@ struct rbd_constraints {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
-   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as well,
-   and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and for each
-   state in which a pivot of the other way is in doubt. Chains that a ball joint closes every fourth link, HyQ on four
-   points, Atlas on two flat feet, instructions (gcc 12, -O3 -march=haswell):
+   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
+   well, and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and
+   for each state in which a pivot of the other way is in doubt. HyQ on four points and Atlas on two flat
+   feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
-                           chain 8     chain 100      HyQ     Atlas
-       rbd_aba                3940         45231     8600     17723
-       articulated bodies    10925        139300    17347     27870
-       factor of M           13600       1007000    29700     49800
+                               HyQ     Atlas
+       rbd_aba                8587     17713
+       articulated bodies    17343     27874
+       factor of M           28606     46615
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
@@ -473,14 +473,14 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both equations
-   then hold to 1e-11 of their terms.
+/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both
+   equations then hold to 1e-11 of their terms.
    RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
-   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a leg
-   1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
+   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
+   leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
    lightest joints magnify them: such a row moves nothing but for rounding.
-   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its terms:
-   drift contradicts itself by that.
+   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
+   terms: drift contradicts itself by that.
    RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
    entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
 #if RBDI_KIND(RBD_CONST) == 1
@@ -867,15 +867,15 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
    Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
-   it with the row in its place. So the state decides on the order, and not the order in which the caller lists the
-   constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend on those that
-   were taken: they are dropped, 1/R_tt = 0.
+   it with the row in its place. So the state decides on the order, and not the order in which the caller
+   lists the constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend
+   on those that were taken: they are dropped, 1/R_tt = 0.
 
-   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the first
-   equation holds to rounding whatever the rank is, the second for all rows that were taken. For a dropped row j,
-   R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0, and n'b is what R' w = b
-   leaves of b_j. lambda loses its components along the null vectors, made orthogonal one after the other (Gram
-   and Schmidt), and has the least norm.
+   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the
+   first equation holds to rounding whatever the rank is, the second for all rows that were taken. For a
+   dropped row j, R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0,
+   and n'b is what R' w = b leaves of b_j. lambda loses its components along the null vectors, made
+   orthogonal one after the other (Gram and Schmidt), and has the least norm.
 
    There is no branch on data but on whether all lanes agree, so that lanes may differ in order and rank. */
 
@@ -1147,8 +1147,9 @@ static void rbdi_check_rows(rbd_constraints *c) {
     }
 }
 
-/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement before: b
-   loses its components along the null vectors, too. check: whether to note where they do not agree. */
+/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement
+   before: b loses its components along the null vectors, too. check: whether to note where they do not
+   agree. */
 static void rbdi_solve_lambda(rbd_constraints *c, int check) {
     rbd_real *x = c->lambda;
     c->infeasible = -1;
@@ -1876,8 +1877,8 @@ RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constrai
         for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
 }
 
-/* x and lambda from the joints' torques, bias wrenches and b = target. Returns 0, x unknown, if a pivot of a joint
-   or a row is in doubt. */
+/* x and lambda from the joints' torques, bias wrenches and b = target. Returns 0, x unknown, if a pivot of a
+   joint or a row is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
     rbdi_cursor at;
     rbdi_mask doubt;
@@ -2202,9 +2203,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the one
-   before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where they curve,
-   steps with it may end too late or never. */
+/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
+   one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
+   they curve, steps with it may end too late or never. */
 static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
@@ -2949,7 +2950,8 @@ static void rbdi_bodies_of_link(const rbd_model *m, int link, rbd_real A[6][6]) 
     }
 }
 
-/* Whether the pivots of a link's joint are above doubt by the link's own inertia: what hangs on it only adds. */
+/* Whether the pivots of a link's joint are above doubt by the link's own inertia: what hangs on it only
+   adds. */
 static int rbdi_own_pivots_clear(const rbd_model *m, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), first = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first : 0;
@@ -2968,8 +2970,8 @@ static int rbdi_own_pivots_clear(const rbd_model *m, int i) {
     return !rbdi_any(doubt);
 }
 
-/* Whether rows may be eliminated on a link. From there on they add to the pivots of its joint and those before it,
-   which then no longer tell whether M is regular. So the links' own inertia must. */
+/* Whether rows may be eliminated on a link. From there on they add to the pivots of its joint and those
+   before it, which then no longer tell whether M is regular. So the links' own inertia must. */
 static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
     for (; link >= 0; link = m->link[link].parent)
         if (!rbdi_own_pivots_clear(m, link)) return 0;

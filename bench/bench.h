@@ -183,8 +183,8 @@ rbd_status algorithm_run(int algorithm, const struct instance *r, const struct w
                          const struct states *s, int first, int count);
 
 /* The parts of its result: HYBRID and FREE_BASE a and tau; ID_DERIVATIVES d tau/dq and d tau/dv,
-   ID_DERIVATIVES_MM M as well; FD_DERIVATIVES da/dq, da/dv and M^-1; CONSTRAINED a and lambda. Sets their sizes for one state, and returns
-   how many there are. */
+   ID_DERIVATIVES_MM M as well; FD_DERIVATIVES da/dq, da/dv and M^-1; CONSTRAINED a and lambda. Sets their
+   sizes for one state, and returns how many there are. */
 enum { MAX_PARTS = 3 };
 int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]);
 

@@ -1,9 +1,11 @@
-/* one_word.c - all calls say the same word of a state, RBD_OK or RBD_ERR_SINGULAR, and name the same degree of
-   freedom. Each model is a random tree with a singular end: blocks, screws, massless chains, planar joints, bodies
-   that turn about no mass, all placed by axes and positions that rounding cannot hold. Three of each:
+/* one_word.c - all calls say the same word of a state, RBD_OK or RBD_ERR_SINGULAR, and name the same degree
+   of freedom. Each model is a random tree with a singular end: blocks, screws, massless chains, planar
+   joints, bodies that turn about no mass, all placed by axes and positions that rounding cannot hold. Three
+   of each:
 
        singular   exactly, but for the rounding of the description: no call says RBD_OK
-       sound      the same with an armature in each joint of the end: all say RBD_OK, and agree in M a + c = tau
+       sound      the same with an armature in each joint of the end: all say RBD_OK, and agree in M a + c =
+       tau
        near       the same with an armature of any size, 1e-24 of that or more: all say the same
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
@@ -86,8 +88,8 @@ static void turned(const system_ *s, const double x[3], double y[3]) {
     for (int k = 0; k < 3; k++) y[k] = s->R[k] * x[0] + s->R[3 + k] * x[1] + s->R[6 + k] * x[2];
 }
 
-/* A body of the end, massless: its axis (and a second) and origin in the end's own frame, its own frame turned at
-   random. R: axes of its frame in the end's; t: origin. */
+/* A body of the end, massless: its axis (and a second) and origin in the end's own frame, its own frame
+   turned at random. R: axes of its frame in the end's; t: origin. */
 static rbd_body *add(system_ *s, rbd_joint_type type, const double axis[3], const double origin[3],
                      int turn) {
     rbd_body *b = &s->body[s->nb];

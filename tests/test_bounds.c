@@ -41,7 +41,8 @@ static void motion_axes(const rbd_model *m, int i) {
         links[i].S[0][2] = l->rho, links[i].S[0][5] = l->kappa;
 }
 
-/* The build's rounding counts relative to the trace, the user's origin of the joint being as far as its body's r. */
+/* The build's rounding counts relative to the trace, the user's origin of the joint being as far as its
+   body's r. */
 static void add_body(const rbd_model *m, const rbdi_frame *u) {
     const rbdi_c3 user = m->frame[m->dof[m->link[u->link].iv].body].r;
     const double o[3] = {user.x, user.y, user.z};
@@ -102,8 +103,8 @@ static void factor_bounds(const rbd_model *m, double M[MAX_DOFS][MAX_DOFS], doub
 
 /* ---- the verdicts ---- */
 
-/* The pivots of M without what is held: each is sound just below the noise where D = noise (e + armature), and not
-   just above; and in any case if no pivot is in doubt. */
+/* The pivots of M without what is held: each is sound just below the noise where D = noise (e + armature),
+   and not just above; and in any case if no pivot is in doubt. */
 static void expect_bounds(const rbd_model *m, rbd_work *w, const rbd_real *q, const unsigned char *held) {
     static rbd_real M[MAX_DOFS * MAX_DOFS], L[MAX_DOFS * MAX_DOFS], D[MAX_DOFS];
     static double dense[MAX_DOFS][MAX_DOFS];

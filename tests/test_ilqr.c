@@ -1,5 +1,5 @@
-/* test_ilqr.c - examples/mpc/ilqr.h: what it refuses, by name, and that nothing of it stays behind. On a cart that
-   slides, v_next = v + dt u, whose best controls are known to the solver after one iteration. */
+/* test_ilqr.c - examples/mpc/ilqr.h: what it refuses, by name, and that nothing of it stays behind. On a
+   cart that slides, v_next = v + dt u, whose best controls are known to the solver after one iteration. */
 #include <check.h>
 #include <math.h>
 #include <stdlib.h>

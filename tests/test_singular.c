@@ -331,8 +331,8 @@ static void name_dofs(const robot *r, naming *n, const double *good, const doubl
     }
 }
 
-/* The joint of the coordinate turns what the dof before it carries: of all pivots, from the last dof on, that dof's
-   is the first that is not a number. M does not depend on a root joint's. */
+/* The joint of the coordinate turns what the dof before it carries: of all pivots, from the last dof on,
+   that dof's is the first that is not a number. M does not depend on a root joint's. */
 static void expect_dof_before(const robot *r, naming *n, const double *good, int body) {
     const double no_numbers[3] = {NAN, INFINITY, -INFINITY};
     rbd_joint_info j, before = {.iv = 0, .nv = 0};

@@ -1,6 +1,6 @@
-/* A table of made-up times: the least first, the speed-up of the least, names of any length in their columns, marks
-   at threads that took longer than one core, at disturbed rows, and at no other row; and what is not on a
-   terminal sees no progress. SPDX-License-Identifier: MIT */
+/* A table of made-up times: the least first, the speed-up of the least, names of any length in their
+   columns, marks at threads that took longer than one core, at disturbed rows, and at no other row; and what
+   is not on a terminal sees no progress. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "../bench.h"
 #include <stdlib.h>
@@ -26,8 +26,8 @@ static const struct instance instances[3] = {{.robot = &robot, .library = &ours}
                                              {.robot = &robot, .library = &peer},
                                              {.robot = &robot, .library = &form}};
 
-/* The table of the first n rows, whose means and least times are these; one of them disturbed, or none. Returns
-   text. */
+/* The table of the first n rows, whose means and least times are these; one of them disturbed, or none.
+   Returns text. */
 static char *table(const double mean[ROWS], const double min[ROWS], int n, int disturbed, char text[SIZE]) {
     static const char name[] = "test_report.txt";
     static const int variant[ROWS] = {RUN_TIME, LANES, THREADS, THREADS, RUN_TIME, RUN_TIME};

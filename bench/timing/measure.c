@@ -13,8 +13,8 @@ enum { WARM_UP_CALLS = 1000 };
 /* A row whose least time has not come twice has up to so many times as many experiments again. */
 enum { MORE = 2 };
 
-/* The chunks of a row: the two least times of each, in ns for all its states; and the time of an experiment by
-   the first look. */
+/* The chunks of a row: the two least times of each, in ns for all its states; and the time of an experiment
+   by the first look. */
 struct timing {
     struct least *chunk;
     int count;

@@ -168,8 +168,8 @@ static inline rbd_status ilqr_check_problem(ilqr *s, const ilqr_problem *p) {
 }
 
 /* Prepares s in the memory, of at least ILQR_REALS(nq, nv, nu, knots) scalars, with all of u and K zero.
-   Errors, s->refused says of what: RBD_ERR_NULL; RBD_ERR_COUNT: knots or nu below 1, more than the robot's nv,
-   or too many for an int; RBD_ERR_LIMITS: dt, or limits, not as ilqr_problem says; RBD_ERR_MEMORY. */
+   Errors, s->refused says of what: RBD_ERR_NULL; RBD_ERR_COUNT: knots or nu below 1, more than the robot's
+   nv, or too many for an int; RBD_ERR_LIMITS: dt, or limits, not as ilqr_problem says; RBD_ERR_MEMORY. */
 static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *memory, size_t reals) {
     if (!s) return RBD_ERR_NULL;
     s->refused = NULL;
@@ -353,9 +353,9 @@ static inline void ilqr_accept(ilqr *s, rbd_real cost) {
     s->cost = cost;
 }
 
-/* Makes (q, v) the first state: the controls and gains that are there, from it. After an error the trajectory is
-   the one before. Errors: RBD_ERR_NULL; RBD_ERR_NAN: q, v, u or what the problem's functions gave is not finite;
-   those of the problem's functions. */
+/* Makes (q, v) the first state: the controls and gains that are there, from it. After an error the
+   trajectory is the one before. Errors: RBD_ERR_NULL; RBD_ERR_NAN: q, v, u or what the problem's functions
+   gave is not finite; those of the problem's functions. */
 static inline rbd_status ilqr_start(ilqr *s, const rbd_real *q, const rbd_real *v) {
     rbd_real cost;
     if (!s || !q || !v) return RBD_ERR_NULL;
@@ -430,7 +430,8 @@ static inline rbd_status ilqr_expand(ilqr *s, int k) {
 }
 
 /* Q_uu of the free controls = U' D U, with U a unit upper triangle, of which -U is stored; rows and
-   columns of those that are clamped are the identity's. Returns whether it is positive definite, and finite. */
+   columns of those that are clamped are the identity's. Returns whether it is positive definite, and finite.
+   */
 static inline int ilqr_factor(ilqr *s) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     const rbd_real *Q_uu = s->Q_zz + nx * nz + nx;
@@ -517,8 +518,8 @@ static inline int ilqr_box(ilqr *s, const rbd_real *u, rbd_real *k) {
     return 1;
 }
 
-/* Which of what the caller's functions gave, from this knot on, is not finite; if it is none of them, the gains
-   themselves overflowed. */
+/* Which of what the caller's functions gave, from this knot on, is not finite; if it is none of them, the
+   gains themselves overflowed. */
 static inline const char *ilqr_culprit(ilqr *s, int knot) {
     const int n = ilqr_nv(s), m = ilqr_nu(s), nz = ilqr_nz(s);
     for (int k = knot; k <= s->knots; k++) {
@@ -536,8 +537,8 @@ static inline const char *ilqr_culprit(ilqr *s, int knot) {
 
 /* k and K of the knot, and V of its state (TMT, Box-DDP; TET's update, in which the gradient of
    the free controls is zero):  V_x = Q_x + Q_xu k,  V_xx = Q_xx + Q_xu K,  K = -Q_uu^-1 Q_ux.
-   A number of the expansion that is not finite makes Q_uu, k, K or the slope so, in this knot or an earlier one:
-   there it is seen. Gains that are not finite become 0. */
+   A number of the expansion that is not finite makes Q_uu, k, K or the slope so, in this knot or an earlier
+   one: there it is seen. Gains that are not finite become 0. */
 static inline rbd_status ilqr_improve(ilqr *s, int knot) {
     const int m = ilqr_nu(s), nx = ilqr_nx(s), nz = ilqr_nz(s);
     rbd_real *k = s->k + knot * m, *K = s->K + knot * m * nx, *Q_ux = s->PF;

@@ -1,7 +1,8 @@
-/* constraints.c - the fuzzer of rbd_constraints.h: random problems (problems.c) against dense matrices in long
-   double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy.md says what is
-   measured.
-       constraints [--seconds N | --problems N]   for so long, or so many problems of all classes together; 10000
+/* constraints.c - the fuzzer of rbd_constraints.h: random problems (problems.c) against dense matrices in
+   long double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy.md says
+   what is measured.
+       constraints [--seconds N | --problems N]   for so long, or so many problems of all classes together;
+       10000
                    [--from N]                     begins with problem N of each class
                    [--class NAME]                 of this class only
                    [--publish]                    prints the rows of docs/accuracy.md
@@ -228,8 +229,8 @@ static void find_truth(void) {
     clear_rank = regular && rank == dense_rank(&exact, 1e-12) && exact.least_share > (quad)1e-4L;
 }
 
-/* Takes from v what the constraints do not allow; and gains of position from constraints that are half a turn off:
-   either sign of that is right. */
+/* Takes from v what the constraints do not allow; and gains of position from constraints that are half a
+   turn off: either sign of that is right. */
 static void adapt_problem(void) {
     find_truth();
     for (int i = 0, row = 0; i < now.n; i++)
@@ -589,7 +590,8 @@ static int actuated_of(int *actuated, int given) {
     return free_dofs;
 }
 
-/* J_U' lambda = h_U at the dofs without motors, as rows of a problem whose unknowns are sqrt(weight) lambda. */
+/* J_U' lambda = h_U at the dofs without motors, as rows of a problem whose unknowns are sqrt(weight) lambda.
+   */
 static void check_inverse_dynamics(const set *s, const double *a) {
     static dense_rows B;
     static dense inverse;

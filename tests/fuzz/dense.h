@@ -27,8 +27,8 @@ void dense_rows_of(const world *s, const rbd_constraint *list, int n, const quad
 /* Puts frame 2 where frame 1 is: e = 0. */
 void dense_close(const world *s, rbd_constraint *k);
 
-/* A symmetric positive definite matrix M and rows J. Row i is taken as J_i / scale_i: where `scaled`, scale_i^2 =
-   J_i M^-1 J_i'; 1 where that is rounding. */
+/* A symmetric positive definite matrix M and rows J. Row i is taken as J_i / scale_i: where `scaled`,
+   scale_i^2 = J_i M^-1 J_i'; 1 where that is rounding. */
 typedef struct dense {
     int nv, rows;
     quad L[WORLD_DOFS * WORLD_DOFS]; /* M = L L' */
@@ -47,8 +47,8 @@ int dense_factor(dense *d, const dense_rows *rows, const quad *M, const quad *M_
 /* How many singular values exceed a bound. */
 int dense_rank(const dense *d, double bound);
 
-/* x nearest to x0 in the norm of M with J x = b in the directions of the `rank` largest singular values; lambda
-   of least norm with M (x - x0) = J' lambda; rest: what is left of J x - b, scaled rows. */
+/* x nearest to x0 in the norm of M with J x = b in the directions of the `rank` largest singular values;
+   lambda of least norm with M (x - x0) = J' lambda; rest: what is left of J x - b, scaled rows. */
 void dense_solve(const dense *d, const dense_rows *rows, int rank, const quad *x0, const quad *b, quad *x,
                  quad *lambda, quad *rest);
 

@@ -12,9 +12,9 @@
    quad precision, which takes any positive pivot; what the result would have been, the same build doing so.
    And there are chains of 200 links, regular, however small their pivots are beside the inertia of the
    whole. In float both calls refuse these: their mass matrix is singular to its digits. Exit status 1 after a
-   miss of an exactly singular system, more than one in 10,000 near ones, a regular one that is refused in double,
-   more than five in 1000 in float, a system of which the two calls do not say the same, and a chain that is
-   refused in double, or wrong. SPDX-License-Identifier: MIT */
+   miss of an exactly singular system, more than one in 10,000 near ones, a regular one that is refused in
+   double, more than five in 1000 in float, a system of which the two calls do not say the same, and a chain
+   that is refused in double, or wrong. SPDX-License-Identifier: MIT */
 #include "pivots.h"
 #include "textbook.h"
 

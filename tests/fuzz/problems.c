@@ -254,7 +254,8 @@ static void add_loops(problem *p, int n) {
     }
 }
 
-/* Further points of a body that is held, as of its heel, or of one fixed to it; or the same constraint again. */
+/* Further points of a body that is held, as of its heel, or of one fixed to it; or the same constraint
+   again. */
 static void add_dependent(problem *p, int n) {
     for (; n > 0 && p->n > 0; n--) {
         rbd_constraint k = p->list[below(&p->seed, p->n)];
@@ -283,8 +284,8 @@ static void add_feet(problem *p) {
     }
 }
 
-/* One axis held between links of a leg: mostly the joint's own, between its two links; else any axis, or links
-   further apart. */
+/* One axis held between links of a leg: mostly the joint's own, between its two links; else any axis, or
+   links further apart. */
 static void add_brakes(problem *p, int n) {
     for (; n > 0 && leg_count > 0; n--) {
         const leg *l = &legs[below(&p->seed, leg_count)];

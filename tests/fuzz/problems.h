@@ -1,5 +1,5 @@
-/* problems.h - the robots and constraints of the fuzzer of rbd_constraints.h. A problem is told by its class and
-   its number: the same on every machine. */
+/* problems.h - the robots and constraints of the fuzzer of rbd_constraints.h. A problem is told by its class
+   and its number: the same on every machine. */
 #ifndef PROBLEMS_H
 #define PROBLEMS_H
 
@@ -18,7 +18,7 @@ enum {
     CONTRADICTORY, /* constraints twice, with other gains */
     FOLLOWING,     /* mimic joints, any constraints */
     ANY,           /* any robot, constraints of several of these kinds */
-    STRETCHED, /* as stances, legs like HyQ's and a human's alone, whose rank is lost where they are straight */
+    STRETCHED, /* as stances, legs like HyQ's and a human's alone, which lose rank when straight */
     PROBLEM_CLASSES
 };
 extern const char *const problem_names[PROBLEM_CLASSES];
