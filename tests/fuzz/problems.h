@@ -18,7 +18,7 @@ enum {
     CONTRADICTORY, /* constraints twice, with other gains */
     FOLLOWING,     /* mimic joints, any constraints */
     ANY,           /* any robot, constraints of several of these kinds */
-    STRETCHED, /* as stances, legs like HyQ's and a human's alone, which lose rank when straight */
+    STRETCHED,     /* as stances, legs like HyQ's and a human's alone, which lose rank when straight */
     PROBLEM_CLASSES
 };
 extern const char *const problem_names[PROBLEM_CLASSES];
