@@ -217,8 +217,8 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    lambda   rows; may be NULL
    Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
-   all the same, and the second in the sense of least squares. A set in which rows depend on each other takes
-   two to three times as long as one in which they do not. */
+   all the same, and the second in the sense of least squares. A state in which rows depend on each other
+   takes up to four times as long as one in which they do not. */
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                       rbd_real *a, rbd_real *lambda);
