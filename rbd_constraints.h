@@ -1650,14 +1650,13 @@ RBDI_INLINE int rbdi_adds_little(const rbdi_limb_row *w, const rbdi_limb_row *sh
     return !rbdi_any(rbdi_not(little));
 }
 
-/* [IA pA] of n rows, w' share; or, if there are some already, added to them. */
-RBDI_INLINE void rbdi_limb_sum(const rbdi_limb_row *w, const rbdi_limb_row *share, int n, int some,
+/* Adds [IA pA] of n rows, w' share. */
+RBDI_INLINE void rbdi_limb_sum(const rbdi_limb_row *w, const rbdi_limb_row *share, int n,
                                rbdi_limb_row sum[6]) {
     RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
         for (int j = i / RBDI_ROW_PART_SIZE; j < RBDI_ROW_PARTS; ++j) {
-            rbdi_row_part x = w[0].x[j] * rbdi_row_entry(&share[0], i);
-            if (some) x = x + sum[i].x[j];
-            RBDI_UNROLL_SIX for (int r = 1; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
+            rbdi_row_part x = sum[i].x[j];
+            RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
             sum[i].x[j] = x;
         }
     }
@@ -1695,7 +1694,7 @@ RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int str
         for (int r = e->row; r < e->row + n; ++r) rbdi_clear(&c->D[r * c->stride], e->row);
         return;
     }
-    rbdi_limb_sum(w, share, n, 1, sum);
+    rbdi_limb_sum(w, share, n, sum);
     for (int k = 0; k < strands; ++k) c->strand[e->strand + 2 * k].open = 0;
 }
 
