@@ -450,7 +450,7 @@ struct rbd_constraints {
 
                                HyQ     Atlas
        rbd_aba                8587     17713
-       articulated bodies    17343     27874
+       articulated bodies    17335     27865
        factor of M           28606     46615
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
