@@ -1,4 +1,5 @@
 /* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.1.0.
+   Made by src/amalgamate.py from src/rbd.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
    Inverse dynamics (RNEA), mass matrix (CRBA) and forward dynamics (ABA, or Cholesky) of any
@@ -110,6 +111,8 @@
 */
 /* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
    else there may be) come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
 #pragma push_macro("A")
 #undef A
 #pragma push_macro("B")
@@ -163,9 +166,11 @@
 #pragma push_macro("Z")
 #undef Z
 
+/* ==== src/rbd.h ==== */
 #ifndef RBD_H
 #define RBD_H
 
+/* ==== src/api/configuration.h ==== */
 #ifdef RBD_BATCH_IMPLEMENTATION /* all static but the batch calls: another file has the rest */
 #define RBD_IMPLEMENTATION
 #define RBD_STATIC
@@ -285,13 +290,6 @@ typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL
 RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #endif
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#define RBDI_EXTERN_C_END }
-#else
-#define RBDI_EXTERN_C_END
-#endif
-
 /* The batch calls are between files also where all else is static. */
 #define RBD_BATCH_API RBDI_EXTENSION extern
 #if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
@@ -302,6 +300,15 @@ extern "C" {
 #define RBDI_EXTERN_C_CLOSE
 #endif
 
+/* ==== src/rbd.h ==== */
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#define RBDI_EXTERN_C_END }
+#else
+#define RBDI_EXTERN_C_END
+#endif
+
+/* ==== src/api/symbols.h ==== */
 /* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not
    link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are
    ordinary ones, are without the lanes. Of a class the mangled names tell. */
@@ -391,6 +398,7 @@ extern "C" {
 #define rbd_batch_momentum RBDI_OF_SCALAR(rbd_batch_momentum)
 #define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
+/* ==== src/api/parts.h ==== */
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
 #endif
@@ -409,6 +417,7 @@ extern "C" {
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
+/* ==== src/api/types.h ==== */
 /* ---- types [types] ---- */
 
 /* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
@@ -463,6 +472,7 @@ typedef struct rbd_body {
 typedef struct rbd_model rbd_model; /* constants: see rbd_model_build */
 typedef struct rbd_work rbd_work;   /* scratch and results of one thread: see rbd_work_init */
 
+/* ==== src/api/status.h ==== */
 /* ---- status [status] ---- */
 
 /* What every function returns: 0, or a negative error. A build error names body and field. */
@@ -531,6 +541,7 @@ typedef struct rbd_report {
 RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
 #endif
 
+/* ==== src/api/build.h ==== */
 /* ---- build [build] ---- */
 
 #define RBD_MAX_BODIES 1000
@@ -565,6 +576,7 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
 
 #endif
 
+/* ==== src/api/work.h ==== */
 /* ---- work [work] ---- */
 
 /* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
@@ -614,6 +626,7 @@ RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
    and finds no fault; calls that do not factor it leave it as it is. With lanes: of all states together. */
 RBD_API int rbd_singular_dof(const rbd_work *w);
 
+/* ==== src/api/dynamics.h ==== */
 /* ---- dynamics [dynamics] ----
    q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
    same shape, but must not overlap otherwise. All include armature; none includes damping and
@@ -724,6 +737,7 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
    Errors: RBD_ERR_NULL, _WORK. */
 RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
+/* ==== src/api/kinematics.h ==== */
 /* ---- kinematics [kinematics] ---- */
 
 #ifndef RBD_NO_KINEMATICS
@@ -775,6 +789,7 @@ RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_r
 #endif
 #endif
 
+/* ==== src/api/points.h ==== */
 /* ---- points and momentum [points] ----
    After rbd_kinematics, at its q, v and a. A point is fixed in a body: 3 components in link axes, NULL for
    the link origin. Its motion: (omega of the body; velocity of the point), along world axes or link axes.
@@ -824,6 +839,7 @@ RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int b
 RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
 #endif
 
+/* ==== src/api/manifold.h ==== */
 /* ---- configuration manifold [manifold] ----
    q: nq, v and d: nv, in the coordinates of [conventions]. Errors: RBD_ERR_NULL. */
 
@@ -853,6 +869,7 @@ RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q
 RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
 #endif
 
+/* ==== src/api/lookup.h ==== */
 /* ---- lookup [lookup] ---- */
 
 RBD_API int rbd_nb(const rbd_model *m); /* number of bodies */
@@ -889,6 +906,7 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 #endif
 #endif
 
+/* ==== src/api/batch.h ==== */
 /* ---- batches [batch] ----
    Many states at once, RBD_LANES of them by each SIMD instruction, from and to ordinary arrays. A file of
    its own implements them, compiled for the SIMD unit at hand:
@@ -966,10 +984,12 @@ RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, in
 RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 RBDI_EXTERN_C_CLOSE
 
+/* ==== src/rbd.h ==== */
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
 
+/* ==== src/model/layout.h ==== */
 /* ---- layout [layout] ----
    The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
@@ -1131,6 +1151,7 @@ struct rbd_model {
 #define RBDI_TABLE_DECLARATION(name) extern const rbd_model name;
 #endif
 
+/* ==== src/algebra/types.h ==== */
 typedef struct rbdi_v3 {
     rbd_real x, y, z;
 } rbdi_v3;
@@ -1176,6 +1197,7 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
     rbdi_v3 r;
 } rbdi_pose;
 
+/* ==== src/model/work.h ==== */
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
     rbdi_motion c;            /* aba: velocity-product acceleration */
@@ -1222,6 +1244,7 @@ struct rbd_work {
     rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
 };
 
+/* ==== src/model/sizes.h ==== */
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
@@ -1266,6 +1289,7 @@ struct rbd_work {
      RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + \
      RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
+/* ==== src/rbd.h ==== */
 RBDI_EXTERN_C_END
 
 #endif /* RBD_H */
@@ -1354,6 +1378,7 @@ RBDI_EXTERN_C_END
    In IA = [I H; H' M], H and M are blocks; elsewhere M is the mass matrix and H its packed rows. A prime is
    the transpose. */
 
+/* ==== src/base/compiler.h ==== */
 /* ---- compiler [compiler] ----
    All that depends on the compiler and its target; no other place asks for them, but that [configuration]
    asks for vector types and C99. */
@@ -1468,8 +1493,10 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_ONE_INDEX(row) (void)(row)
 #endif
 
+/* ==== src/rbd.h ==== */
 RBDI_CODE_BEGIN
 
+/* ==== src/base/tolerances.h ==== */
 /* ---- tolerances [tolerances] ----
    RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;
    RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
@@ -1515,6 +1542,7 @@ RBDI_CODE_BEGIN
 #define RBDI_ORTHONORMAL 4e-6  /* of products of the rows of a rotation: six decimals in a file will do */
 #define RBDI_SEMIDEFINITE 1e-9 /* share of an inertia by which a principal moment may seem negative */
 
+/* ==== src/base/scalar.h ==== */
 /* ---- scalar [scalar] ---- */
 
 #if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
@@ -1614,6 +1642,7 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
 #endif
 }
 
+/* ==== src/base/simd.h ==== */
 /* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
    vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
 #if defined RBD_LANES || !RBDI_GNU || RBDI_REAL_KIND % 3 == 0
@@ -1703,6 +1732,7 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
 }
 #endif
 
+/* ==== src/base/sincos.h ==== */
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
@@ -1846,6 +1876,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
     return rbdi_reciprocal(D, RBDI_TINY, &none);
 }
 
+/* ==== src/algebra/vectors.h ==== */
 /* ---- spatial algebra [spatial algebra] ----
    Frames: "down" goes from parent to child, "up" from child to parent. Everything is built from the
    turn about z and the shift along z; those about and along x are the same after the cyclic change
@@ -1978,6 +2009,7 @@ RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
     return B;
 }
 
+/* ==== src/algebra/spatial.h ==== */
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
     A.n = rbdi_add(A.n, B.n);
     A.f = rbdi_add(A.f, B.f);
@@ -2200,6 +2232,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
 
 RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
+/* ==== src/algebra/rotations.h ==== */
 /* Quaternions and angles. */
 
 /* Powers of two small enough that the square of no finite number times them overflows, and large enough that
@@ -2372,6 +2405,7 @@ static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const 
     return rbdi_scale(rbdi_select(back, -angle, angle), v);
 }
 
+/* ==== src/rbd.h ==== */
 RBDI_CODE_END
 #endif
 #endif
@@ -2380,6 +2414,7 @@ RBDI_CODE_END
 #define RBDI_IMPLEMENTED
 RBDI_CODE_BEGIN
 
+/* ==== src/base/memory.h ==== */
 /* ---- common [common] ----
    What several sections call. */
 
@@ -2432,6 +2467,7 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
     return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
+/* ==== src/model/joints.h ==== */
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
    rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
@@ -2701,6 +2737,7 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
     return rbdi_motion_from_array(a);
 }
 
+/* ==== src/dynamics/state.h ==== */
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
    = down, z the joint's axis, Omega as in [design]:
@@ -2882,6 +2919,7 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
     }
 }
 
+/* ==== src/dynamics/rnea.h ==== */
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
    from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
@@ -3032,6 +3070,7 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
     return RBD_OK;
 }
 
+/* ==== src/dynamics/crba.h ==== */
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
    every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches of all dofs of link i's subtree
@@ -3344,6 +3383,7 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
     return -1;
 }
 
+/* ==== src/dynamics/aba.h ==== */
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
 
@@ -3875,6 +3915,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
     (void)rbdi_aba_pass3_links(m, w, 0, m->nl, world, world, a);
 }
 
+/* ==== src/dynamics/hybrid.h ==== */
 /* ---- hybrid dynamics [hybrid] ----
    RBDA section 9.2. Where a joint's acceleration is given it is held: it transmits all. Like [aba], but for
    such joints in pass 2 Ia = IA, pa = pA + IA (c + S qdd), and in pass 3 y = X y_p + c + S qdd, tau = S' (IA
@@ -4153,6 +4194,7 @@ RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_re
     }
 }
 
+/* ==== src/dynamics/packed.h ==== */
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
    changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
@@ -4287,6 +4329,7 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
     }
 }
 
+/* ==== src/dynamics/gather.h ==== */
 #if (RBDI_BATCH > 1 || defined RBD_LANES) && !defined RBD_SPECIALISE
 #define RBDI_GATHER
 /* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
@@ -4687,6 +4730,7 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
     return doubt;
 }
 
+/* ==== src/dynamics/pivots.h ==== */
 /* ---- pivots [pivots] ----
    One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
 
@@ -4829,6 +4873,7 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
     return rbdi_verdict(m, w, x, n);
 }
 
+/* ==== src/dynamics/forward.h ==== */
 /* ---- forward dynamics [forward dynamics code] ---- */
 
 #ifndef RBD_NO_ABA
@@ -4954,6 +4999,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
 }
 #endif
 
+/* ==== src/dynamics/cholesky.h ==== */
 #ifndef RBD_NO_CHOLESKY
 RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
@@ -5019,6 +5065,7 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
 
 RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
+/* ==== src/motion/axes.h ==== */
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
@@ -5111,6 +5158,7 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
     rbdi_add_axis(&p->z, X->E.zz, &z);
 }
 
+/* ==== src/motion/kinematics.h ==== */
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
@@ -5395,6 +5443,7 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 }
 #endif
 
+/* ==== src/motion/points.h ==== */
 #ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 
@@ -5605,6 +5654,7 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
 }
 #endif
 
+/* ==== src/motion/manifold.h ==== */
 #ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -5867,6 +5917,7 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
 }
 #endif
 
+/* ==== src/model/work_init.h ==== */
 /* ---- work [work code] ---- */
 
 RBD_API size_t rbd_work_size(const rbd_model *m) {
@@ -5938,6 +5989,7 @@ RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
     return RBD_OK;
 }
 
+/* ==== src/model/lookup.h ==== */
 /* ---- lookup [lookup code] ---- */
 
 RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
@@ -5984,6 +6036,7 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
 }
 #endif
 
+/* ==== src/model/text.h ==== */
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT
@@ -6073,8 +6126,10 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 }
 #endif
 
+/* ==== src/rbd.h ==== */
 RBDI_CODE_END
 
+/* ==== src/model/wide.h ==== */
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's
    arithmetic. And the way back, from the model to a row. */
@@ -6218,6 +6273,7 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 #define RBDI_TEXT(sentence) sentence
 #endif
 
+/* ==== src/model/describe.h ==== */
 #if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
 static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
     for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
@@ -6303,6 +6359,7 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
 }
 #endif
 
+/* ==== src/model/check.h ==== */
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
@@ -6562,6 +6619,11 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
+
+#endif /* RBD_NO_BUILD */
+
+/* ==== src/model/draft.h ==== */
+#ifndef RBD_NO_BUILD
 
 /* Axis of the k-th link of a joint, unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
@@ -6853,6 +6915,11 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
 }
 
+#endif /* RBD_NO_BUILD */
+
+/* ==== src/model/regroup.h ==== */
+#ifndef RBD_NO_BUILD
+
 /* Whether a joint moves points by more than their turn. */
 static int rbdi_draft_slides(const rbdi_draft *l) {
     return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
@@ -6911,6 +6978,11 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
     rbdi_w_transpose(l->E, T);
     rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
+
+#endif /* RBD_NO_BUILD */
+
+/* ==== src/model/emit.h ==== */
+#ifndef RBD_NO_BUILD
 
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 c;
@@ -7230,6 +7302,11 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_shape(m, m->shape);
 }
 
+#endif /* RBD_NO_BUILD */
+
+/* ==== src/model/build.h ==== */
+#ifndef RBD_NO_BUILD
+
 /* Cuts the model and the build's own scratch off the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
     const rbdi_counts n = b->n;
@@ -7280,6 +7357,11 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
     *model = b.m;
     return RBD_OK;
 }
+
+#endif /* RBD_NO_BUILD */
+
+/* ==== src/model/payload.h ==== */
+#ifndef RBD_NO_BUILD
 
 #ifndef RBD_NO_PAYLOAD
 /* -- a payload -- */
@@ -7437,6 +7519,7 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
 
 #endif /* RBD_NO_BUILD */
 
+/* ==== src/batch/batch.h ==== */
 /* ---- batches [batch code] ---- */
 
 #ifdef RBD_BATCH_IMPLEMENTATION
@@ -7809,8 +7892,10 @@ RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
 RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */
 
+/* ==== src/rbd.h ==== */
 #endif /* RBD_IMPLEMENTATION */
 
+/* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
 #pragma pop_macro("B")
 #pragma pop_macro("C")
@@ -7838,6 +7923,7 @@ RBDI_EXTERN_C_CLOSE
 #pragma pop_macro("Y")
 #pragma pop_macro("Z")
 
+/* ==== src/rbd.h ==== */
 /* ---- licence [licence] ----
 
    MIT License

@@ -1,4 +1,5 @@
 /* rbd_constraints.h - contacts, closed loops and impacts, on rbd.h.
+   Made by src/amalgamate.py from src/rbd_constraints.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    A set of constraints is a few rows, checked once; then a call gives accelerations and constraint forces,
@@ -50,16 +51,32 @@
 #include "rbd.h"
 
 /* As in rbd.h: the caller's macros of these names come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
 #pragma push_macro("B")
 #undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
 #pragma push_macro("F")
 #undef F
 #pragma push_macro("G")
 #undef G
+#pragma push_macro("H")
+#undef H
 #pragma push_macro("I")
 #undef I
+#pragma push_macro("J")
+#undef J
 #pragma push_macro("K")
 #undef K
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("N")
@@ -70,8 +87,12 @@
 #undef P
 #pragma push_macro("Q")
 #undef Q
+#pragma push_macro("R")
+#undef R
 #pragma push_macro("S")
 #undef S
+#pragma push_macro("T")
+#undef T
 #pragma push_macro("U")
 #undef U
 #pragma push_macro("V")
@@ -80,29 +101,12 @@
 #undef W
 #pragma push_macro("X")
 #undef X
-#pragma push_macro("Z")
-#undef Z
-#pragma push_macro("A")
-#undef A
-#pragma push_macro("C")
-#undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("E")
-#undef E
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("J")
-#undef J
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("T")
-#undef T
 #pragma push_macro("Y")
 #undef Y
+#pragma push_macro("Z")
+#undef Z
 
+/* ==== src/rbd_constraints.h ==== */
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
@@ -114,6 +118,7 @@
 extern "C" {
 #endif
 
+/* ==== src/api/constraints.h ==== */
 #define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
 #define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
 #define rbd_ball_loop RBDI_SYMBOL(rbd_ball_loop)
@@ -260,12 +265,15 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
 
+/* ==== src/rbd_constraints.h ==== */
+#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS
+#define RBDI_CONSTRAINED_DERIVATIVES
+
+/* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
    Declared where rbd_derivatives.h was included before, and is not left out in parts: RBD_NO_DERIVATIVES and
    RBD_NO_POINTS leave this out too. */
 
-#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS
-#define RBDI_CONSTRAINED_DERIVATIVES
 /* Derivatives of rbd_constrained_fd: what a step of q (column k: q moves with unit velocity of dof k), v or
    tau changes of a, nv x nv, and of lambda, rows x nv. f_ext stays fixed in its bodies' axes.
    d            of the same work
@@ -282,8 +290,11 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
                                                rbd_real *da_dq, rbd_real *da_dv, rbd_real *da_dtau,
                                                rbd_real *dlambda_dq, rbd_real *dlambda_dv,
                                                rbd_real *dlambda_dtau);
+
+/* ==== src/rbd_constraints.h ==== */
 #endif
 
+/* ==== src/api/constraints_batch.h ==== */
 /* ---- batches [batch] ----
    As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
    constraints the same for all. */
@@ -306,10 +317,12 @@ RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_
                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
 RBDI_EXTERN_C_CLOSE
 
+/* ==== src/rbd_constraints.h ==== */
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
 
+/* ==== src/constraints/layout.h ==== */
 /* ---- layout [layout] ---- */
 
 /* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */
@@ -432,6 +445,7 @@ struct rbd_constraints {
                            (rows) + (n) * (RBDI_ROW_BATCH - 1), RBDI_ROW_BATCH)
 #define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
 
+/* ==== src/rbd_constraints.h ==== */
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
 #endif
@@ -471,6 +485,7 @@ RBDI_CODE_BEGIN
 RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #endif
 
+/* ==== src/constraints/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
 /* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both
@@ -525,6 +540,7 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
+/* ==== src/constraints/kinematics.h ==== */
 /* ---- kinematics [kinematics] ---- */
 
 /* A place and the motion of what of a link is there, world axes: angular velocity, velocity, their rates. */
@@ -664,6 +680,7 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraints *c, const rbdi_constr
     return one.p;
 }
 
+/* ==== src/constraints/rows.h ==== */
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
@@ -747,6 +764,7 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const r
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
+/* ==== src/constraints/solution.h ==== */
 /* ---- solution [solution] ---- */
 
 /* y_t -= l_t x, batches one behind the other. */
@@ -859,6 +877,7 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
     }
 }
 
+/* ==== src/constraints/rank.h ==== */
 /* ---- rank [rank] ----
    Which rows are independent of each other is decided without Delta, whose condition is the square of that of
    its rows. With Z = D^-1/2 Y, so that Delta = Z'Z,
@@ -1183,6 +1202,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
+/* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
    Rows as wrenches w of unit force (moment), from body 1 with one sign and body 2 with the other, go down the
    tree with pass 2 of [aba]: a strand each. Where a joint lets go, with y = X y_p + c from here on its link's
@@ -1562,6 +1582,7 @@ static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cu
         rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
 }
 
+/* ==== src/constraints/limbs.h ==== */
 /* ---- limbs [limbs] ----
    Contacts with the world that have a limb to themselves are eliminated where it ends, on the link that it
    hangs on: then the feet of a robot do not meet in its base. That is no loss of rank: of n with
@@ -1745,6 +1766,7 @@ static int rbdi_limbs_together(const rbd_constraints *c, int end) {
     return first;
 }
 
+/* ==== src/constraints/passes.h ==== */
 /* ---- passes [passes] ---- */
 
 /* lambda of rows whose sides meet on a link, from its acceleration. */
@@ -1952,6 +1974,7 @@ static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, 
     }
 }
 
+/* ==== src/constraints/calls.h ==== */
 /* ---- call code [call code] ---- */
 
 static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraints *c, int arrays) {
@@ -2136,6 +2159,7 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
     return RBD_OK;
 }
 
+/* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
    With a diagonal matrix D in place of M the same steps solve other problems, L = 1. Least squares: x + D^-1
    J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
@@ -2187,6 +2211,7 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
     return RBD_OK;
 }
 
+/* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
    Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
    delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the
@@ -2307,6 +2332,10 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c) {
     return c && c->infeasible >= 0 ? rbdi_row_of_caller(c, c->infeasible) : -1;
 }
 
+/* ==== src/rbd_constraints.h ==== */
+#ifdef RBDI_CONSTRAINED_DERIVATIVES
+
+/* ==== src/constraints/derivatives.h ==== */
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
 
@@ -2337,7 +2366,6 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c) {
 
    Checked against finite differences in tests/test_constraints.c. */
 
-#ifdef RBDI_CONSTRAINED_DERIVATIVES
 typedef struct rbdi_encounter { /* of the two bodies of a constraint */
     rbdi_station body[2];
     rbdi_v3 w, u, angular, linear, m, f;
@@ -2627,8 +2655,11 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     return solved;
 }
+
+/* ==== src/rbd_constraints.h ==== */
 #endif
 
+/* ==== src/constraints/set.h ==== */
 /* ---- set code [set code] ---- */
 
 static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
@@ -3126,6 +3157,7 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     return RBD_OK;
 }
 
+/* ==== src/constraints/batch.h ==== */
 /* ---- batches [batch code] ---- */
 
 #ifdef RBD_BATCH_IMPLEMENTATION
@@ -3190,33 +3222,35 @@ RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_
 RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */
 
+/* ==== src/rbd_constraints.h ==== */
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
+/* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
+#pragma pop_macro("B")
 #pragma pop_macro("C")
 #pragma pop_macro("D")
 #pragma pop_macro("E")
-#pragma pop_macro("H")
-#pragma pop_macro("J")
-#pragma pop_macro("L")
-#pragma pop_macro("R")
-#pragma pop_macro("T")
-#pragma pop_macro("Y")
-#pragma pop_macro("B")
 #pragma pop_macro("F")
 #pragma pop_macro("G")
+#pragma pop_macro("H")
 #pragma pop_macro("I")
+#pragma pop_macro("J")
 #pragma pop_macro("K")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("N")
 #pragma pop_macro("O")
 #pragma pop_macro("P")
 #pragma pop_macro("Q")
+#pragma pop_macro("R")
 #pragma pop_macro("S")
+#pragma pop_macro("T")
 #pragma pop_macro("U")
 #pragma pop_macro("V")
 #pragma pop_macro("W")
 #pragma pop_macro("X")
+#pragma pop_macro("Y")
 #pragma pop_macro("Z")

@@ -1,4 +1,5 @@
 /* rbd_derivatives.h - momentum and Coriolis matrix and first derivatives of a robot's dynamics, for rbd.h.
+   Made by src/amalgamate.py from src/rbd_derivatives.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    For every joint type, external wrenches, rotors, mimic joints and several roots. As rbd.h: in ONE file
@@ -26,16 +27,8 @@
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
 */
 /* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("O")
-#undef O
-#pragma push_macro("Q")
-#undef Q
-#pragma push_macro("Z")
-#undef Z
+
+/* ==== src/base/letters_begin.h ==== */
 #pragma push_macro("A")
 #undef A
 #pragma push_macro("B")
@@ -50,18 +43,26 @@
 #undef F
 #pragma push_macro("G")
 #undef G
+#pragma push_macro("H")
+#undef H
 #pragma push_macro("I")
 #undef I
 #pragma push_macro("J")
 #undef J
 #pragma push_macro("K")
 #undef K
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("N")
 #undef N
+#pragma push_macro("O")
+#undef O
 #pragma push_macro("P")
 #undef P
+#pragma push_macro("Q")
+#undef Q
 #pragma push_macro("R")
 #undef R
 #pragma push_macro("S")
@@ -78,7 +79,10 @@
 #undef X
 #pragma push_macro("Y")
 #undef Y
+#pragma push_macro("Z")
+#undef Z
 
+/* ==== src/rbd_derivatives.h ==== */
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
@@ -88,6 +92,7 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
+/* ==== src/api/derivatives_parts.h ==== */
 /* What may be left out: see [memory]. */
 #if defined RBD_NO_DERIVATIVES || defined RBDI_NO_FD_CHOLESKY
 #define RBDI_NO_FD_DERIVATIVES
@@ -121,10 +126,12 @@
 #define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
 #define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
+/* ==== src/rbd_derivatives.h ==== */
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
 #endif
 
+/* ==== src/api/derivatives.h ==== */
 /* ---- memory [memory] ---- */
 
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
@@ -314,10 +321,12 @@ RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deriv
 #endif
 RBDI_EXTERN_C_CLOSE
 
+/* ==== src/rbd_derivatives.h ==== */
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
 
+/* ==== src/derivatives/layout.h ==== */
 /* ---- layout [layout] ----
    Open for sizes at compile time only. */
 
@@ -399,6 +408,7 @@ struct rbd_derivatives {
 #define RBD_DERIVATIVES_SIZE_MIMIC(nb, nv) \
     RBDI_DERIVATIVES_BYTES(RBDI_LINKS(nb, nv), (nb) + (nv), (nb) + (nv) + RBDI_SURPLUS)
 
+/* ==== src/rbd_derivatives.h ==== */
 RBDI_EXTERN_C_END
 
 #endif /* RBD_DERIVATIVES_H */
@@ -406,6 +416,7 @@ RBDI_EXTERN_C_END
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
+/* ==== src/derivatives/common_frame.h ==== */
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
@@ -846,6 +857,7 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
     }
 }
 
+/* ==== src/derivatives/subtrees.h ==== */
 /* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
    for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
    as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
@@ -1033,6 +1045,7 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
 }
 
+/* ==== src/derivatives/entries.h ==== */
 /* ---- entries [entries] ----
    For dof j and every dof i of an ancestor link, and of its own where not said otherwise:
 
@@ -1484,6 +1497,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     if (M) rbdi_add_armature(d, M);
 }
 
+/* ==== src/derivatives/memory.h ==== */
 /* ---- memory [memory code] ---- */
 
 /* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
@@ -1697,6 +1711,7 @@ RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_deri
     return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
 }
 
+/* ==== src/derivatives/momentum.h ==== */
 /* ---- momentum [momentum code] ---- */
 
 /* Where the common origin of a root's tree is in the world. */
@@ -1881,6 +1896,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
 }
 #endif
 
+/* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
    At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
    tau - f of the base, into its A: I y = tau - f, by the two laws of the centre of mass c. In the common
@@ -1990,6 +2006,7 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
 }
 #endif
 
+/* ==== src/derivatives/inverse_dynamics.h ==== */
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
 #ifndef RBD_NO_DERIVATIVES
@@ -2024,6 +2041,7 @@ RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 }
 #endif
 
+/* ==== src/derivatives/forward_dynamics.h ==== */
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
    First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
    linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
@@ -2246,6 +2264,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 }
 #endif
 
+/* ==== src/derivatives/regressors.h ==== */
 /* ---- regressors and inertial parameters [identification code] ---- */
 
 #ifndef RBD_NO_REGRESSOR
@@ -2516,6 +2535,7 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 #endif
 #endif
 
+/* ==== src/derivatives/steps.h ==== */
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
    or u = 0 or in a plane where the joint has no more, with ad = ([w]x, 0; [u]x, [w]x)
@@ -2648,6 +2668,7 @@ RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real
 }
 #endif
 
+/* ==== src/derivatives/batch.h ==== */
 /* ---- batches [batch code] ---- */
 
 #ifdef RBD_BATCH_IMPLEMENTATION
@@ -2775,10 +2796,12 @@ RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deriv
 RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */
 
+/* ==== src/rbd_derivatives.h ==== */
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
+/* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
 #pragma pop_macro("B")
 #pragma pop_macro("C")
@@ -2786,12 +2809,16 @@ RBDI_CODE_END
 #pragma pop_macro("E")
 #pragma pop_macro("F")
 #pragma pop_macro("G")
+#pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("K")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("N")
+#pragma pop_macro("O")
 #pragma pop_macro("P")
+#pragma pop_macro("Q")
 #pragma pop_macro("R")
 #pragma pop_macro("S")
 #pragma pop_macro("T")
@@ -2800,8 +2827,4 @@ RBDI_CODE_END
 #pragma pop_macro("W")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
-#pragma pop_macro("H")
-#pragma pop_macro("L")
-#pragma pop_macro("O")
-#pragma pop_macro("Q")
 #pragma pop_macro("Z")

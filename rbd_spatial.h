@@ -1,4 +1,5 @@
 /* rbd_spatial.h - spatial algebra, for programs that use rbd.h. SPDX-License-Identifier: MIT, see rbd.h.
+   Made by src/amalgamate.py from src/rbd_spatial.h and the files that it includes: edit those.
 
    Rotations, placements of frames, and the spatial vectors of Featherstone's book (Rigid Body Dynamics
    Algorithms, 2008, chapter 2; "the book" below): small structs by value and static inline functions, in C99
@@ -46,6 +47,7 @@
 #error "rbd_spatial.h: needs a newer rbd.h"
 #endif
 
+/* ==== src/spatial/types.h ==== */
 #ifdef RBD_CHECK_FRAMES
 #define RBDI_FRAMES(...) __VA_ARGS__
 #define RBDI_AT const char *file, int line,
@@ -94,6 +96,7 @@ typedef struct rbd_inertia {
     RBDI_FRAMES(int frame;)
 } rbd_inertia;
 
+/* ==== src/spatial/rotations.h ==== */
 /* ---- rotations [rotations] ---- */
 
 RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
@@ -224,6 +227,7 @@ static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 
     return angle;
 }
 
+/* ==== src/spatial/placements.h ==== */
 /* ---- placements [placements] ---- */
 
 /* Frame `of` seen from frame `in`. */
@@ -271,6 +275,7 @@ RBDI_INLINE rbd_vec3 rbd_point_down(rbd_placement x, rbd_vec3 point) {
     return rbdi_mul_t(x.rotation, rbdi_sub(point, x.position));
 }
 
+/* ==== src/spatial/vectors.h ==== */
 /* ---- motions [motions] ---- */
 
 RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int frame) {
@@ -410,6 +415,7 @@ RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
     return rbdi_dot(v.angular, f.moment) + rbdi_dot(v.linear, f.force);
 }
 
+/* ==== src/spatial/inertias.h ==== */
 /* ---- inertias [inertias] ---- */
 
 /* From ten parameters, in which the inertia is linear, those of regressors: mass; mass times centre of mass;
@@ -502,6 +508,7 @@ RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
     return f;
 }
 
+/* ==== src/spatial/checks.h ==== */
 /* ---- checks [checks] ----
    Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */
 
@@ -522,4 +529,5 @@ RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
 #define rbd_inertia_times(...) rbd_inertia_times(__FILE__, __LINE__, __VA_ARGS__)
 #endif
 
+/* ==== src/rbd_spatial.h ==== */
 #endif /* RBD_SPATIAL_H */

@@ -1,0 +1,139 @@
+#ifndef RBDI_ALGEBRA_VECTORS_H
+#define RBDI_ALGEBRA_VECTORS_H
+#include "model/layout.h"
+#include "algebra/types.h"
+#include "base/scalar.h"
+
+/* ---- spatial algebra [spatial algebra] ----
+   Frames: "down" goes from parent to child, "up" from child to parent. Everything is built from the
+   turn about z and the shift along z; those about and along x are the same after the cyclic change
+   of axes (x, y, z) -> (y, z, x). */
+
+RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
+    rbdi_v3 v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
+RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
+RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
+RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
+RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
+    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
+RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
+
+RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v) {
+    return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.yx * v.x + A.yy * v.y + A.yz * v.z,
+                    A.zx * v.x + A.zy * v.y + A.zz * v.z);
+}
+RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
+    rbdi_mat B;
+    B.xx = A.xx, B.xy = A.yx, B.xz = A.zx;
+    B.yx = A.xy, B.yy = A.yy, B.yz = A.zy;
+    B.zx = A.xz, B.zy = A.yz, B.zz = A.zz;
+    return B;
+}
+RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
+RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
+    rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
+            z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
+    rbdi_mat C;
+    C.xx = x.x, C.xy = y.x, C.xz = z.x;
+    C.yx = x.y, C.yy = y.y, C.yz = z.y;
+    C.zx = x.z, C.zy = y.z, C.zz = z.z;
+    return C;
+}
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9]) {
+    rbdi_mat A;
+    A.xx = rbdi_set(a[0]), A.xy = rbdi_set(a[1]), A.xz = rbdi_set(a[2]);
+    A.yx = rbdi_set(a[3]), A.yy = rbdi_set(a[4]), A.yz = rbdi_set(a[5]);
+    A.zx = rbdi_set(a[6]), A.zy = rbdi_set(a[7]), A.zz = rbdi_set(a[8]);
+    return A;
+}
+RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
+    return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
+                    A.xz * v.x + A.yz * v.y + A.zz * v.z);
+}
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
+    rbdi_sym A;
+    A.xx = rbdi_set(c.xx), A.xy = rbdi_set(c.xy), A.xz = rbdi_set(c.xz);
+    A.yy = rbdi_set(c.yy), A.yz = rbdi_set(c.yz), A.zz = rbdi_set(c.zz);
+    return A;
+}
+
+/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
+   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
+   or nothing. */
+RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (form & RBDI_TWIST_0) return v;
+    if (form & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
+    return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
+}
+RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (form & RBDI_TWIST_0) return v;
+    if (form & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
+    return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
+}
+
+/* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
+   block (x, y) instead of the twelve of the plain product. */
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A) {
+    rbd_real t;
+    rbdi_sym B;
+    if (form & RBDI_TWIST_0) return A;
+    B.zz = A.zz;
+    if (form & RBDI_TWIST_90) {
+        B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
+        B.xz = -A.yz, B.yz = A.xz;
+        return B;
+    }
+    t = s * (A.yy - A.xx) - (c + c) * A.xy;
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    return B;
+}
+RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
+    rbdi_sym B;
+    B.xx = A.yy, B.xy = A.yz, B.xz = A.xy, B.yy = A.zz, B.yz = A.xz, B.zz = A.xx;
+    return B;
+}
+
+/* The same for a general matrix. */
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A) {
+    rbd_real t;
+    rbdi_mat B;
+    if (form & RBDI_TWIST_0) return A;
+    B.zz = A.zz;
+    if (form & RBDI_TWIST_90) {
+        B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
+        B.xz = -A.yz, B.yz = A.xz;
+        B.zx = -A.zy, B.zy = A.zx;
+        return B;
+    }
+    t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.yx;
+    B.yx = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    B.zx = c * A.zx - s * A.zy;
+    B.zy = s * A.zx + c * A.zy;
+    return B;
+}
+RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
+    rbdi_mat B;
+    B.xx = A.yy, B.xy = A.yz, B.xz = A.yx;
+    B.yx = A.zy, B.yy = A.zz, B.yz = A.zx;
+    B.zx = A.xy, B.zy = A.xz, B.zz = A.xx;
+    return B;
+}
+
+#endif

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Makes the shipped headers of the top folder from src/.
+
+src/rbd.h and the like hold the manual, the contents and the rooms in reading order, as lines #include "FOLDER/NAME.h".
+A room is a file
+
+    #ifndef RBDI_FOLDER_NAME_H
+    #define RBDI_FOLDER_NAME_H
+    #include "FOLDER/OTHER.h"        the rooms that it stands on
+
+    text
+
+    #endif
+
+or, without a guard, text alone, which is put wherever it is named. In the shipped header the text stands in place
+of the #include, under a line that names the file.
+
+usage: amalgamate.py --write | --check        writes the shipped headers, or fails if they differ
+"""
+import re
+import sys
+from pathlib import Path
+
+SRC = Path(__file__).resolve().parent
+HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h"]
+INCLUDE = re.compile(r'#include "(\w+/\w+\.h)"')
+MADE = "   Made by src/amalgamate.py from src/{} and the files that it includes: edit those."
+
+
+def marker(path):
+    return f"/* ==== src/{path} ==== */"
+
+
+def guard(room):
+    return "RBDI_" + re.sub(r"\W", "_", room).upper()
+
+
+def trim(lines):
+    """Without empty lines at both ends."""
+    while lines and not lines[0]:
+        lines = lines[1:]
+    while lines and not lines[-1]:
+        lines = lines[:-1]
+    return lines
+
+
+def read_room(room, src=SRC):
+    """The rooms that a room includes, and its text in lines."""
+    lines = (src / room).read_text(encoding="utf-8").rstrip("\n").split("\n")
+    if not lines[0].startswith("#ifndef RBDI_"):
+        return [], trim(lines)
+    if lines[:2] != [f"#ifndef {guard(room)}", f"#define {guard(room)}"] or lines[-1] != "#endif":
+        raise SystemExit(f"src/{room}: its guard must be {guard(room)}, in the first two lines and the last")
+    lines, includes = lines[2:-1], []
+    while lines and INCLUDE.fullmatch(lines[0]):
+        includes.append(INCLUDE.fullmatch(lines.pop(0))[1])
+    if any(INCLUDE.fullmatch(line) for line in lines):
+        raise SystemExit(f"src/{room}: its #include lines must stand together, behind the guard")
+    return includes, trim(lines)
+
+
+def read_header(header, src=SRC):
+    """A header of src/ in pieces: (None, its own text) or (room, the room's text), in order."""
+    pieces, own = [], []
+    for line in (src / header).read_text(encoding="utf-8").rstrip("\n").split("\n"):
+        room = INCLUDE.fullmatch(line)
+        if not room:
+            own.append(line)
+            continue
+        if trim(own):
+            pieces.append((None, trim(own)))
+        own = []
+        pieces.append((room[1], read_room(room[1], src)[1]))
+    return pieces + [(None, trim(own))] if trim(own) else pieces
+
+
+def shipped(header, src=SRC):
+    """The text of a shipped header."""
+    out = []
+    for room, text in read_header(header, src):
+        out += ["", marker(room or header), *text] if out else [text[0], MADE.format(header), *text[1:]]
+    return "\n".join(out) + "\n"
+
+
+def main(arguments):
+    if arguments not in (["--write"], ["--check"]):
+        raise SystemExit(__doc__)
+    status = 0
+    for header in HEADERS:
+        path, text = SRC.parent / header, shipped(header)
+        if path.exists() and path.read_text(encoding="utf-8") == text:
+            continue
+        if arguments == ["--write"]:
+            path.write_text(text, encoding="utf-8")
+            continue
+        print(f"{header} is not what src/ makes: python3 src/amalgamate.py --write")
+        status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

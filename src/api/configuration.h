@@ -1,0 +1,133 @@
+#ifndef RBDI_API_CONFIGURATION_H
+#define RBDI_API_CONFIGURATION_H
+
+#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the batch calls: another file has the rest */
+#define RBD_IMPLEMENTATION
+#define RBD_STATIC
+#endif
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define RBD_VERSION "0.1.0"
+#define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_MODEL_VERSION 4    /* layout of the built model; generated tables check it */
+
+/* What [configuration] says, checked and completed. */
+
+/* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
+   message. */
+#if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
+#error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#endif
+
+#ifndef RBD_REAL
+#define RBD_REAL double
+#endif
+#if !defined RBD_CONST && defined RBD_REAL_CUSTOM
+#define RBD_CONST double
+#elif !defined RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#define RBDI_KIND_double 1
+#define RBDI_KIND_float 2
+#define RBDI_KIND___float128 3
+#define RBDI_KIND_long 0 && /* long double, that the words behind it count as 0 */
+#define RBDI_KIND_OF(type) RBDI_KIND_##type
+#define RBDI_KIND(type) RBDI_KIND_OF(type)
+#ifdef RBD_REAL_CUSTOM
+#define RBDI_REAL_KIND 0
+#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; a class needs RBD_REAL_CUSTOM too */
+#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
+#else
+#error "rbd: RBD_REAL must be double, float or __float128 (for a C++ class define RBD_REAL_CUSTOM as well)"
+#undef RBD_REAL
+#undef RBD_CONST
+#define RBD_REAL double
+#define RBD_CONST double
+#define RBDI_REAL_KIND 1
+#endif
+#if !(RBDI_KIND(RBD_CONST)) || (RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND % 3 != 0)
+#error "rbd: RBD_CONST must be RBD_REAL; where that is __float128 or a class: double, float or __float128"
+#undef RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#if defined RBD_LANES && (RBD_LANES + 0 < 2 || (RBD_LANES + 0 & RBD_LANES + -1) != 0)
+#error "rbd: RBD_LANES must be 2, 4, 8 or another power of two; leave it undefined for one state at a time"
+#undef RBD_LANES
+#define RBD_LANES 2
+#endif
+#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
+#undef RBD_LANES
+#endif
+
+#ifdef RBD_STATIC
+#ifdef RBD_SPECIALISE
+#define RBD_API static inline __attribute__((always_inline, unused))
+#else
+#define RBD_API static RBDI_UNUSED
+#endif
+#else
+#define RBD_API extern
+#endif
+#ifdef __GNUC__
+#define RBDI_UNUSED __attribute__((unused))
+#define RBDI_EXTENSION __extension__
+#else
+#define RBDI_UNUSED
+#define RBDI_EXTENSION
+#endif
+
+/* A symbol whose value is the scalar, in every file. The linker takes it several times if all values are
+   equal, else it refuses them; in link-time optimisation the assembler does. It has no section: it takes no
+   memory, and nothing removes it. clang's link-time optimisation would refuse equal values too. */
+#ifndef RBD_CHECK_SCALAR
+#if defined __GNUC__ && !defined __clang__ && defined __ELF__ && !defined RBD_STATIC && \
+    !defined RBD_REAL_CUSTOM
+#define RBD_CHECK_SCALAR 1
+#else
+#define RBD_CHECK_SCALAR 0
+#endif
+#endif
+#if RBD_CHECK_SCALAR
+#define RBDI_QUOTE_OF(x) #x
+#define RBDI_QUOTE(x) RBDI_QUOTE_OF(x)
+#ifdef RBD_LANES
+#define RBDI_SCALAR_LANES RBD_LANES
+#else
+#define RBDI_SCALAR_LANES 1
+#endif
+#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES"
+#define RBDI_SCALAR_VALUE \
+    "(" RBDI_QUOTE(RBDI_KIND(RBD_REAL)) "+4*" RBDI_QUOTE(RBDI_KIND(RBD_CONST)) "+16*" RBDI_QUOTE( \
+        RBDI_SCALAR_LANES) ")"
+__asm__(".ifndef " RBDI_SCALAR "\n"
+        ".globl " RBDI_SCALAR "\n"
+        ".hidden " RBDI_SCALAR "\n" RBDI_SCALAR " = " RBDI_SCALAR_VALUE "\n"
+        ".elseif " RBDI_SCALAR " - " RBDI_SCALAR_VALUE "\n"
+        ".error \"" RBDI_SCALAR "\"\n"
+        ".endif\n");
+#endif
+
+RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
+#ifdef RBD_LANES
+typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
+#else
+RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
+#endif
+
+/* The batch calls are between files also where all else is static. */
+#define RBD_BATCH_API RBDI_EXTENSION extern
+#if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
+#define RBDI_EXTERN_C_BEGIN extern "C" {
+#define RBDI_EXTERN_C_CLOSE }
+#else
+#define RBDI_EXTERN_C_BEGIN
+#define RBDI_EXTERN_C_CLOSE
+#endif
+
+#endif

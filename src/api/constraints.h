@@ -1,0 +1,152 @@
+#ifndef RBDI_API_CONSTRAINTS_H
+#define RBDI_API_CONSTRAINTS_H
+#include "api/types.h"
+#include "api/status.h"
+
+#define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
+#define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
+#define rbd_ball_loop RBDI_SYMBOL(rbd_ball_loop)
+#define rbd_hinge_loop RBDI_SYMBOL(rbd_hinge_loop)
+#define rbd_constraints_size RBDI_SYMBOL(rbd_constraints_size)
+#define rbd_constraints_init RBDI_SYMBOL(rbd_constraints_init)
+#define rbd_constraint_finding_text RBDI_SYMBOL(rbd_constraint_finding_text)
+#define rbd_constraint_rows RBDI_SYMBOL(rbd_constraint_rows)
+#define rbd_constraint_first RBDI_SYMBOL(rbd_constraint_first)
+#define rbd_constraint_rank RBDI_SYMBOL(rbd_constraint_rank)
+#define rbd_infeasible_row RBDI_SYMBOL(rbd_infeasible_row)
+#define rbd_constraint_jacobian RBDI_SYMBOL(rbd_constraint_jacobian)
+#define rbd_constrained_fd RBDI_SYMBOL(rbd_constrained_fd)
+#define rbd_impact RBDI_SYMBOL(rbd_impact)
+#define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
+#define rbd_assemble RBDI_SYMBOL(rbd_assemble)
+#define rbd_constrained_derivatives RBDI_SYMBOL(rbd_constrained_derivatives)
+#define rbd_batch_constraints_size RBDI_OF_SCALAR(rbd_batch_constraints_size)
+#define rbd_batch_constraints_init RBDI_OF_SCALAR(rbd_batch_constraints_init)
+#define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
+
+/* ---- description [description] ---- */
+
+/* Frame 1 held to frame 2 along some axes. Zero is a sensible default for every field but the bodies, where
+   -1 is the world, and axes. */
+typedef struct rbd_constraint {
+    const char *name;    /* for findings; NULL = nameless */
+    int body1, body2;    /* index in the description, -1 = world (and what rbd_body_index says of no name) */
+    double rotation1[9]; /* 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity */
+    double position1[3]; /* of its origin, m */
+    double rotation2[9]; /* the same of frame 2 in body 2 */
+    double position2[3];
+    int axes[6];   /* 1 = held: omega_x omega_y omega_z v_x v_y v_z, along the axes of frame 2 */
+    double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
+} rbd_constraint;
+
+/* Rows for what is common. Every field may be changed afterwards.
+   Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
+   origin, which is as good as any without kp. */
+RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
+
+/* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
+RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
+
+/* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
+   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
+   refused as rotation1 or rotation2. */
+RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
+RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                      const double point2[3], const double axis2[3]);
+
+/* ---- set [set] ---- */
+
+#define RBD_MAX_CONSTRAINTS 1000
+
+typedef struct rbd_constraints rbd_constraints; /* constraints that hold together, and scratch */
+
+/* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
+   use. Contacts that come and go: a set for each phase; they may share the work.
+   list     n rows, not needed later but for their names; n may be 0
+   memory   size bytes of any alignment. RBD_CONSTRAINTS_SIZE(nv, rows) suffices, rows: axes held by all.
+            RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) is nearer; rbd_constraints_size says what this set takes
+   c        receives the set, which lies inside memory: do not move it; NULL after an error
+   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
+   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _GAIN. */
+RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
+                                        void *memory, size_t size, rbd_constraints **c, rbd_report *report);
+
+/* Bytes that rbd_constraints_init needs for these; 0 if n is out of range. */
+RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+
+#ifndef RBD_NO_TEXT
+/* As rbd_finding_text, e.g. "constraint 3 'left foot', field 'axes': no axis is held". */
+RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
+#endif
+
+/* Number of rows, axes held by all constraints; and the first row of a constraint, -1 if there is none. */
+RBD_API int rbd_constraint_rows(const rbd_constraints *c);
+RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint);
+
+/* After rbd_constrained_fd and rbd_impact: the rank of J, a whole number (in each lane its own). */
+RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c);
+
+/* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
+RBD_API int rbd_infeasible_row(const rbd_constraints *c);
+
+/* ---- calls [calls] ----
+   q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
+   an input of the same shape. What rbd_kinematics left in the work is gone after each of them. Errors:
+   RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
+
+/* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
+   NULL, and v for zero. */
+RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e);
+
+/* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
+   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
+   unique and lambda the solution of least norm.
+   lambda   rows; may be NULL
+   Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
+   all the same, and the second in the sense of least squares. A state in which rows depend on each other
+   takes up to four times as long as one in which they do not. */
+RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *lambda);
+
+/* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
+   restitution   0 (nothing rebounds) to 1, of all rows
+   impulse       rows; may be NULL
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1.
+   Dependent rows never contradict each other here. */
+RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
+
+/* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
+   motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
+   lambda^2; if there is none, the one that comes nearest (least squares): tau has there what is missing.
+   lambda must be checked by the caller: a foot may be asked to pull.
+   a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
+              the task is rows with gains, too
+   actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
+   weight     rows, above 0; NULL: 1
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
+RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
+                                      rbd_real *lambda);
+
+/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
+   one that is nearest to v in the sum of weight (v_near - v)^2.
+   q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
+   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place,
+   or at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's
+   method, from q, finds it: far from any solution it may find none, or another one, and in a singular place,
+   where rows lose their rank, q_near may only be close.
+   q_near   another array than q
+   v        may be NULL, v_near then too
+   weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
+   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
+   1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
+RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
+
+#endif

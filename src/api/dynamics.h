@@ -1,0 +1,117 @@
+#ifndef RBDI_API_DYNAMICS_H
+#define RBDI_API_DYNAMICS_H
+#include "api/parts.h"
+#include "api/types.h"
+#include "api/status.h"
+
+/* ---- dynamics [dynamics] ----
+   q: nq, v, a, tau: nv, f_ext: nb x 6 or NULL. An output may be the same array as an input of the
+   same shape, but must not overlap otherwise. All include armature; none includes damping and
+   friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
+   after either all results are 0.
+
+   All calls say the same of a state: M is singular if one of its pivots is not above the rounding of the
+   description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
+   move is in doubt. The call then computes and factors M to judge it: rbd_aba takes up to three (7 degrees of
+   freedom) or six times as long (36).
+   With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
+
+#ifndef RBD_NO_RNEA
+/* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
+RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
+
+/* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
+RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *f_ext, rbd_real *c);
+
+/* Gravity torque g = tau at v = a = 0: what holds the robot still. */
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
+#endif
+
+#ifndef RBD_NO_OBSERVER
+/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
+   since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
+   rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
+   (dS_i/dt)' h_i.
+   p, ctv: nv; each may be NULL, not the same array. */
+RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *p, rbd_real *ctv);
+#endif
+
+#ifndef RBD_NO_CRBA
+/* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
+
+/* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
+   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. Where joints mimic
+   others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
+#endif
+
+/* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
+RBD_API int rbd_packed_size(const rbd_model *m);
+
+/* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
+
+#ifndef RBD_NO_ABA
+/* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
+   RBD_ERR_SINGULAR. A joint and those that mimic it count as one where all are on one parent, or behind one
+   another without a joint between; a model with other mimic joints goes by rbd_fd_cholesky, at twice the
+   time, and so it does on machines of 32 bits. */
+RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+#endif
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
+   wanted; M a + c = tau + sum J' f_ext. Articulated bodies, RBDA section 9.2; any dofs, also some of a
+   joint. All joints but a floating base given is the inverse dynamics of a robot that stands on nothing (its
+   base's torque the wrench that it feels, 0 in flight) and goes by composite bodies.
+   given   nv flags: not 0 where a is given, 0 where tau is
+   a, tau  in: what is given; out: all. Not the same array.
+   Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
+RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
+#endif
+
+#ifndef RBDI_NO_FD_CHOLESKY
+/* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+#endif
+
+#ifndef RBD_NO_CHOLESKY
+/* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
+   M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
+   L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
+   L may be M. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L);
+
+/* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H);
+
+/* Solves M x = b with the factor L. b, x: nv; may be the same. */
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                      rbd_real *x);
+
+/* Solves M X = B for n right-hand sides, which are the columns of B. B, X: nv x n; may be the same. With n <=
+   0 nothing is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                           const rbd_real *B, rbd_real *X);
+#endif
+
+#ifndef RBDI_NO_MINVERSE
+/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
+   M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
+#endif
+
+/* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
+   the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
+   A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
+   Errors: RBD_ERR_NULL, _WORK. */
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
+
+#endif

@@ -1,0 +1,119 @@
+#ifndef RBDI_BASE_COMPILER_H
+#define RBDI_BASE_COMPILER_H
+#include "api/configuration.h"
+
+/* ---- compiler [compiler] ----
+   All that depends on the compiler and its target; no other place asks for them, but that [configuration]
+   asks for vector types and C99. */
+
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error \
+    "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
+the pivot checks; use -O3 -ffp-contract=fast instead"
+#endif
+
+#ifdef __GNUC__ /* GCC's extensions, which clang has too: attributes, vectors, assembly */
+#define RBDI_GNU 1
+#else
+#define RBDI_GNU 0
+#endif
+#ifdef __clang__
+#define RBDI_CLANG 1
+#else
+#define RBDI_CLANG 0
+#endif
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+
+#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RBDI_FOR_SPEED 1
+#else
+#define RBDI_FOR_SPEED 0
+#endif
+#ifdef __SOFTFP__ /* arithmetic is a call */
+#define RBDI_HARD_FLOAT 0
+#else
+#define RBDI_HARD_FLOAT 1
+#endif
+
+/* Whether aba does mimic joints itself: not where these are rare and its 4 kB count. */
+#define RBDI_TIES (UINTPTR_MAX > UINT32_MAX)
+
+/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
+   ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
+   RBD_LANES. */
+#ifdef __AVX__
+#define RBDI_SIMD 4
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
+#define RBDI_SIMD 2
+#else
+#define RBDI_SIMD 0
+#endif
+#ifdef __has_builtin
+#if __has_builtin(__builtin_shufflevector)
+#define RBDI_HAS_SHUFFLE 1
+#endif
+#endif
+#ifndef RBDI_HAS_SHUFFLE
+#define RBDI_HAS_SHUFFLE 0
+#endif
+
+/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values,
+   as 16 of GCC's default dialects where there is a half precision unit, are of types that are not used here.
+   */
+#if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+#define RBDI_ROUNDS 1
+#else
+#define RBDI_ROUNDS 0
+#endif
+
+/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
+   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
+   */
+#if RBDI_GCC && defined __OPTIMIZE__
+#define RBDI_CODE_BEGIN \
+    _Pragma("GCC push_options") _Pragma("GCC optimize(\"no-tree-slp-vectorize,no-tree-vectorize\")") \
+        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns,fp-contract=fast\")")
+#define RBDI_CODE_END _Pragma("GCC pop_options")
+#else
+#define RBDI_CODE_BEGIN
+#define RBDI_CODE_END
+#endif
+
+/* The small functions are inlined always: vectors passed in memory would cost ten times as much at -Os,
+   to save a fifth of the code. */
+#if RBDI_GNU
+#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* what is hardly ever called */
+#else
+#define RBDI_INLINE static inline RBDI_UNUSED
+#define RBDI_COLD static RBDI_UNUSED
+#endif
+#ifdef RBD_SPECIALISE
+#define RBDI_PART RBDI_INLINE
+#if RBDI_CLANG
+#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define RBDI_UNROLL _Pragma("GCC unroll 64")
+#endif
+#else
+#define RBDI_PART static RBDI_UNUSED
+#define RBDI_UNROLL
+#endif
+/* The short loops, over six components, in any case; clang does so by itself. */
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
+#define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
+#define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
+#else
+#define RBDI_UNROLL_SIX RBDI_UNROLL
+#define RBDI_UNROLL_ROW RBDI_UNROLL
+#define RBDI_UNROLL_TWO
+#endif
+/* Before columns of a row are read or written one by one: or each gets an index of its own. */
+#if RBDI_GNU
+#define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
+#else
+#define RBDI_ONE_INDEX(row) (void)(row)
+#endif
+
+#endif

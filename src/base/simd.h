@@ -1,0 +1,95 @@
+#ifndef RBDI_BASE_SIMD_H
+#define RBDI_BASE_SIMD_H
+#include "model/sizes.h"
+#include "base/scalar.h"
+
+/* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
+   vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
+#if defined RBD_LANES || !RBDI_GNU || RBDI_REAL_KIND % 3 == 0
+#define RBDI_BATCH 1
+#elif RBDI_SIMD > 0
+#define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
+#else
+#define RBDI_BATCH 1
+#define RBDI_BATCH_SCALAR
+#endif
+#if RBDI_BATCH > RBDI_CHUNK
+#error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
+#endif
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || !RBDI_GNU || defined RBDI_BATCH_SCALAR
+typedef rbd_real rbdi_batch;
+#else
+typedef rbd_real rbdi_batch
+    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#endif
+
+#if RBDI_REAL_KIND == 1
+typedef uint64_t rbdi_bit;
+#elif RBDI_REAL_KIND == 2
+typedef uint32_t rbdi_bit;
+#endif
+#if RBDI_BATCH > 1
+typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
+
+/* The batch with x as its k-th scalar. */
+RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
+    const rbdi_batch zero = {0}, all = x - zero;
+    rbdi_bits lane;
+    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbdi_bit)i;
+    lane = (rbdi_bits)(lane == (rbdi_bit)k);
+    return (rbdi_batch)(((rbdi_bits)b & ~lane) | ((rbdi_bits)all & lane));
+}
+/* The first n scalars of the batch, and zeros. */
+RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch b, int n) {
+    rbdi_batch lane;
+    for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
+    return (rbdi_batch)((rbdi_bits)b & (rbdi_bits)(lane < (rbd_real)n));
+}
+#endif
+
+RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return zero;
+#else
+    return rbdi_zero();
+#endif
+}
+RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
+#if RBDI_BATCH > 1
+    rbd_real sum = x[0];
+    for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
+    return sum;
+#else
+    return x;
+#endif
+}
+
+/* Four scalars that go together, in SIMD registers. GCC takes what is wider than one through memory. */
+#if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
+#define RBDI_FOURS
+typedef rbd_real rbdi_four
+    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#else
+typedef struct rbdi_four {
+    rbd_real x[4];
+} rbdi_four;
+#endif
+/* Four components of a batch, lane by lane. */
+#if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
+                     b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
+                     c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6),
+                     d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+    y[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5), y[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+    y[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), y[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+#else
+RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
+    for (int k = 0; k < RBDI_BATCH; ++k)
+        for (int j = 0; j < 4; ++j) ((rbd_real *)&y[k])[j] = ((const rbd_real *)&x[j])[k];
+}
+#endif
+
+#endif

@@ -1,0 +1,149 @@
+#ifndef RBDI_BASE_SINCOS_H
+#define RBDI_BASE_SINCOS_H
+#include "base/tolerances.h"
+#include "base/simd.h"
+
+#if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
+#define RBDI_POLYNOMIAL_SINCOS
+#if RBDI_REAL_KIND == 1
+#define RBDI_SINCOS_LIMIT 1e6
+#else
+#define RBDI_SINCOS_LIMIT 1e4f
+#endif
+#ifdef RBDI_BATCH_SCALAR
+typedef rbdi_bit rbdi_bits;
+typedef union rbdi_pun {
+    rbd_real x;
+    rbdi_bits b;
+} rbdi_pun;
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
+    rbdi_pun u;
+    u.x = x;
+    return u.b;
+}
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) {
+    rbdi_pun u;
+    u.b = b;
+    return u.x;
+}
+RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
+#else
+#if RBDI_BATCH == 1 /* lanes */
+typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
+#endif
+RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) { return (rbdi_batch)b; }
+RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
+#endif
+
+/* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
+   subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
+   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. Right angles to be added to
+   x go there exactly. */
+RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch *s, rbdi_batch *c) {
+#if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
+#pragma clang fp reassociate(off)
+#endif
+#if RBDI_REAL_KIND == 1
+    const rbdi_batch magic = quarters + 6755399441055744.0;
+    rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
+    rbdi_batch r =
+        ((x - n * 1.57079632673412561417) - n * 6.07710050630396597660e-11) - n * 2.02226624879595063154e-21;
+    rbdi_batch z = r * r;
+    rbdi_batch ps =
+        ((((z * 1.5896987541673679574e-10 + -2.5050761807404846211e-8) * z + 2.7557313718766776671e-6) * z +
+          -0.0001984126982989857878) *
+             z +
+         0.0083333333333225528993) *
+            z +
+        -0.16666666666666632772;
+    rbdi_batch pc =
+        ((((z * -1.1361303896065947874e-11 + 2.0875758075722807366e-9) * z + -2.755731463445455091e-7) * z +
+          2.4801587290576460775e-5) *
+             z +
+         -0.0013888888888876133562) *
+            z +
+        0.041666666666666613249;
+    const int top = 62;
+#else
+    const rbdi_batch magic = quarters + 12582912.0f;
+    rbdi_batch shifted = x * 0.636619772f + magic, n = shifted - magic;
+    rbdi_batch r = ((x - n * 1.5703125f) - n * 4.837512969971e-4f) - n * 7.549789954892e-8f;
+    rbdi_batch z = r * r;
+    rbdi_batch ps = (z * -0.000195175284f + 0.00833218040f) * z + -0.166666550f;
+    rbdi_batch pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
+    const int top = 30;
+#endif
+    rbdi_batch sine = z * r * ps + r;
+    rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
+    rbdi_bits k = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
+    rbdi_bits swap = (bs ^ bc) & (0u - (k & 1u));
+    *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
+    *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
+}
+#endif
+
+/* Sines and cosines of n angles up to the limit and as many right angles (NULL: none): error below 2.3e-16
+   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit,
+   or libm is wanted. */
+RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+                                   rbd_real *c) {
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
+    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters, none = {0};
+    rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
+    rbdi_bits beyond;
+    rbdi_bit any = 0;
+    if (n <= 0) return 1;
+    beyond = rbdi_beyond(bx[0] * bx[0], limit);
+    RBDI_UNROLL for (int i = 0; i * RBDI_BATCH < n; ++i) {
+        beyond |= rbdi_beyond(bx[i] * bx[i], limit);
+        rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
+    }
+#ifdef RBDI_BATCH_SCALAR
+    any = beyond;
+#else
+    for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
+#endif
+    return !any;
+#else
+    (void)x, (void)quarters, (void)n, (void)s, (void)c;
+    return 0;
+#endif
+}
+
+/* Sines and cosines of n angles of any size: libm's beyond the limit. */
+RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
+    if (rbdi_sincos_within(x, NULL, n, s, c)) return;
+    for (int i = 0; i < n; ++i) rbdi_sincos_libm(x[i], &s[i], &c[i]);
+}
+
+/* The same for one angle. */
+RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
+#if defined RBDI_POLYNOMIAL_SINCOS && !defined RBDI_BATCH_SCALAR && !defined RBD_LANES
+    rbd_real xs[RBDI_BATCH], ss[RBDI_BATCH], cs[RBDI_BATCH];
+    for (int i = 0; i < RBDI_BATCH; ++i) xs[i] = x;
+    rbdi_sincos_array(xs, 1, ss, cs);
+    *s = ss[0];
+    *c = cs[0];
+#else
+    rbdi_sincos_array(&x, 1, s, c);
+#endif
+}
+
+/* 1 / D if D > threshold, else 0 and it is marked bad: no infinity ever leaves a division. */
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
+    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
+    *bad = rbdi_or(*bad, rbdi_not(good));
+    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
+}
+
+/* 1 / D of a pivot, 0 where that would overflow; in doubt if D is small beside the inertia that it came
+   from. */
+RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(D, D);
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
+    return rbdi_reciprocal(D, RBDI_TINY, &none);
+}
+
+#endif

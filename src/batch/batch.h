@@ -1,0 +1,382 @@
+#ifndef RBDI_BATCH_BATCH_H
+#define RBDI_BATCH_BATCH_H
+#include "api/work.h"
+#include "api/dynamics.h"
+#include "api/kinematics.h"
+#include "api/lookup.h"
+#include "api/batch.h"
+#include "base/memory.h"
+
+/* ---- batches [batch code] ---- */
+
+#ifdef RBD_BATCH_IMPLEMENTATION
+#ifndef RBD_LANES
+#error "RBD_BATCH_IMPLEMENTATION needs RBD_LANES"
+#endif
+
+RBDI_EXTERN_C_BEGIN
+
+enum { RBDI_ARGUMENTS = 4 };
+
+struct rbd_batch {
+    rbd_work *w;
+    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
+    int state, dof;                  /* first singular state of the last call, -1 = none */
+    rbd_layout layout;
+};
+
+/* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
+   and of those at hand in lanes. NULL = none. */
+typedef struct rbdi_task {
+    const RBD_REAL *in[RBDI_ARGUMENTS];
+    RBD_REAL *out[RBDI_ARGUMENTS];
+    int width[RBDI_ARGUMENTS];
+    const rbd_real *x[RBDI_ARGUMENTS];
+    rbd_real *y[RBDI_ARGUMENTS];
+    rbd_work *w;
+    void *more; /* what else the call needs */
+} rbdi_task;
+typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
+
+/* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
+static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
+
+/* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
+#if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
+#define RBDI_EXCHANGE(x, step) \
+    for (int i = 0; i < RBD_LANES; ++i) \
+        if (!(i & (step))) { \
+            const rbd_real a = x[i], b = x[i + (step)]; \
+            x[i] = RBDI_SHUFFLE_LOW_##step(a, b); \
+            x[i + (step)] = RBDI_SHUFFLE_HIGH_##step(a, b); \
+        }
+#if RBD_LANES == 2
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 2)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 3)
+#elif RBD_LANES == 4
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 4, 2, 6)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
+#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5)
+#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 6, 7)
+#else
+#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14)
+#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15)
+#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
+#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
+#define RBDI_SHUFFLE_LOW_4(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
+#define RBDI_SHUFFLE_HIGH_4(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
+#endif
+#endif
+#ifdef RBDI_SHUFFLE_LOW_1
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
+    RBDI_EXCHANGE(x, 1)
+#if RBD_LANES >= 4
+    RBDI_EXCHANGE(x, 2)
+#endif
+#if RBD_LANES >= 8
+    RBDI_EXCHANGE(x, 4)
+#endif
+}
+#else
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
+    for (int i = 0; i < RBD_LANES; ++i)
+        for (int j = 0; j < i; ++j) {
+            const RBD_REAL t = x[i][j];
+            x[i][j] = x[j][i];
+            x[j][i] = t;
+        }
+}
+#endif
+
+typedef RBD_REAL rbdi_lane_row
+    __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
+
+/* x[k] lane s = column k of row s, for rows of the given width; lanes beyond the rest of the rows repeat
+   the last one. Blocks of RBD_LANES columns; the last may overlap the one before. The rows of the next
+   states are fetched meanwhile: the processor does not foresee so many streams. */
+RBDI_INLINE void rbdi_gather_states(const RBD_REAL *rows, int width, int rest, int count, rbd_real *x) {
+    const RBD_REAL *next = rest < 2 * RBD_LANES ? rows : rows + RBD_LANES * width;
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s)
+            block[s] = *(const rbdi_lane_row *)&rows[(s < count ? s : count - 1) * width + at];
+        for (int s = 0; s < count; ++s) __builtin_prefetch(&next[s * width + at]);
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
+    }
+}
+static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) {
+    const int count = rest < RBD_LANES ? rest : RBD_LANES;
+    if (width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
+    } else if (count == RBD_LANES) /* the usual number, known to the compiler */
+        rbdi_gather_states(rows, width, rest, RBD_LANES, x);
+    else
+        rbdi_gather_states(rows, width, rest, count, x);
+}
+
+/* The reverse, into the first count rows. */
+RBDI_INLINE void rbdi_scatter_states(const rbd_real *x, int width, int count, RBD_REAL *rows) {
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s) block[s] = x[at + s];
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < count; ++s) *(rbdi_lane_row *)&rows[s * width + at] = block[s];
+    }
+}
+static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows) {
+    if (width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
+    } else if (count == RBD_LANES)
+        rbdi_scatter_states(x, width, RBD_LANES, rows);
+    else
+        rbdi_scatter_states(x, width, count, rows);
+}
+
+/* The same of a block, which is in lanes already. */
+static void rbdi_gather_block(const RBD_REAL *block, int width, int rest, rbd_real *x) {
+    for (int k = 0; k < width; ++k, block += RBD_LANES)
+        if (rest >= RBD_LANES)
+            x[k] = *(const rbdi_lane_row *)block;
+        else
+            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = block[s < rest ? s : rest - 1];
+}
+static void rbdi_scatter_block(const rbd_real *x, int width, int count, RBD_REAL *block) {
+    for (int k = 0; k < width; ++k, block += RBD_LANES)
+        if (count == RBD_LANES)
+            *(rbdi_lane_row *)block = x[k];
+        else
+            for (int s = 0; s < count; ++s) block[s] = x[k][s];
+}
+
+/* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
+static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
+    return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
+}
+
+/* The inputs of the states from s on, in lanes. */
+static void rbdi_task_gather(rbdi_task *t, const rbd_batch *b, const int *width, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width[k] : NULL;
+        const int usable = !x || rbdi_usable(b, x, rest);
+        t->x[k] = usable ? (const rbd_real *)x : b->x[k];
+        if (!usable) (b->layout == RBD_BLOCKS ? rbdi_gather_block : rbdi_gather)(x, width[k], rest, b->x[k]);
+    }
+}
+
+/* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
+   them. */
+static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        t->y[k] = !out || rbdi_usable(b, out, rest) ? (rbd_real *)out : y;
+    }
+}
+static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        if ((RBD_REAL *)t->y[k] == out) continue;
+        (b->layout == RBD_BLOCKS ? rbdi_scatter_block : rbdi_scatter)(t->y[k], t->width[k], count, out);
+    }
+}
+
+/* Notes the first of these states that is singular. */
+static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
+    for (int i = 0; i < count && b->state < 0; ++i)
+        for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
+            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* judged */
+}
+
+/* Runs a call on n states; y: lanes for its outputs, one after the other. */
+static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
+                                 rbdi_task *t) {
+    const int width[RBDI_ARGUMENTS] = {rbd_nq(m), rbd_nv(m), rbd_nv(m), 6 * rbd_nb(m)};
+    rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
+    if (result) return result;
+    t->w = b->w;
+    b->state = b->dof = -1;
+    for (int s = 0; s < n; s += RBD_LANES) {
+        const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
+        rbd_status status;
+        rbdi_task_gather(t, b, width, s, n - s);
+        rbdi_task_aim(t, b, y, s, n - s);
+        status = call(m, t);
+        if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
+            return status;
+        if (status) rbdi_note_singular(m, b, s, count), result = status;
+        rbdi_task_scatter(t, b, s, count);
+    }
+    return result;
+}
+
+static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                              const RBD_REAL *f_ext) {
+    rbdi_task t;
+    t.in[0] = q, t.in[1] = v, t.in[2] = a, t.in[3] = f_ext;
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) t.out[k] = NULL, t.width[k] = 0;
+    t.w = NULL, t.more = NULL;
+    return t;
+}
+static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
+    t->out[k] = out, t->width[k] = width;
+}
+
+/* A call with one output. */
+static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                 const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                 const RBD_REAL *f_ext, RBD_REAL *out, int width) {
+    rbdi_task t = rbdi_task_of(q, v, a, f_ext);
+    rbdi_task_output(&t, 0, out, width);
+    return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
+}
+
+RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
+
+RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
+    if (!m) return 0;
+    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
+           sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
+}
+
+RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
+    unsigned char *p;
+    rbd_batch *b;
+    rbd_status status;
+    if (!m || !memory || !batch) return RBD_ERR_NULL;
+    if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
+    p = rbdi_aligned(memory);
+    b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
+    b->x[0] = (rbd_real *)rbdi_take(&p, m->nq, sizeof(rbd_real));
+    b->x[1] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->x[2] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    b->x[3] = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
+    b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
+    b->state = b->dof = -1;
+    b->layout = RBD_ROWS;
+    status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
+    if (!status) *batch = b;
+    return status;
+}
+
+RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
+    return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
+}
+
+RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
+    if (!b) return RBD_ERR_NULL;
+    b->layout = layout;
+    return RBD_OK;
+}
+
+static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+    return rbd_rnea(m, t->w, t->x[0], t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                        RBD_REAL *tau) {
+    if (!v || !a) return RBD_ERR_NULL;
+    return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
+}
+RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
+    if (!v) return RBD_ERR_NULL;
+    return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, NULL, f_ext, c, rbd_nv(m));
+}
+
+static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba(m, t->w, t->x[0], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        RBD_REAL *M) {
+    return rbdi_batch_one(rbdi_lanes_crba, m, b, n, q, NULL, NULL, NULL, M, rbd_nv(m) * rbd_nv(m));
+}
+
+static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               RBD_REAL *H) {
+    return rbdi_batch_one(rbdi_lanes_crba_packed, m, b, n, q, NULL, NULL, NULL, H, rbd_packed_size(m));
+}
+
+static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                       RBD_REAL *a) {
+    if (!v || !tau) return RBD_ERR_NULL;
+    return rbdi_batch_one(rbdi_lanes_aba, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
+}
+
+static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+    return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                               RBD_REAL *a) {
+    if (!v || !tau) return RBD_ERR_NULL;
+    return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
+}
+
+#ifndef RBDI_NO_MINVERSE
+static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+    return rbd_minverse(m, t->w, t->x[0], t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            RBD_REAL *Minv) {
+    return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
+}
+#endif
+
+#ifndef RBD_NO_POINTS
+typedef struct rbdi_lane_point {
+    int body;
+    rbd_axes axes;
+    const rbd_real *point;
+} rbdi_lane_point;
+
+static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
+    const rbdi_lane_point *p = (const rbdi_lane_point *)t->more;
+    (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
+    return rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
+}
+RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
+    rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
+    rbdi_lane_point p;
+    rbd_real lanes[3];
+    for (int k = 0; k < 3; ++k) lanes[k] = rbdi_set(point ? point[k] : RBD_C(0));
+    p.body = body, p.axes = axes, p.point = lanes;
+    t.more = &p;
+    rbdi_task_output(&t, 0, J, 6 * rbd_nv(m));
+    return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
+}
+
+static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
+    (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
+    return rbd_momentum(m, t->w, t->y[0], t->y[1]);
+}
+RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                            RBD_REAL *h_dot) {
+    rbdi_task t = rbdi_task_of(q, v, a, NULL);
+    rbdi_task_output(&t, 0, h, 6);
+    rbdi_task_output(&t, 1, h_dot, 6);
+    return rbdi_batch_run(rbdi_lanes_momentum, m, b, n, b ? b->y : NULL, &t);
+}
+#endif
+
+RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
+    if (dof) *dof = b ? b->dof : -1;
+    return b ? b->state : -1;
+}
+
+RBDI_EXTERN_C_CLOSE
+#endif /* RBD_BATCH_IMPLEMENTATION */
+
+#endif

@@ -1,0 +1,126 @@
+#ifndef RBDI_CONSTRAINTS_ASSEMBLY_H
+#define RBDI_CONSTRAINTS_ASSEMBLY_H
+#include "api/manifold.h"
+#include "constraints/weights.h"
+
+/* ---- assembly [assembly] ----
+   Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
+   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the
+   linear picture may be trusted; the last ones only close. */
+
+/* Largest magnitude of n numbers. */
+static rbd_real rbdi_largest(const rbd_real *x, int n) {
+    rbd_real largest = rbdi_zero();
+    for (int k = 0; k < n; ++k) {
+        const rbd_real y = rbdi_abs(x[k]);
+        largest = rbdi_select(rbdi_less(largest, y), y, largest);
+    }
+    return largest;
+}
+
+/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
+   one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
+   they curve, steps with it may end too late or never. */
+static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
+    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
+                   most = rbdi_set(RBDI_MOST_SHARE);
+    rbdi_mask none = rbdi_less(one, rbdi_zero());
+    rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
+    for (int k = 0; k < nv; ++k) {
+        const rbd_real weighted = c->before[k] / c->D_inverse[k];
+        square = square + weighted * c->before[k];
+        change = change + weighted * (c->before[k] / share_before - c->x[k] / share);
+    }
+    next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
+    next = rbdi_select(none, one, next); /* no step before this */
+    next = rbdi_select(rbdi_less(most, next), most, next);
+    return rbdi_select(rbdi_less(next, least), least, next);
+}
+
+/* Takes one step, with this share of the distance; returns its length. */
+static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   rbd_real *q_near, rbd_real share) {
+    const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
+    rbd_real length, k;
+    rbd_difference(m, q, q_near, c->x);
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
+    for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
+    rbdi_weighted_solve(m, c);
+    length = rbdi_largest(c->x, m->nv);
+    k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
+    rbd_integrate(m, q_near, c->x, k, q_near);
+    return length;
+}
+
+/* q_near, from q. */
+static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   rbd_real *q_near) {
+    rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
+    for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
+    rbdi_clear(c->before, m->nv);
+    for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
+        rbd_real length, next;
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
+        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
+            ++close;
+        if (close) continue;
+        next = rbdi_next_share(c, m->nv, share, share_before);
+        share_before = share, share = next;
+        for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
+    }
+    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+}
+
+RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
+                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near) {
+    const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
+    rbd_real open;
+    if (status) return status;
+    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
+    rbdi_assemble_position(m, c, q, q_near);
+    if (v) {
+        for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
+        for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
+            rbdi_clear(c->target, c->rows);
+            rbdi_weighted_solve(m, c);
+        }
+        for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
+    }
+    c->infeasible = -1;
+    open = rbdi_set(RBDI_CLOSED);
+    for (int r = 0; r < c->rows; ++r) {
+        const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
+        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+    }
+    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+}
+
+RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
+
+/* The row of the caller's that stands at `at`. */
+static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
+    int r = 0;
+    while (c->at[r] != at) ++r;
+    return r;
+}
+
+RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
+    for (int i = 0; c && i < c->n; ++i)
+        if (c->constraint[i].index == constraint) return rbdi_row_of_caller(c, c->constraint[i].row);
+    return -1;
+}
+
+RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
+    rbd_real rank = rbdi_zero();
+    for (int r = 0; c && r < c->rows; ++r)
+        rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
+    return rank;
+}
+
+RBD_API int rbd_infeasible_row(const rbd_constraints *c) {
+    return c && c->infeasible >= 0 ? rbdi_row_of_caller(c, c->infeasible) : -1;
+}
+
+#endif

@@ -1,0 +1,332 @@
+#ifndef RBDI_CONSTRAINTS_RANK_H
+#define RBDI_CONSTRAINTS_RANK_H
+#include "dynamics/pivots.h"
+#include "constraints/tolerances.h"
+#include "constraints/kinematics.h"
+#include "constraints/solution.h"
+
+/* ---- rank [rank] ----
+   Which rows are independent of each other is decided without Delta, whose condition is the square of that of
+   its rows. With Z = D^-1/2 Y, so that Delta = Z'Z,
+
+       Z P = Q R,    Delta = P R' R P'
+
+   by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
+   Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
+   it with the row in its place. So the state decides on the order, and not the order in which the caller
+   lists the constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend
+   on those that were taken: they are dropped, 1/R_tt = 0.
+
+   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the
+   first equation holds to rounding whatever the rank is, the second for all rows that were taken. For a
+   dropped row j, R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0,
+   and n'b is what R' w = b leaves of b_j. lambda loses its components along the null vectors, made
+   orthogonal one after the other (Gram and Schmidt), and has the least norm.
+
+   There is no branch on data but on whether all lanes agree, so that lanes may differ in order and rank. */
+
+static rbdi_mask rbdi_is_index(rbd_real x, int k) {
+    return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
+                    rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
+}
+
+static rbdi_mask rbdi_dropped(const rbd_constraints *c, int t) {
+    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
+}
+
+/* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
+   n - 1 other x, `next` apart. */
+static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step, int n, int next) {
+    for (int j = t + 1; j < c->rows; ++j) {
+        const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
+        rbd_real *a = x + t * step, *b = x + j * step;
+        if (!rbdi_any(here)) continue;
+        for (int k = 0; k < n; ++k, a += next, b += next) {
+            const rbd_real old = *a;
+            *a = rbdi_select(here, *b, old);
+            *b = rbdi_select(here, old, *b);
+        }
+    }
+}
+
+/* All exchanges: to the order of R, or back. */
+static void rbdi_to_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
+}
+static void rbdi_from_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
+}
+
+/* Of each row from t on the square of what is independent of the rows taken. */
+static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
+    for (int j = t; j < c->rows; j += RBDI_BATCH) {
+        rbdi_batch sum = rbdi_zero_batch();
+        for (int k = t; k < nv; ++k) {
+            const rbdi_batch z = *(const rbdi_batch *)&c->D[k * c->stride + j];
+            sum = sum + z * z;
+        }
+        *(rbdi_batch *)&c->square[j] = sum;
+    }
+}
+
+/* Chooses the row of which the largest share is independent, and exchanges it with row t. */
+static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
+    rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
+    for (int j = t + 1; j < c->rows; ++j) {
+        const rbd_real share = c->square[j] * c->share[j];
+        const rbdi_mask more = rbdi_less(best * RBDI_CLEARLY_MORE, share);
+        best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
+    }
+    c->chosen[t] = at;
+    rbdi_exchange(c, t, c->D, 1, nv, c->stride);
+    rbdi_exchange(c, t, c->square, 1, 1, 0);
+    rbdi_exchange(c, t, c->share, 1, 1, 0);
+}
+
+/* Householder's reflection that leaves of column t but R_tt nothing below row t. */
+static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
+    const int stride = c->stride;
+    rbd_real *Z = c->D, *v = c->stack;
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
+                   R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
+                   scale = rbdi_reciprocal(length * (length + rbdi_abs(head)), RBDI_TINY, &none);
+    for (int k = t; k < nv; ++k) v[k] = Z[k * stride + t];
+    v[t] = head - R;
+    for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
+        rbdi_batch sum = rbdi_zero_batch();
+        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * v[k];
+        sum = sum * scale;
+        for (int k = t; k < nv; ++k) {
+            rbdi_batch *z = (rbdi_batch *)&Z[k * stride + j];
+            *z = *z - sum * v[k];
+        }
+    }
+    Z[t * stride + t] = R;
+}
+
+/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
+static rbd_real rbdi_row_noise(const rbd_constraints *c) {
+    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
+}
+
+/* By Householder: R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
+static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
+    const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
+    rbdi_mask taken = rbdi_less(rbdi_zero(), one);
+    for (int k = 0; k < nv; ++k) {
+        const rbd_real root = rbdi_sqrt(c->D_inverse[k]);
+        for (int j = 0; j < c->stride; j += RBDI_BATCH)
+            *(rbdi_batch *)&c->D[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
+    }
+    if (c->rows > nv) rbdi_clear(&c->D[nv * c->stride], (c->rows - nv) * c->stride);
+    rbdi_independent_squares(c, nv, 0);
+    for (int r = 0; r < c->rows; ++r) {
+        rbdi_mask none = rbdi_less(one, rbdi_zero());
+        c->share[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
+        c->inverse[r] = rbdi_zero(), c->chosen[r] = rbdi_set(RBD_C(r));
+    }
+    for (int t = 0; t < steps; ++t) {
+        if (t > 0) rbdi_independent_squares(c, nv, t);
+        rbdi_choose_row(c, nv, t);
+        taken = rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->share[t], rbdi_set(RBDI_RANK))));
+        if (!rbdi_any(taken)) return;
+        rbdi_reflect(c, nv, t);
+        c->inverse[t] =
+            rbdi_select(taken, one / rbdi_select(taken, c->D[t * c->stride + t], one), rbdi_zero());
+    }
+}
+
+/* x -= l u + n v, in whole batches. */
+RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
+                                   int count) {
+    for (int j = 0; j < count; j += RBDI_BATCH)
+        *(rbdi_batch *)&x[j] =
+            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
+}
+
+/* Row i of Delta loses what the rows of R before it give, two at a time. */
+RBDI_INLINE void rbdi_subtract_past(const rbd_constraints *c, int i) {
+    rbd_real *row = &c->D[i * c->stride + i];
+    const int count = c->rows - i;
+    for (int t = 0; t < i; t += 2) {
+        const rbd_real *u = &c->D[t * c->stride + i], *v = t + 1 < i ? u + c->stride : u;
+        rbdi_subtract_two(row, u[0], u, t + 1 < i ? v[0] : rbdi_zero(), v, count);
+    }
+}
+
+/* Rows of Delta = Y' D^-1 Y from the diagonal on, of a constraint and those behind it, three at a time. */
+static void rbdi_delta_rows(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
+    const int n = rbdi_lay_path(m, c, k), last = k->row + k->rows - 1;
+    for (int i0 = k->row; i0 <= last; i0 += 3) {
+        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
+        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
+        for (int j = i0; j < c->rows; j += RBDI_BATCH) {
+            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
+            for (int t = 0; t < n; ++t) {
+                const rbd_real *y = c->Y + c->path[t];
+                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->stack[t];
+                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
+            }
+            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
+        }
+    }
+}
+
+/* By Cholesky, Delta = R'R: the same where no row is in doubt. Returns 0 if one is. */
+static int rbdi_delta_factor(const rbd_model *m, rbd_constraints *c) {
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) rbdi_delta_rows(m, c, k);
+    for (int t = 0; t < c->rows; ++t) c->diagonal[t] = (c->D[t * c->stride + t] + noise) * RBDI_CLEAR;
+    for (int t = 0; t < c->rows; ++t) {
+        rbd_real *R = &c->D[t * c->stride];
+        rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[t], R[t])));
+        c->inverse[t] = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+        for (int j = t; j < c->rows; j += RBDI_BATCH)
+            *(rbdi_batch *)&R[j] = *(const rbdi_batch *)&R[j] * c->inverse[t];
+        if (t + 1 < c->rows) rbdi_subtract_past(c, t + 1);
+    }
+    return !rbdi_any(doubt);
+}
+
+/* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
+static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
+    n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+    for (int i = t - 1; i >= 0; --i)
+        n[i] = -c->inverse[i] * rbdi_rows_product(&c->D[i * c->stride + i + 1], &n[i + 1], t - i);
+}
+
+/* It is kept as row t of c->D, in the lanes that have no other use for that. */
+static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
+    const rbdi_mask dropped = rbdi_dropped(c, t);
+    rbd_real *to = &c->D[t * c->stride];
+    for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
+}
+static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
+    const rbdi_mask dropped = rbdi_dropped(c, t);
+    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->D[t * c->stride + j], rbdi_zero());
+}
+
+/* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
+static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
+    rbdi_mask none = rbdi_less(n[0], n[0]);
+    const rbd_real share =
+        rbdi_rows_product(n, x, count) * rbdi_reciprocal(rbdi_rows_product(n, n, count), RBD_C(0.5), &none);
+    for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
+}
+
+static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
+
+/* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
+   that come with them. */
+static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
+    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
+    const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
+                   v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
+                   p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+    const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
+                   moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
+    return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+}
+
+/* By how much the right-hand sides may contradict each other: c->demand; it and
+   c->target are in the order of R then. */
+static void rbdi_bound_demand(rbd_constraints *c) {
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
+        for (int r = k->row; r < k->row + k->rows; ++r)
+            c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
+    }
+    rbdi_to_order(c, c->demand, 1, 1, 0);
+    rbdi_to_order(c, c->target, 1, 1, 0);
+}
+
+/* Notes the row that stands at t if the targets have a component along its null vector n. */
+static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
+    rbd_real bound = rbdi_zero();
+    rbdi_mask bad;
+    for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
+    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))));
+    if (!rbdi_any(bad)) return;
+    for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
+    rbdi_to_order(c, c->share, 1, 1, 0);
+    for (int r = 0; r < c->rows; ++r)
+        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
+            (c->infeasible < 0 || r < c->infeasible))
+            c->infeasible = r;
+}
+
+/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+static void rbdi_null_space(const rbd_constraints *c) {
+    rbd_real *n = c->square, *before = c->share;
+    for (int t = 0; t < c->rows; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_null_vector(c, t, n);
+        for (int i = 0; i < t; ++i) {
+            if (!rbdi_any(rbdi_dropped(c, i))) continue;
+            rbdi_load_null(c, i, before);
+            rbdi_project(before, n, i + 1);
+        }
+        rbdi_keep_null(c, t, n);
+    }
+}
+
+/* x loses its components along all null vectors. */
+static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
+    for (int t = 0; c->exchanged && t < c->rows; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_load_null(c, t, c->square);
+        rbdi_project(c->square, x, t + 1);
+    }
+}
+
+/* Notes the first row that contradicts others. */
+static void rbdi_check_rows(rbd_constraints *c) {
+    rbdi_bound_demand(c);
+    for (int t = 0; t < c->rows; ++t) {
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        rbdi_load_null(c, t, c->square);
+        rbdi_check_row(c, t, c->square);
+    }
+}
+
+/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement
+   before: b loses its components along the null vectors, too. check: whether to note where they do not
+   agree. */
+static void rbdi_solve_lambda(rbd_constraints *c, int check) {
+    rbd_real *x = c->lambda;
+    c->infeasible = -1;
+    rbdi_to_order(c, c->b, 1, 1, 0);
+    if (c->exchanged) rbdi_null_space(c);
+    if (c->exchanged && check) rbdi_check_rows(c);
+    rbdi_project_rows(c, c->b);
+    for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *R = &c->D[t * c->stride];
+        x[t] = c->b[t] * c->inverse[t];
+        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
+            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
+    }
+    for (int t = c->rows - 1; t >= 0; --t)
+        x[t] = c->inverse[t] *
+               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
+    rbdi_project_rows(c, x);
+    rbdi_from_order(c, x, 1, 1, 0);
+}
+
+RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
+    for (int r = 0; r < rows; ++r) out[r] = x[at[r]];
+}
+
+/* lambda in the caller's order; what a call returns, status of the pivots being known. */
+static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c, rbd_status status,
+                                          rbd_real *lambda) {
+    if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
+    if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);
+    if (status) return status;
+    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+}
+
+#endif

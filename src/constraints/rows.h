@@ -1,0 +1,89 @@
+#ifndef RBDI_CONSTRAINTS_ROWS_H
+#define RBDI_CONSTRAINTS_ROWS_H
+#include "dynamics/crba.h"
+#include "constraints/kinematics.h"
+
+/* ---- rows [rows] ---- */
+
+/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
+RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
+                                        rbdi_v3 linear) {
+    if (sign < 0 || dof >= m->nv) {
+        const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
+        angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
+    }
+    rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
+}
+
+/* The columns of the dofs of a link that carries the point p. */
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                      const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
+    const rbdi_link *l = &m->link[link];
+    const rbdi_pose X = c->w->kin[link].X;
+    const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
+    if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
+        rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
+    } else if (l->kind == RBDI_SCREW) {
+        const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
+        rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
+    } else {
+        const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
+        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s)
+            rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
+                                   s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
+    }
+}
+
+/* Calls visit for every link that moves one of the two bodies only: those on both paths cancel. */
+#define RBDI_FOR_PATHS(m, k, link, sign) \
+    for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
+         link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
+         sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+
+/* Poses of the links on a path, all or those of strands, and, if moving, velocities of their origins; all
+   turn as is known. */
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving,
+                              int all) {
+    const rbdi_link *l = m->link;
+    const int end = all ? m->nl : c->posed;
+    for (int i = 0, first = 0; i <= end; ++i, ++l) {
+        if (i < end && (all ? c->span[rbdi_source(m, l->iv)].end : c->piece[i].posed) > 0) continue;
+        if (i > first) rbdi_kin_links(m, c->w, first, i, v, moving);
+        first = i + 1;
+    }
+}
+
+/* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
+   with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
+   there already. */
+RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, const rbd_real *v,
+                                       const rbd_real *a, rbdi_c3 gravity, int wrench) {
+    rbd_work *w = c->w;
+    const rbdi_state world = rbdi_world_state(gravity);
+    rbdi_state s = world;
+    c->world = world.acc;
+    w->have_kinematics = 0;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
+        w->kin[i].state = s;
+    }
+    rbdi_kin_of_paths(m, c, v, 1, 1);
+}
+
+/* Before the rows of all constraints. */
+static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
+    rbdi_clear(c->Y, m->nv * c->stride);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+}
+
+/* Y = J', gamma, and what else is wanted, of a constraint. */
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, int want) {
+    rbdi_axes_held h;
+    rbdi_v3 p;
+    rbdi_set_axes(c, k, &h);
+    p = rbdi_constraint_motion(c, k, &h, want, 0);
+    RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
+}
+
+#endif

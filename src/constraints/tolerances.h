@@ -1,0 +1,59 @@
+#ifndef RBDI_CONSTRAINTS_TOLERANCES_H
+#define RBDI_CONSTRAINTS_TOLERANCES_H
+#include "api/parts.h"
+
+/* ---- tolerances [tolerances] ---- */
+
+/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both
+   equations then hold to 1e-11 of their terms.
+   RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
+   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
+   leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
+   lightest joints magnify them: such a row moves nothing but for rounding.
+   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
+   terms: drift contradicts itself by that.
+   RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
+   entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_CLEAR 1e-5
+#define RBDI_MOTIONLESS 2e-13
+#define RBDI_RANK 1e-20
+#define RBDI_SOUND 1e-3
+#define RBDI_ADDED 1e2
+#define RBDI_FEASIBLE 1e-6
+#define RBDI_SHORT_STEP 1e-12
+#define RBDI_CLOSED 1e-9
+
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_CLEAR 1e-3f
+#define RBDI_MOTIONLESS 4e-6f
+#define RBDI_RANK 1e-8f
+#define RBDI_SOUND 1e-2f
+#define RBDI_ADDED 1e2f
+#define RBDI_FEASIBLE 1e-2f
+#define RBDI_SHORT_STEP 1e-5f
+#define RBDI_CLOSED 1e-4f
+
+#else
+#define RBDI_CLEAR RBD_C(1e-10)
+#define RBDI_MOTIONLESS RBD_C(2e-31)
+#define RBDI_RANK RBD_C(1e-54)
+#define RBDI_SOUND RBD_C(1e-3)
+#define RBDI_ADDED RBD_C(1e2)
+#define RBDI_FEASIBLE RBD_C(1e-12)
+#define RBDI_SHORT_STEP RBD_C(1e-24)
+#define RBDI_CLOSED RBD_C(1e-12)
+
+#endif
+
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
+
+/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
+   below RBDI_CLOSED. */
+#define RBDI_LONGEST_STEP RBD_C(0.5)
+#define RBDI_LEAST_SHARE RBD_C(1e-3)
+#define RBDI_MOST_SHARE RBD_C(10)
+#define RBDI_NEARING_STEPS 200
+#define RBDI_CLOSING_STEPS 3
+
+#endif

@@ -1,0 +1,56 @@
+#ifndef RBDI_CONSTRAINTS_WEIGHTS_H
+#define RBDI_CONSTRAINTS_WEIGHTS_H
+#include "constraints/calls.h"
+
+/* ---- weights [weights] ----
+   With a diagonal matrix D in place of M the same steps solve other problems, L = 1. Least squares: x + D^-1
+   J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
+
+/* n weights are above 0; NULL: all are 1. */
+static int rbdi_weights_fit(const rbd_const *weight, int n) {
+    for (int k = 0; weight && k < n; ++k)
+        if (!(weight[k] > 0)) return 0;
+    return 1;
+}
+
+/* x += D^-1 J' lambda, of least norm, J x = target. */
+static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_reduce_constraint(m, c, k, NULL);
+    rbdi_multipliers(m, c, NULL, 0);
+}
+
+/* Without a motor: what is not said to have one; by default floating joints at a root. */
+static int rbdi_is_passive(const rbd_model *m, const int *actuated, int k) {
+    const rbdi_frame *u = &m->frame[m->dof[k].body];
+    return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
+}
+
+RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
+                                      rbd_real *lambda) {
+    const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    if (status) return status;
+    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_GAIN;
+    rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
+    rbdi_constraint_rows_at(m, c, q, NULL, 0);
+    for (int r = 0; r < c->rows; ++r)
+        c->u[c->at[r]] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+    for (int k = 0; k < m->nv; ++k) {
+        const int passive = rbdi_is_passive(m, actuated, k);
+        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
+        tau[k] = c->x[k];
+        c->x[k] = passive ? -tau[k] : rbdi_zero();
+        c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
+    }
+    rbdi_clear(c->target, c->rows);
+    rbdi_weighted_solve(m, c);
+    for (int k = 0; k < m->nv; ++k)
+        tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]] * c->u[c->at[r]];
+    c->infeasible = -1; /* least squares always have a solution */
+    return RBD_OK;
+}
+
+#endif

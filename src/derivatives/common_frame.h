@@ -1,0 +1,446 @@
+#ifndef RBDI_DERIVATIVES_COMMON_FRAME_H
+#define RBDI_DERIVATIVES_COMMON_FRAME_H
+#include "motion/axes.h"
+#include "derivatives/layout.h"
+
+RBDI_CODE_BEGIN
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
+#else
+#define RBDI_UNROLL_SUMS
+#endif
+
+/* ---- common frame [common frame] ----
+   All spatial quantities of a tree in one frame: world axes, origin in the first rotating link from the root,
+   at this instant moving with that link's origin (any frame that moves uniformly gives the same matrices;
+   this one keeps a root's place and velocity out of the differences of which small inertias are made). The
+   world then moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
+   else is independent from dof to dof: the dofs, in the solver's order, are the SIMD lanes.
+
+   A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
+   R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
+
+       S = (rho ez; rho x x ez + kappa ez)         revolute: rho, kappa = 1, 0; sliding 0, 1; screw 1, pitch
+       Psi = V_p x S                               V = V_p + sum over the joint of S qd
+       U = Psi + V x S                             (one dof: 2 Psi)
+       Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
+                                                   A of the world: (0; -gravity)
+
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x (the regrouped
+   constants of the model will do: whatever moves alike has the same momentum and force), and with acc = a +
+   omega x v and Omega = [omega_dot]x + [omega]x [omega]x
+
+       X = [omega]x Sigma + v h'    the integral of x_dot x' dm
+       P = m v + omega x h          linear momentum
+       f = wrench (n; f) of rbd.h's [state], less the external ones
+
+   27 numbers and m, summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
+   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link every dof has the columns
+
+       F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
+
+   and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
+
+   A free base, of whose six dofs all others are behind (d->base), can have its own axes for the frame's.
+   There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
+   + w x v - gravity). Of its dofs, e a unit vector, are then
+
+       turns   U = (w x e; e x v), Psi = (0; e x v), Phi = (0; (A - v_dot) x e)      shifts   U = (0; w x e)
+   Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
+   B. */
+
+#if RBDI_BATCH > 1
+typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
+#else
+typedef rbd_const rbdi_cbatch;
+#endif
+
+typedef struct rbdi_b3 {
+    rbdi_batch x, y, z;
+} rbdi_b3;
+
+typedef struct rbdi_bmotion {
+    rbdi_b3 omega, v;
+} rbdi_bmotion;
+
+typedef struct rbdi_bforce {
+    rbdi_b3 n, f;
+} rbdi_bforce;
+
+/* What is summed over subtrees, in nines. */
+typedef struct rbdi_sums {
+    rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
+    rbdi_b3 h;
+    rbdi_b3 Xx, Xy, Xz; /* rows of X */
+    rbdi_b3 P;
+    rbdi_bforce f;
+} rbdi_sums;
+
+struct rbdi_columns {
+    rbdi_b3 ex, ey, ez, x;
+    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise; their order counts in
+                                                    rbdi_sum_ancestors */
+    rbdi_sums sum;
+    rbdi_bforce F, D, E;
+    rbdi_b3 T;
+    rbdi_batch qd, qdd;
+};
+
+struct rbdi_constants {
+    rbdi_cbatch xx, xy, xz, yy, yz, zz, hx, hy, hz, m; /* regrouped: of a link's last dof, else 0 */
+    rbdi_cbatch subtree;                               /* mass of the subtree */
+    rbdi_cbatch rho, kappa;
+    rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* of the bodies as described, no mass moved between links */
+};
+
+typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
+typedef char
+    rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
+
+RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
+    rbdi_b3 v;
+    v.x = x, v.y = y, v.z = z;
+    return v;
+}
+RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
+/* c + k a and c + a x b: sums before products are contracted to FMA best. */
+RBDI_INLINE rbdi_b3 rbdi_b_scale_add(rbdi_b3 c, rbdi_batch k, rbdi_b3 a) {
+    return rbdi_b_vec(c.x + k * a.x, c.y + k * a.y, c.z + k * a.z);
+}
+RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 c, rbdi_b3 a, rbdi_b3 b) {
+    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_b3 rbdi_b_cross(rbdi_b3 a, rbdi_b3 b) {
+    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
+    a.omega = rbdi_b_add(a.omega, b.omega);
+    a.v = rbdi_b_add(a.v, b.v);
+    return a;
+}
+/* V x S, and with c added. */
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
+    c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
+    c.v = rbdi_b_cross_add(rbdi_b_cross_add(c.v, V.v, S.omega), V.omega, S.v);
+    return c;
+}
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
+    rbdi_bmotion c;
+    c.omega = rbdi_b_cross(V.omega, S.omega);
+    c.v = rbdi_b_cross_add(rbdi_b_cross(V.v, S.omega), V.omega, S.v);
+    return c;
+}
+
+/* Scalars of a dof, one lane of its batch: the first component of a field. From one component to the next are
+   RBDI_BATCH scalars. */
+#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
+    return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
+}
+RBDI_INLINE void rbdi_store_vec(rbd_real *a, rbdi_v3 v) {
+    a[0] = v.x, a[RBDI_BATCH] = v.y, a[2 * RBDI_BATCH] = v.z;
+}
+RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a) {
+    rbdi_motion V;
+    V.omega = rbdi_load_vec(a), V.v = rbdi_load_vec(a + 3 * RBDI_BATCH);
+    return V;
+}
+RBDI_INLINE void rbdi_store_motion(rbd_real *a, rbdi_motion V) {
+    rbdi_store_vec(a, V.omega), rbdi_store_vec(a + 3 * RBDI_BATCH, V.v);
+}
+
+RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
+    return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
+}
+
+/* Where dof k of a link has its axis among x, y, z. */
+RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
+    return l->kind == RBDI_BLOCK ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
+}
+
+/* Pose of a link in the common frame, x_link = E (x - r): its last dof has it, the axes turned if that dof's
+   own is not z, which is so in planar joints only. */
+RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
+    const rbdi_link *l = &m->link[link];
+    const int last = rbdi_last_dof(m, link);
+    const rbd_real *in = RBDI_OF(d, last, ex);
+    rbdi_v3 ex = rbdi_load_vec(in), ey = rbdi_load_vec(in + 3 * RBDI_BATCH),
+            ez = rbdi_load_vec(in + 6 * RBDI_BATCH);
+    rbdi_pose X;
+    if (rbdi_dof_axis(m, l, last) != 2) {
+        const rbdi_v3 turned = ex;
+        ex = ey, ey = ez, ez = turned;
+    }
+    X.E.xx = ex.x, X.E.xy = ex.y, X.E.xz = ex.z;
+    X.E.yx = ey.x, X.E.yy = ey.y, X.E.yz = ey.z;
+    X.E.zx = ez.x, X.E.zy = ez.y, X.E.zz = ez.z;
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    return X;
+}
+
+/* To one of the link's dofs, x to z in such an order that the last is the dof's own axis. */
+RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_axis *x, const rbdi_axis *y, const rbdi_axis *z,
+                               const rbdi_axis *origin) {
+    rbdi_store_vec(out, rbdi_axis_vec(x));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, rbdi_axis_vec(y));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
+}
+
+/* The common origin moves from the root's own to link i's. */
+RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
+    for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
+        rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
+}
+
+/* To the dofs of a block from k on. */
+RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
+                                     const rbdi_axes *p) {
+    for (; k < d->entry[l->first].joint; ++k) {
+        rbd_real *out = RBDI_OF(d, k, ex);
+        const int axis = rbdi_dof_axis(m, l, k);
+        if (axis == 0)
+            rbdi_put_axes(out, &p->y, &p->z, &p->x, &p->origin);
+        else if (axis == 1)
+            rbdi_put_axes(out, &p->z, &p->x, &p->y, &p->origin);
+        else
+            rbdi_put_axes(out, &p->x, &p->y, &p->z, &p->origin);
+    }
+}
+
+/* Axes and origins of all links; base: in the base's axes. */
+RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
+    const int known = base ? 0 : -1; /* the last link that is where the root is */
+    rbdi_axes p;
+    rbdi_world_axes(&p);
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent <= known) {
+            rbdi_world_axes(&p);
+        } else if (l->parent != i - 1) {
+            const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
+            rbdi_load_axes(&p, &parent);
+        }
+        if (l->kind != RBDI_BLOCK)
+            RBDI_BY_FORM(form, l, rbdi_axes_step(l, form, rbdi_trig_of(m, d->work, i, form), &p));
+        else if (i > 0 || !base)
+            rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
+        if (d->origin[i] >= 0) {
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
+            rbdi_set_axis(&p.origin, rbdi_vec0());
+        }
+        if (l->kind == RBDI_BLOCK)
+            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &p);
+        else
+            rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
+    }
+}
+
+/* S of the dofs from a batch on. */
+RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
+    for (; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        const rbdi_b3 z = rbdi_b_vec(c->ez.x * k->rho, c->ez.y * k->rho, c->ez.z * k->rho);
+        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * k->kappa, c->ez.y * k->kappa, c->ez.z * k->kappa);
+        c->S.omega = z;
+        c->S.v = rbdi_b_cross_add(slide, c->x, z);
+    }
+}
+
+/* Sums over ancestors: Vp or Ap, of dV or dA, which begin so far apart; world: that of the roots' parent, or
+   with base that of its link. Where the frame moves with its origin's link, that is what the velocities
+   before it add up to. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
+                                    rbdi_motion world, int moves) {
+    const rbdi_entry *entry = d->entry;
+    if (base) {
+        rbdi_store_motion(Vp + entry[base - 1].at, world);
+        rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
+    }
+    for (const rbdi_run *r = d->run + (base > 0), *last = d->run + d->runs; r < last; ++r) {
+        rbdi_motion V = world;
+        if (r->parent >= base) {
+            const rbd_real *in = Vp + entry[r->parent].at;
+            V = rbdi_motion_add(rbdi_load_motion(in), rbdi_load_motion(in + apart));
+        }
+        for (int k = r->first; moves && k < r->origin; ++k)
+            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH));
+        if (r->block) {
+            rbdi_motion all = rbdi_motion0();
+            for (int k = r->first; k < r->end; ++k)
+                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart));
+            for (int k = r->first; k < r->end; ++k) {
+                rbdi_store_motion(Vp + entry[k].at, V);
+                rbdi_store_motion(Vp + entry[k].at + apart, all);
+            }
+            continue;
+        }
+        for (int k = r->first; k < r->end; ++k) {
+            rbd_real *out = Vp + entry[k].at;
+            RBDI_ONE_INDEX(out);
+            rbdi_store_motion(out, V);
+            V = rbdi_motion_add(V, rbdi_load_motion(out + apart));
+        }
+    }
+}
+
+/* Components of v, or a, in whose order the lanes are, from k on: 0 or a free base's end. */
+RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
+    const int n = d->n;
+    for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
+    out += d->behind * RBDI_COLUMN * RBDI_BATCH;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
+        *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
+    for (; k < n; ++k) *out++ = v[k];
+}
+
+/* What the layer is asked for beyond F, which needs q only. */
+enum {
+    RBDI_NEED_V = 1,        /* D and T, from v */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
+    RBDI_NEED_CORIOLIS = 4, /* X and P not of 2 V, and U = V x S: B instead of 2 B */
+    RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
+};
+
+/* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */
+RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
+                                 int need) {
+    const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
+    rbdi_motion V = rbdi_motion0();
+    if (base) V.omega = d->V.omega;
+    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+    for (int b = first; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
+        c->dV.v = rbdi_b_scale(c->qd, c->S.v);
+    }
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, V, 1);
+    for (int b = first; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
+        if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
+    }
+    if (!(need & RBDI_NEED_V)) return;
+    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r)
+        for (int k = r->first; r->block && k < r->end; ++k) {
+            const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
+            rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
+            U.v = rbdi_add(U.v, rbdi_add(rbdi_cross(J.v, S.omega), rbdi_cross(J.omega, S.v)));
+            U.omega = rbdi_add(U.omega, rbdi_cross(J.omega, S.omega));
+            rbdi_store_motion(RBDI_OF(d, k, U), U);
+        }
+}
+
+/* A_p, dA and Phi, the world accelerating upward by -gravity. */
+RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *a,
+                                    rbdi_c3 gravity) {
+    const int first = base ? d->behind : 0;
+    rbdi_motion A = rbdi_motion0();
+    A.v = rbdi_sub(A.v, rbdi_vec_c(gravity));
+    if (base) {
+        A = rbdi_motion_from_array(a);
+        A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
+    }
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = first; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
+        c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
+    }
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
+}
+
+/* Sigma and h of the links. */
+RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
+    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
+    rbdi_b3 h =
+        rbdi_b_vec(ex.x * k->hx + ey.x * k->hy + ez.x * k->hz, ex.y * k->hx + ey.y * k->hy + ez.y * k->hz,
+                   ex.z * k->hx + ey.z * k->hy + ez.z * k->hz); /* R h_b */
+    const rbdi_b3 a =
+        rbdi_b_vec(ex.x * k->xx + ey.x * k->xy + ez.x * k->xz, ex.y * k->xx + ey.y * k->xy + ez.y * k->xz,
+                   ex.z * k->xx + ey.z * k->xy + ez.z * k->xz);
+    const rbdi_b3 b =
+        rbdi_b_vec(ex.x * k->xy + ey.x * k->yy + ez.x * k->yz, ex.y * k->xy + ey.y * k->yy + ez.y * k->yz,
+                   ex.z * k->xy + ey.z * k->yy + ez.z * k->yz);
+    const rbdi_b3 e =
+        rbdi_b_vec(ex.x * k->xz + ey.x * k->yz + ez.x * k->zz, ex.y * k->xz + ey.y * k->yz + ez.y * k->zz,
+                   ex.z * k->xz + ey.z * k->yz + ez.z * k->zz); /* (a b e) = R Sigma_b */
+    s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
+    s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = a.x * ex.z + b.x * ey.z + e.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = a.y * ex.y + b.y * ey.y + e.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = a.y * ex.z + b.y * ey.z + e.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
+}
+
+/* X and P of the links, V being theirs or, for 2 B in place of B, twice that. */
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
+    const rbdi_b3 w = V.omega, v = V.v, h = s->h;
+    const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
+                  z = rbdi_b_vec(s->xz, s->yz, s->zz);
+    s->Xx = rbdi_b_vec(w.y * z.x - w.z * y.x + v.x * h.x, w.y * z.y - w.z * y.y + v.x * h.y,
+                       w.y * z.z - w.z * y.z + v.x * h.z);
+    s->Xy = rbdi_b_vec(w.z * x.x - w.x * z.x + v.y * h.x, w.z * x.y - w.x * z.y + v.y * h.y,
+                       w.z * x.z - w.x * z.z + v.y * h.z);
+    s->Xz = rbdi_b_vec(w.x * y.x - w.y * x.x + v.z * h.x, w.x * y.y - w.y * x.y + v.z * h.y,
+                       w.x * y.z - w.y * x.z + v.z * h.z);
+    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * k->m, v.y * k->m, v.z * k->m), w, h);
+}
+
+/* Rows of Omega. */
+typedef struct rbdi_b33 {
+    rbdi_b3 x, y, z;
+} rbdi_b33;
+RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 al) {
+    rbdi_b33 O;
+    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - al.z, w.x * w.z + al.y);
+    O.y = rbdi_b_vec(w.x * w.y + al.z, -(w.x * w.x + w.z * w.z), w.y * w.z - al.x);
+    O.z = rbdi_b_vec(w.x * w.z - al.y, w.y * w.z + al.x, -(w.x * w.x + w.y * w.y));
+    return O;
+}
+
+/* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
+RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *k, rbdi_sums *s) {
+    const rbdi_b3 h = s->h, acc = rbdi_b_cross_add(A.v, V.omega, V.v);
+    const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
+    const rbdi_b3 n =
+        rbdi_b_vec(O.z.x * s->xy + O.z.y * s->yy + (O.z.z - O.y.y) * s->yz - O.y.x * s->xz - O.y.z * s->zz,
+                   O.x.y * s->yz + (O.x.x - O.z.z) * s->xz + O.x.z * s->zz - O.z.x * s->xx - O.z.y * s->xy,
+                   O.y.x * s->xx + (O.y.y - O.x.x) * s->xy + O.y.z * s->xz - O.x.y * s->yy - O.x.z * s->yz);
+    s->f.n = rbdi_b_cross_add(n, h, acc);
+    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * k->m,
+                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * k->m,
+                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
+}
+
+/* As many of them as need asks for. */
+RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
+    out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
+    out->h = s->h;
+    if (need & RBDI_NEED_V) out->Xx = s->Xx, out->Xy = s->Xy, out->Xz = s->Xz, out->P = s->P;
+    if (need & RBDI_NEED_WRENCH) out->f = s->f;
+}
+
+/* Subtracts external wrenches from those of the links. */
+RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, const rbd_real *f_ext) {
+    const int bodies = f_ext ? m->nb : 0;
+    for (int b = 0; b < bodies; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_pose X;
+        rbdi_force F;
+        rbd_real *out;
+        if (u->link < 0) continue;
+        X.E = rbdi_mat_c(u->E);
+        X.r = rbdi_vec_c(u->r);
+        F = rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)); /* to the link */
+        X = rbdi_common_pose(m, d, u->link);
+        F = rbdi_force_up_block(&X, F);
+        out = RBDI_OF(d, rbdi_last_dof(m, u->link), sum.f);
+        rbdi_store_force(out, RBDI_BATCH, rbdi_force_sub(rbdi_load_force(out, RBDI_BATCH), F));
+    }
+}
+
+#endif

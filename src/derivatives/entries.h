@@ -1,0 +1,456 @@
+#ifndef RBDI_DERIVATIVES_ENTRIES_H
+#define RBDI_DERIVATIVES_ENTRIES_H
+#include "derivatives/common_frame.h"
+
+/* ---- entries [entries] ----
+   For dof j and every dof i of an ancestor link, and of its own where not said otherwise:
+
+       M_ij = S_i' F_j                M_ji = M_ij
+       dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
+       dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
+
+   and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
+   with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
+   from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
+   those of its subtree, by the left one. */
+
+/* The caller's matrices: derivatives by q and v, or C, and M; and which of them are wanted. */
+enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
+enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
+typedef struct rbdi_wanted {
+    rbd_real *at[RBDI_RESULTS];
+} rbdi_wanted;
+
+/* a' x + b' y, vectors of a batch with those of one dof, and with c added. */
+RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
+RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
+    return c + a.x * x.x + a.y * x.y + a.z * x.z;
+}
+RBDI_INLINE rbdi_batch rbdi_b_dots(rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
+    return rbdi_b_dot_add(rbdi_b_dot(a, x), b, y);
+}
+RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
+    return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
+}
+
+/* Entries of the dof of F and T, with those before it on its path. */
+RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
+                                     rbdi_batch y[RBDI_RESULTS]) {
+    if (want & RBDI_WANT_Q)
+        y[RBDI_BY_Q] = rbdi_b_dots_add(rbdi_b_dot(c->Psi.omega, T), c->Phi.omega, F.n, c->Phi.v, F.f);
+    if (want & RBDI_WANT_V)
+        y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
+}
+/* Entries of the dof of S, with those of its subtree. */
+RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
+                                     rbdi_batch y[RBDI_RESULTS]) {
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dots(c->D.n, S.omega, c->D.f, S.v);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->F.n, S.omega, c->F.f, S.v);
+}
+
+/* n scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+    int k = 0;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    if (k > 0 && k < n) /* the last ones as a whole batch again */
+        *(rbdi_batch *)&y[n - RBDI_BATCH] = *(const rbdi_batch *)&x[n - RBDI_BATCH];
+    else
+        for (; k < n; ++k) y[k] = x[k];
+}
+
+/* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
+RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
+                              ptrdiff_t stride, rbdi_wanted out) {
+    const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+    for (int r = 0; r < RBDI_RESULTS; ++r) {
+        rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
+        if (to) *to = *to + y[r * stride] * g;
+    }
+}
+
+#if RBDI_BATCH > 1
+/* Lists of a dof's relatives, one behind the other. */
+RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
+RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
+    return d->kin + d->entry[i].source * rbdi_kin_length(d);
+}
+
+/* Mask of the lanes whose bits begin at first. */
+RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
+    rbdi_bits lanes;
+    for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
+    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
+                       lanes); /* not from a table: loads are what takes time */
+}
+/* Puts what is wanted of a batch into a row. */
+RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
+                                ptrdiff_t at) {
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
+    }
+}
+
+/* Row of the dof at e, from that behind a free base on: the batches of its relatives. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+                              int want, rbdi_wanted row) {
+    const rbd_real *x = (const rbd_real *)columns;
+    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    const rbdi_batch zero = rbdi_zero_batch();
+    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
+    if (k->at >= 0) {
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        do {
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
+    for (++k; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
+        rbdi_entries_before(c, want, F, T, y);
+        rbdi_entries_behind(c, want, S, z);
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+        }
+    }
+    if ((++k)->at >= 0) {
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        do {
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
+}
+RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
+    const rbdi_batch zero = {0};
+    for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
+}
+
+/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
+   Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
+RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
+    const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
+    const ptrdiff_t length = rbdi_kin_length(&d);
+    const rbdi_relatives *kin = d.kin + d.base * length;
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += length) {
+        const rbdi_entry *e = d.entry + p->laid;
+        const int at = e->row + d.base, fits = at <= last;
+        rbdi_wanted row = out;
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
+        }
+        if (!kin->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
+        rbdi_put_row(d.columns, e, kin, want, row);
+        if (fits) continue;
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
+        }
+    }
+}
+/* The same with mimic joints, added where the caller has them. */
+RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
+    const ptrdiff_t stride = rbdi_stride(d->model);
+    const rbd_real *x = d->work->F;
+    rbdi_wanted row = out;
+    for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
+    for (int i = 0; i < d->n; ++i) {
+        const rbdi_entry *e = d->entry + i;
+        rbdi_put_row(d->columns, e, rbdi_kin_of(d, i), want, row);
+        for (int k = e->parent; k >= 0; k = d->entry[k].parent)
+            rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
+        for (int k = i; k < e->end; ++k)
+            rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
+    }
+}
+RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    if (d->model->nmimic)
+        rbdi_add_rows(d, want, out);
+    else
+        rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
+}
+#else
+/* Entries y of dofs i and k. */
+RBDI_INLINE void rbdi_put_entry(const rbdi_entry *i, const rbdi_entry *k, int want, const rbd_real *y,
+                                rbdi_wanted out) {
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r)
+        if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+}
+RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    const rbdi_entry *e = d->entry;
+    const rbd_real o = rbdi_zero();
+    (void)zeros; /* they are there */
+    for (int i = d->base; i < d->n; ++i) {
+        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), 1);
+        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        rbd_real y[RBDI_RESULTS] = {o, o, o};
+        for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
+            rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
+            if (d->model->nmimic)
+                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
+            else
+                rbdi_put_entry(e + i, e + k, want, y, out);
+        }
+        for (int k = i; k < e[i].end; ++k) {
+            rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
+            if (d->model->nmimic)
+                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
+            else
+                rbdi_put_entry(e + i, e + k, want, y, out);
+        }
+    }
+}
+#endif
+
+/* With a free base the frame has its axes: of S_i' F_j nothing is left but the components of F_j, and
+
+       dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
+
+   (n; f) being F_j; by the base's place nothing changes. Half of all entries of a robot that walks. */
+/* a x b, and with c added, of a batch with one vector. */
+RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
+    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
+    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
+}
+/* Rows of the base from the dof behind it on: F, or D or E, of all of them. As in rbdi_put_rows_in_place a
+   batch may go over what the next row begins with, which comes later: last batches first. */
+RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F, rbd_real *out) {
+    const ptrdiff_t nv = d->model->nv;
+    out += d->base;
+    for (int b = d->batches - 1; b >= d->behind; --b) {
+        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN;
+        rbd_real *to = out + (b - d->behind) * RBDI_BATCH;
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
+            *(rbdi_batch *)(to + k * nv) = in[k];
+    }
+}
+/* Four of its columns: components of a batch, to as many rows as it has lanes. */
+RBDI_INLINE void rbdi_put_base_columns(const rbdi_batch *x, int lanes, ptrdiff_t nv, rbd_real *out) {
+    rbdi_four row[RBDI_BATCH];
+    rbdi_fours_of_lanes(x, row);
+    RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k)
+        if (k < lanes) *(rbdi_four *)(out + k * nv) = row[k];
+}
+RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
+    const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
+    const ptrdiff_t nv = d->model->nv;
+    for (int b = d->behind, j = d->base; b < d->batches; ++b, j += RBDI_BATCH) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_bforce F = c->F;
+        const rbdi_batch o = rbdi_zero_batch();
+        const ptrdiff_t row = j * nv;
+        const int lanes = d->n - j;
+        if (want & RBDI_WANT_M) {
+            const rbdi_batch x[6] = {F.n.x, F.n.y, F.n.z, F.f.x, F.f.y, F.f.z};
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_MASS] + row);
+            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_MASS] + row + 2);
+        }
+        if (want & RBDI_WANT_V) {
+            const rbdi_b3 n = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v),
+                          f = rbdi_b_cross_vec(F.f, w);
+            const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_V] + row);
+            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_BY_V] + row + 2);
+        }
+        if (want & RBDI_WANT_Q) {
+            const rbdi_b3 n = rbdi_b_cross_vec(F.f, up);
+            const rbdi_batch x[4] = {n.x, n.y, n.z, o}, zero[4] = {o, o, o, o};
+            rbdi_put_base_columns(zero, lanes, nv, out.at[RBDI_BY_Q] + row + 2);
+            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_Q] + row);
+        }
+    }
+}
+
+/* Its own block, h, P, X and the inertia [I, [h]x; -[h]x, m] being the whole's: of turns (n; f)
+
+       dtau/dw = (G + I [w]x - [h]x [v]x; -2 [P]x - [h]x [w]x - m [v]x)
+
+   and of shifts, by v and, with up for w, by theta, ([h]x [w]x; m [w]x). In C B stands for 2 B. */
+RBDI_INLINE rbdi_mat rbdi_rows_mat(rbdi_v3 x, rbdi_v3 y, rbdi_v3 z) {
+    rbdi_mat A;
+    A.xx = x.x, A.xy = x.y, A.xz = x.z;
+    A.yx = y.x, A.yy = y.y, A.yz = y.z;
+    A.zx = z.x, A.zy = z.y, A.zz = z.z;
+    return A;
+}
+/* [a]x, and [a]x [b]x = b a' - (a'b) 1. */
+RBDI_INLINE rbdi_mat rbdi_cross_mat(rbdi_v3 a) {
+    const rbd_real o = rbdi_zero();
+    return rbdi_rows_mat(rbdi_vec(o, -a.z, a.y), rbdi_vec(a.z, o, -a.x), rbdi_vec(-a.y, a.x, o));
+}
+RBDI_INLINE rbdi_mat rbdi_cross_twice(rbdi_v3 a, rbdi_v3 b) {
+    return rbdi_rows_mat(rbdi_vec(-(a.y * b.y + a.z * b.z), b.x * a.y, b.x * a.z),
+                         rbdi_vec(b.y * a.x, -(a.x * b.x + a.z * b.z), b.y * a.z),
+                         rbdi_vec(b.z * a.x, b.z * a.y, -(a.x * b.x + a.y * b.y)));
+}
+RBDI_INLINE rbdi_mat rbdi_mat_sub(rbdi_mat A, rbdi_mat B) {
+    A.xx = A.xx - B.xx, A.xy = A.xy - B.xy, A.xz = A.xz - B.xz;
+    A.yx = A.yx - B.yx, A.yy = A.yy - B.yy, A.yz = A.yz - B.yz;
+    A.zx = A.zx - B.zx, A.zy = A.zy - B.zy, A.zz = A.zz - B.zz;
+    return A;
+}
+RBDI_INLINE void rbdi_put_mat(rbdi_mat A, ptrdiff_t stride, rbd_real *out) {
+    rbdi_store(rbdi_vec(A.xx, A.xy, A.xz), out);
+    rbdi_store(rbdi_vec(A.yx, A.yy, A.yz), out + stride);
+    rbdi_store(rbdi_vec(A.zx, A.zy, A.zz), out + 2 * stride);
+}
+/* Sigma and h of all, about the base's origin. */
+RBDI_INLINE rbdi_rbi rbdi_whole_rbi(const rbd_derivatives *d) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    rbdi_rbi C;
+    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    C.Sigma.xx = in[0], C.Sigma.xy = in[RBDI_BATCH], C.Sigma.xz = in[2 * RBDI_BATCH];
+    C.Sigma.yy = in[3 * RBDI_BATCH], C.Sigma.yz = in[4 * RBDI_BATCH], C.Sigma.zz = in[5 * RBDI_BATCH];
+    return C;
+}
+/* Turns, as columns nv apart. */
+RBDI_INLINE void rbdi_store_turns(rbdi_mat A, ptrdiff_t nv, ptrdiff_t row, rbd_real *const turn[3]) {
+    turn[0][row] = A.xx, turn[1][row] = A.xy, turn[2][row] = A.xz, row += nv;
+    turn[0][row] = A.yx, turn[1][row] = A.yy, turn[2][row] = A.yz, row += nv;
+    turn[0][row] = A.zx, turn[1][row] = A.zy, turn[2][row] = A.zz;
+}
+RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_real *const turn[3]) {
+    const int last = d->base - 1;
+    const rbdi_rbi C = rbdi_whole_rbi(d);
+    const rbdi_v3 w = d->V.omega, v = d->V.v, h = C.h;
+    const rbd_real *in = RBDI_OF(d, last, sum.Xx);
+    const rbdi_v3 x = rbdi_load_vec(in), y = rbdi_load_vec(in + 3 * RBDI_BATCH),
+                  z = rbdi_load_vec(in + 6 * RBDI_BATCH), P = rbdi_load_vec(RBDI_OF(d, last, sum.P));
+    const rbdi_mat minus_G = rbdi_rows_mat(rbdi_vec(-(y.y + z.z), x.y, x.z), rbdi_vec(y.x, -(x.x + z.z), y.z),
+                                           rbdi_vec(z.x, z.y, -(x.x + y.y)));
+    const ptrdiff_t nv = d->model->nv;
+    rbdi_mat A = rbdi_rows_mat(rbdi_cross(rbdi_rbi_column(C, d->mass, 0).n, w),
+                               rbdi_cross(rbdi_rbi_column(C, d->mass, 1).n, w),
+                               rbdi_cross(rbdi_rbi_column(C, d->mass, 2).n, w));
+    A = rbdi_mat_sub(rbdi_mat_sub(A, rbdi_cross_twice(h, v)), minus_G);
+    rbdi_store_turns(A, nv, 0, turn);
+    A = rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v))));
+    rbdi_store_turns(rbdi_mat_sub(A, rbdi_cross_twice(h, w)), nv, 3 * nv, turn);
+}
+RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v, rbd_real *M) {
+    const rbd_real mass = rbdi_set(d->mass);
+    const ptrdiff_t nv = d->model->nv, low = 3 * nv;
+    rbdi_rbi C;
+    if (!d->base) return;
+    C = rbdi_whole_rbi(d);
+    if (by_q) {
+        rbdi_put_mat(rbdi_cross_twice(C.h, d->up), nv, by_q);
+        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->up)), nv, by_q + low);
+        for (int i = 0; i < 6; ++i) rbdi_store(rbdi_vec0(), by_q + i * nv + 3);
+    }
+    if (by_v) {
+        rbd_real *turn[3];
+        turn[0] = by_v, turn[1] = by_v + 1, turn[2] = by_v + 2;
+        rbdi_base_turns(d, turn);
+        rbdi_put_mat(rbdi_cross_twice(C.h, d->V.omega), nv, by_v + 3);
+        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->V.omega)), nv, by_v + low + 3);
+    }
+    for (int i = 0; M && i < 6; ++i) rbdi_store_force(M + i * nv, 1, rbdi_rbi_column(C, d->mass, i));
+}
+
+/* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
+   others, so that both matrices have as many to solve for. */
+RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
+    turn[0] = by_v + (by_q ? 4 : 3);
+    turn[1] = turn[0] + 1;
+    turn[2] = by_q ? by_q + 5 : by_v + 5;
+}
+RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
+    const ptrdiff_t nv = d->model->nv;
+    ptrdiff_t row = d->base * nv;
+    rbd_real *turn[3];
+    if (!by_v) return;
+    rbdi_place_turns(by_q, by_v, turn);
+    rbdi_base_turns(d, turn);
+    for (int b = d->behind; b < d->batches; ++b) {
+        const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
+        const rbd_real *x = (const rbd_real *)&y;
+        for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
+            for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
+    }
+}
+
+/* dtau_i/dq_j for dofs i before j of one block. */
+RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
+    const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+    const rbdi_motion Phi = rbdi_load_motion(RBDI_OF(d, j, Phi));
+    return rbdi_dot(rbdi_load_vec(RBDI_OF(d, i, T)), rbdi_load_vec(RBDI_OF(d, j, Psi))) +
+           rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
+}
+RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
+    for (const rbdi_run *r = d->run + (d->base > 0); r < d->run + d->runs; ++r)
+        for (int i = r->first; r->block && i < r->end; ++i)
+            for (int j = i + 1; j < r->end; ++j)
+                by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
+}
+/* Rotors, on the diagonal of M. */
+RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
+    for (int k = d->base; k < d->n; ++k) {
+        const rbdi_entry *e = &d->entry[k];
+        const rbd_real g = rbdi_ratio(d->model, e->source);
+        M[e->row + e->user] = M[e->row + e->user] + g * g * d->model->dof[e->source].armature;
+    }
+}
+
+/* x = 0: rbdi_clear eight batches at a time. */
+RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
+    const rbdi_batch zero = rbdi_zero_batch();
+    for (; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)x;
+        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
+        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
+    }
+    rbdi_clear(x, n);
+}
+/* The same unless every entry will be written. */
+RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
+    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
+}
+
+/* What they are: themselves, or sides of rbd_fd_derivatives. */
+enum { RBDI_ENTRIES, RBDI_SIDES };
+RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
+    const rbdi_columns *c = d->columns;
+    if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
+    if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
+    if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
+    rbdi_put_rows(d, want, zeros, out);
+    if (d->base && what != RBDI_SIDES) rbdi_put_base(d, want, out);
+}
+
+/* All entries of the matrices that are wanted but a base's own. */
+RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
+                                rbd_real *M, int what) {
+    const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
+    const int zeros = what == RBDI_SIDES || !d->keep_zeros;
+    rbdi_wanted out;
+    out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
+    if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
+    if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, what, out);
+    else if (want == RBDI_WANT_V)
+        rbdi_put_all(d, RBDI_WANT_V, zeros, what, out);
+#if RBDI_BATCH > 1
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
+        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, what, out);
+#endif
+    else
+        rbdi_put_all(d, want, zeros, what, out);
+    if (by_q) rbdi_put_block_entries(d, by_q);
+    if (M) rbdi_add_armature(d, M);
+}
+
+#endif

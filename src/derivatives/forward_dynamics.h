@@ -1,0 +1,229 @@
+#ifndef RBDI_DERIVATIVES_FORWARD_DYNAMICS_H
+#define RBDI_DERIVATIVES_FORWARD_DYNAMICS_H
+#include "dynamics/pivots.h"
+#include "derivatives/subtrees.h"
+#include "derivatives/memory.h"
+
+/* ---- derivatives of forward dynamics [forward dynamics code] ----
+   First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
+   linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
+   F_j a_j, dA_p being the parent's.
+
+   a is solved of by the factor even if M^-1 is wanted. As its product with tau - c it would take 5 % fewer
+   instructions, but its error would not fit M: in chains of 48 links M a is off by 80 times as much, da/dq by
+   20, and where each of 24 links is twice as heavy as its parent da/dq has no digit left instead of six.
+
+   With a free base, v and gravity are in its A only, and A is what is solved of: y = (w_dot; v_dot + w x v -
+   gravity; those of the others) at v = 0 without gravity. y changes with neither place, attitude nor v of the
+   base; from y to a
+
+       v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
+
+#ifndef RBDI_NO_FD_DERIVATIVES
+RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
+    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
+}
+
+/* M into packed rows, without mimic joints. */
+RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
+    const rbdi_order *o = m->order;
+    const rbdi_entry *e = d->entry;
+    for (int i = 0; i < d->base; ++i) /* its own rows are shorter: the next writes over */
+        rbdi_store_force(H + o[i].row, 1, rbdi_rbi_column(rbdi_whole_rbi(d), d->mass, i));
+    for (int i = d->base; i < d->n; ++i) {
+        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
+        if (d->base) rbdi_store_force(row, 1, F);
+        for (int k = e[i].parent; k >= d->base; k = e[k].parent)
+            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
+        *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
+    }
+}
+
+/* 1 in each of the first n lanes of x that is negative, else 0. */
+RBDI_INLINE rbdi_batch rbdi_negative(rbdi_batch x, int n) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0}, one = zero + 1;
+    x = (rbdi_batch)((rbdi_bits)(x < zero) & (rbdi_bits)one);
+    return n < RBDI_BATCH ? rbdi_first_lanes(x, n) : x;
+#else
+    (void)n;
+    return rbdi_select(rbdi_less(x, rbdi_zero()), rbdi_set(RBD_C(1)), rbdi_zero());
+#endif
+}
+
+/* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
+   origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
+RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
+    rbdi_batch doubt = rbdi_zero_batch();
+    const rbd_real *pivot = d->work->pivot + d->base;
+    for (int b = d->base ? d->behind : 0, left = d->n - d->base; left > 0;
+         ++b, left -= RBDI_BATCH, pivot += RBDI_BATCH) {
+        const rbdi_sums *s = &d->columns[b].sum;
+        const rbdi_batch trace = s->xx + s->yy + s->zz;
+        rbdi_batch D = rbdi_zero_batch();
+        if (left >= RBDI_BATCH)
+            D = *(const rbdi_batch *)pivot;
+        else
+            for (int k = 0; k < left; ++k) ((rbd_real *)&D)[k] = pivot[k];
+        doubt = doubt + rbdi_negative(D - trace * (d->constants[b].rho * RBDI_DOUBT), left);
+    }
+    return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));
+}
+
+/* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right
+   after it: one array, of a dof's path by depth, has all that the dof needs. It is stored as it is loaded, by
+   batches and then by scalars: a batch that was stored by scalars would have to be waited for. */
+RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    rbd_real *path = w->F;
+    rbdi_clear(path, m->nv + RBDI_BATCH);
+    for (const rbdi_order *o = m->order + m->nv - 1; o >= m->order; --o) {
+        const int d = dof[o->dof].depth;
+        const rbd_real *l = L + o->row, y = x[o->dof] + path[d];
+        int k = 0;
+        x[o->dof] = y;
+#if RBDI_BATCH > 1
+        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
+            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
+        if (o->row + k <= m->nh - RBDI_BATCH) {
+            rbdi_batch *p = (rbdi_batch *)&path[k];
+            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
+            continue;
+        }
+#endif
+        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        path[d] = rbdi_zero();
+    }
+    for (const rbdi_order *o = m->order, *end = o + m->nv; o < end; ++o) {
+        const int d = dof[o->dof].depth;
+        const rbd_real *l = L + o->row;
+        rbd_real a = x[o->dof] * l[d], b = rbdi_zero();
+        int k = 0;
+        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
+        path[d] = x[o->dof] = k < d ? a - path[k] * l[k] + b : a + b;
+    }
+}
+
+/* tau - c. */
+RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
+    rbd_real *c = m->nmimic ? d->work->tx : x;
+    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
+        rbdi_columns *to = &d->columns[b];
+        const rbdi_bforce f = to->sum.f;
+        const rbdi_bmotion S = to->S;
+        to->qdd = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+                  (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+    }
+    if (d->base) rbdi_store_force(c, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
+    for (int k = d->base; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+    rbdi_reduce_tau(m, d->work->tx, x);
+    for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
+}
+
+/* What a adds to A_p and f of all dofs. */
+RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
+    const int base = d->base, first = base ? d->behind : 0;
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    for (int b = first; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
+        c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
+    }
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
+                       base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
+    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs;
+         ++r) /* of a block the last dof has what it adds */
+        for (int k = r->first; r->block && k < r->end - 1; ++k) {
+            rbd_real *last = RBDI_OF(d, r->end - 1, E);
+            rbdi_store_force(last, RBDI_BATCH,
+                             rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
+                                            rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
+        }
+    rbdi_sum_few(d, d->run, (rbd_real *)&d->columns->E, 6);
+    for (int b = first; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_bforce f =
+            rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, c->Phi), c->E);
+        c->sum.f = rbdi_b_force_add(c->sum.f, f);
+        c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
+    }
+    rbdi_columns_by_q(d);
+}
+
+/* From y, in d->a, and its derivatives to a and its, which may be NULL; v: velocity of the base. */
+RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
+                              rbd_real *by_v) {
+    const ptrdiff_t nv = m->nv;
+    const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
+                  up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
+    const rbd_real W[3] = {w.x, w.y, w.z}, U[3] = {up.x, up.y, up.z};
+    rbd_real *turn[3];
+    if (by_v) rbdi_place_turns(by_q, by_v, turn);
+    for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
+        if (by_v) {
+            rbd_real *row = by_v + r, x = turn[0][r], y = turn[1][r], z = turn[2][r];
+            row[0] = x, row[1] = y, row[2] = z;
+            row[3] = row[4] = row[5] = rbdi_zero();
+        }
+        if (by_q) rbdi_clear(by_q + r, 6);
+    }
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        d->a[3 + i] = d->a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
+        if (by_q) {
+            rbd_real *row = by_q + (3 + i) * nv;
+            row[j] = U[k], row[k] = -U[j];
+        }
+        if (by_v) {
+            rbd_real *row = by_v + (3 + i) * nv;
+            row[j] = row[j] - v[3 + k], row[k] = row[k] + v[3 + j];
+            row[3 + j] = W[k], row[3 + k] = -W[j];
+        }
+    }
+}
+
+RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
+    const int nv = m ? m->nv : 0, need = RBDI_NEED_WRENCH | (da_dq || da_dv ? RBDI_NEED_V : 0);
+    rbd_real *const result[3] = {da_dq, da_dv, Minv};
+    rbd_real *sides[2];
+    rbdi_mask doubt;
+    int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
+    rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
+    if (status) return status;
+    if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
+    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
+    if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
+    rbdi_net_torque(m, d, tau, d->a);
+    doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
+    if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+    d->work->singular = -1;
+    if (rbdi_any(doubt)) {
+        rbdi_judge_state(m, d->work, NULL);
+        if (Minv) rbdi_inverse(m, d->work->H, Minv);
+    }
+    if (m->nmimic)
+        rbdi_solve(m, d->work->H, d->a);
+    else
+        rbdi_solve_packed(m, d->work, d->work->H, d->a);
+    if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
+    if (da_dq) rbdi_add_acceleration(m, d, d->a);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
+    if (d->base) rbdi_put_turns(d, da_dq, da_dv);
+    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
+    if (da_dq) sides[count++] = da_dq + unsolved;
+    if (da_dv) sides[count++] = da_dv + unsolved;
+    rbdi_solve_sides(m, d->work, d->work->H, nv, -1, nv - unsolved, sides, count);
+    if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
+    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    if (status && a) (void)rbdi_verdict(m, d->work, a, nv);
+    for (int k = 0; status && k < 3; ++k)
+        if (result[k]) (void)rbdi_verdict(m, d->work, result[k], nv * nv);
+    return status;
+}
+#endif
+
+#endif

@@ -1,0 +1,114 @@
+#ifndef RBDI_DERIVATIVES_FREE_BASE_H
+#define RBDI_DERIVATIVES_FREE_BASE_H
+#include "derivatives/momentum.h"
+
+/* ---- inverse dynamics with a free base [free base code] ----
+   At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
+   tau - f of the base, into its A: I y = tau - f, by the two laws of the centre of mass c. In the common
+   frame all links accelerate by y: f_i + I_i y are their wrenches, of which the subtrees' sums give the
+   torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
+   rbd_hybrid. */
+
+#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+/* M^-1 x by pivots from the end, as everywhere. */
+RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
+    const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
+                   xy = M.xy - xz * M.yz, y = rbdi_pivot_inverse(M.yy - yz * M.yz, m->dof[1].scale, doubt),
+                   l = xy * y;
+    rbdi_v3 s;
+    x.y = x.y - yz * x.z;
+    x.x = x.x - xz * x.z - l * x.y;
+    s.x = x.x * rbdi_pivot_inverse(M.xx - xz * M.xz - l * xy, m->dof[0].scale, doubt);
+    s.y = x.y * y - l * s.x;
+    s.z = x.z * z - xz * s.x - yz * s.y;
+    return s;
+}
+
+/* Adds n components, from x on, of the links behind the base to its own. */
+RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
+    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN;
+    rbd_real *to = x + d->entry[d->base - 1].at;
+    rbdi_batch sum[9];
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_zero_batch();
+    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
+    }
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
+        to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
+}
+
+/* y, from the wrench that the base lacks. */
+RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
+                                       rbdi_mask *doubt) {
+    const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
+    const rbdi_abi C = rbdi_abi_of_rbi(rbdi_whole_body(d, c), d->mass);
+    rbdi_motion y;
+    y.omega = rbdi_solve_turns(m, C.I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
+    y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
+    return y;
+}
+
+/* What y adds to the wrenches of the links behind the base; then its torques. */
+RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_motion y, const rbd_real *a,
+                                rbd_real *tau) {
+    const rbdi_batch o = rbdi_zero_batch();
+    rbdi_bmotion all;
+    all.omega = rbdi_b_vec(o + y.omega.x, o + y.omega.y, o + y.omega.z);
+    all.v = rbdi_b_vec(o + y.v.x, o + y.v.y, o + y.v.z);
+    for (int b = d->behind; b < d->batches; ++b) {
+        rbdi_sums *s = &d->columns[b].sum;
+        s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
+    }
+    rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
+    for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
+        const rbdi_bforce f = d->columns[b].sum.f;
+        const rbdi_bmotion S = d->columns[b].S;
+        const rbdi_batch x = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+                             (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
+    }
+    for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
+}
+
+/* The same by rbd_hybrid, for any model. */
+RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                           const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
+                                           rbd_real *tau) {
+    unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    for (int k = 0; k < m->nv; ++k) given[k] = 1;
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        for (int k = 0; k < 6 && l->parent < 0 && rbdi_link_dofs(m, l) == 6; ++k) given[l->iv + k] = 0;
+    }
+    return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
+}
+
+RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbd_real *f;
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_motion y;
+    if (status) return status;
+    if (!d->base) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+    rbdi_clear(a, 6);
+    rbdi_common_motion(m, d, d->base, q, v, a, none, RBDI_NEED_WRENCH);
+    rbdi_own_sums(m, d, d->base, f_ext, RBDI_NEED_WRENCH);
+    f = RBDI_OF(d, d->base - 1, sum.f);
+    rbdi_sum_links(d, (rbd_real *)&d->columns->sum, 9);
+    rbdi_sum_links(d, (rbd_real *)&d->columns->sum.f, 6);
+    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), rbdi_load_force(f, RBDI_BATCH)),
+                         &doubt);
+    if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+    rbdi_put_torques(m, d, y, a, tau);
+    y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
+    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_vec(v[3], v[4], v[5])));
+    rbdi_motion_to_array(y, a);
+    d->work->singular = -1;
+    return RBD_OK;
+}
+#endif
+
+#endif

@@ -1,0 +1,218 @@
+#ifndef RBDI_DERIVATIVES_MEMORY_H
+#define RBDI_DERIVATIVES_MEMORY_H
+#include "derivatives/entries.h"
+
+/* ---- memory [memory code] ---- */
+
+/* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
+   would feel v_dot, and not v_dot + w x v - gravity, which [forward dynamics code] solves of. */
+RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
+    const rbdi_link *l = m->link;
+    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
+                   rbdi_block_of(m, l)->n == 6 && l->end == m->nv
+               ? 6
+               : 0;
+}
+/* Lanes left out before the first dof, so that those behind the base begin a batch. */
+RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
+    return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
+}
+
+RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
+    const int n = m ? m->nv + m->nmimic : 0;
+    if (!m) return 0;
+    return RBDI_DERIVATIVES_BYTES(m->nl, n,
+                                  (n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+}
+
+/* The constants of dof k, component by component. */
+RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
+    return (rbd_const *)&d->constants[d->entry[k].batch] + d->entry[k].lane;
+}
+RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
+    for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
+}
+
+/* Whether dof k of a link only slides. */
+RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k - l->first >= 3
+                                 : l->kind == RBDI_SCREW && !(l->rho > 0);
+}
+
+/* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
+RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
+    const rbd_const S[3][3] = {{l->Sigma.xx, l->Sigma.xy, l->Sigma.xz},
+                               {l->Sigma.xy, l->Sigma.yy, l->Sigma.yz},
+                               {l->Sigma.xz, l->Sigma.yz, l->Sigma.zz}};
+    const rbd_const h[3] = {l->h.x, l->h.y, l->h.z};
+    const int x = (z + 1) % 3, y = (z + 2) % 3;
+    const rbd_const own[10] = {S[x][x], S[x][y], S[x][z], S[y][y], S[y][z],
+                               S[z][z], h[x],    h[y],    h[z],    l->mass};
+    rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
+    for (int k = l->first; k <= last; ++k) {
+        const int slides = rbdi_slides(m, l, k), screw = l->kind == RBDI_SCREW;
+        const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
+                                   screw ? l->kappa : RBD_C(slides)};
+        rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
+    }
+}
+
+/* Adds mass and first moment of a body as described to those of its link. */
+RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi_frame *u) {
+    const int last = rbdi_last_dof(m, u->link), z = rbdi_dof_axis(m, &m->link[u->link], last);
+    const rbd_const *E = u->E, c[3] = {u->com.x, u->com.y, u->com.z}, r[3] = {u->r.x, u->r.y, u->r.z};
+    rbd_const *out = rbdi_constants_of(d, last) + 13 * RBDI_BATCH;
+    for (int j = 0; j < 3; ++j) {
+        const int k = (z + 1 + j) % 3;
+        out[j * RBDI_BATCH] += u->mass * (E[k] * c[0] + E[3 + k] * c[1] + E[6 + k] * c[2] + r[k]);
+    }
+    out[3 * RBDI_BATCH] += u->mass;
+    d->mass += u->mass;
+}
+
+/* The dofs of link i: constants, entries, and their run. */
+RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
+    const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
+    rbdi_run *r = &d->run[d->runs > 0 ? d->runs - 1 : 0];
+    for (int k = l->first; k < l->first + n; ++k) {
+        rbdi_entry *e = &d->entry[k];
+        e->source = m->order[k].dof;
+        e->user = (int16_t)rbdi_source(m, e->source);
+        e->end = l->end;
+        e->joint = (int16_t)(l->first + n);
+        e->parent = (int16_t)(k > l->first ? k - 1 : parent);
+        e->row = e->user * m->nv;
+    }
+    if (d->runs == 0 || block || r->block || parent != l->first - 1) {
+        r = &d->run[d->runs++];
+        r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
+        r->link = (int16_t)i, r->origin = 0;
+    }
+    r->end = (int16_t)(l->first + n);
+}
+
+/* Where the lanes are: in the caller's order, in which rows of results are made. */
+RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
+    for (int k = 0; k < d->n; ++k) {
+        rbdi_entry *e = &d->entry[k];
+        const int from = e->source + rbdi_lanes_before(m);
+        d->entry[e->source].laid = (int16_t)k;
+        e->batch = (int16_t)(from / RBDI_BATCH);
+        e->lane = (int16_t)(from % RBDI_BATCH);
+        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
+    }
+}
+
+#if RBDI_BATCH > 1
+/* Adds a dof's lane, its bits beginning at first, to a list of relatives that ends at end. */
+RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *list, rbdi_relatives *end,
+                                      const rbdi_entry *e, int first) {
+    rbdi_relatives *k = list;
+    while (k < end && k->at != e->at - e->lane) ++k;
+    if (k == end) {
+        k->at = e->at - e->lane, k->row = (int16_t)((e->batch - d->behind) * RBDI_BATCH);
+        (end++)->lanes = 0;
+    }
+    k->lanes |= (uint64_t)1 << (first + e->lane);
+    return end;
+}
+/* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
+   these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
+RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
+    for (int i = d->base; i < d->n; ++i) {
+        rbdi_relatives *list = rbdi_kin_of(d, i), *both = list, *behind, *end;
+        for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
+            both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
+        behind = end = both;
+        for (int k = i; k < d->entry[i].end; ++k)
+            end = rbdi_relate(d, list, end, &d->entry[k], RBDI_IN_SUBTREE);
+        for (rbdi_relatives *k = list; k < both;) {
+            const rbdi_relatives here = *k;
+            if (here.lanes >> RBDI_IN_SUBTREE)
+                *k = *--both, *both = here;
+            else
+                ++k;
+        }
+        for (rbdi_relatives *k = end; k > behind; --k) k[1] = k[-1];
+        for (rbdi_relatives *k = behind; k > both; --k) k[0] = k[-1];
+        both->at = behind[1].at = end[2].at = -1;
+        list->whole = end - list == d->batches - d->behind;
+    }
+}
+#endif
+
+/* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
+   end. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_run *r) {
+    int i = root;
+    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
+           (m->link[i].kind == RBDI_SCREW
+                ? !(m->link[i].rho > 0)
+                : m->link[i].kind == RBDI_BLOCK && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+        ++i;
+    d->origin[i] = (int16_t)root;
+    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+}
+
+RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                        rbd_derivatives **derivatives) {
+    const rbd_status status = rbdi_check(m, w, memory && derivatives);
+    unsigned char *p;
+    rbd_derivatives *d;
+    rbd_const *constants;
+    int padded;
+    if (status) return status;
+    if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
+    p = rbdi_aligned(memory);
+    d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
+    for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
+    d->model = m, d->work = w;
+    d->n = m->nv + m->nmimic;
+    d->base = rbdi_free_dofs(m);
+    d->batches = (d->n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->behind = (d->base + rbdi_lanes_before(m)) / RBDI_BATCH;
+    padded = d->batches * RBDI_BATCH;
+    d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
+#if RBDI_BATCH > 1
+    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_kin_length(d), sizeof(rbdi_relatives));
+#endif
+    d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
+    d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
+    d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
+    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
+    d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
+    constants = (rbd_const *)d->constants;
+    for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN * padded); /* surplus lanes stay finite */
+    d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
+    for (int i = 0; i < m->nl; ++i) {
+        d->origin[i] = -1;
+        rbdi_init_link(m, d, i);
+    }
+    rbdi_lay_lanes(m, d);
+#if RBDI_BATCH > 1
+    rbdi_init_kin(d);
+#endif
+    for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
+    for (int i = 0, r = 0; i < m->nl; ++i) {
+        if (m->link[i].parent >= 0) continue;
+        while (d->run[r].first < m->link[i].first) ++r;
+        rbdi_init_origin(m, d, i, &d->run[r]);
+    }
+    for (int b = 0; b < m->nb; ++b)
+        if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
+    *derivatives = d;
+    return RBD_OK;
+}
+
+/* What every call asks first: rbdi_check, and that the constants are of this model. */
+RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
+    if (!m || !d || !arrays) return RBD_ERR_NULL;
+    return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
+}
+
+#endif

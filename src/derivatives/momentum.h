@@ -1,0 +1,190 @@
+#ifndef RBDI_DERIVATIVES_MOMENTUM_H
+#define RBDI_DERIVATIVES_MOMENTUM_H
+#include "derivatives/subtrees.h"
+#include "derivatives/memory.h"
+
+/* ---- momentum [momentum code] ---- */
+
+/* Where the common origin of a root's tree is in the world. */
+RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
+    const rbdi_link *l = &m->link[root];
+    const rbdi_pose X = rbdi_common_pose(m, d, root);
+    if (l->kind == RBDI_BLOCK) return rbdi_sub(d->work->block[l->block].X.r, X.r);
+    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, l->flags).d,
+                                                          rbdi_vec(X.E.zx, X.E.zy, X.E.zz))),
+                    X.r);
+}
+
+/* Places, F and wrenches of the other roots' trees from the first root's origin. */
+RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
+    rbdi_v3 offset = rbdi_vec0();
+    int others = 0;
+    for (const rbdi_run *r = d->run + 1; r < d->run + d->runs; ++r) {
+        if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
+        others |= r->parent < 0;
+        for (int k = r->first; others && k < r->end; ++k) {
+            rbd_real *x = RBDI_OF(d, k, x), *in[2];
+            rbdi_store_vec(x, rbdi_add(rbdi_load_vec(x), offset));
+            in[0] = RBDI_OF(d, k, F), in[1] = RBDI_OF(d, k, sum.f);
+            for (int j = 0; j < 2; ++j) {
+                rbdi_force F = rbdi_load_force(in[j], RBDI_BATCH);
+                F.n = rbdi_add(F.n, rbdi_cross(offset, F.f));
+                rbdi_store_force(in[j], RBDI_BATCH, F);
+            }
+        }
+    }
+}
+
+/* The centre of mass from there; 0 without mass. With a free base no mass moved past it: h of the whole tree
+   has it. Else it is that of the bodies as described. */
+RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
+    const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
+    rbdi_b3 h;
+    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
+    h.x = h.y = h.z = rbdi_zero_batch();
+    for (int b = 0; b < d->batches; ++b) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
+        h.x = h.x + ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m;
+        h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
+        h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
+    }
+    return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
+}
+
+/* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
+RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
+    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
+}
+
+/* A free base's composite body: h about its origin, Sigma about the centre of mass. */
+RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
+    rbdi_rbi C = rbdi_whole_rbi(d);
+    C.Sigma.xx = C.Sigma.xx - com.x * C.h.x, C.Sigma.xy = C.Sigma.xy - com.x * C.h.y;
+    C.Sigma.xz = C.Sigma.xz - com.x * C.h.z, C.Sigma.yy = C.Sigma.yy - com.y * C.h.y;
+    C.Sigma.yz = C.Sigma.yz - com.y * C.h.z, C.Sigma.zz = C.Sigma.zz - com.z * C.h.z;
+    return C;
+}
+
+#ifndef RBD_NO_MOMENTUM
+/* From a free base's axes to the world's, E being its rotation. */
+RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
+    return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
+                      a.x * E.xz + a.y * E.yz + a.z * E.zz);
+}
+
+/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the
+   caller has them, or with mimic joints added. A batch may go over columns before it of the next row, which
+   come later, but not over the end. */
+RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
+    const rbd_model *m = d->model;
+    const rbdi_batch row[3] = {y.x, y.y, y.z};
+    const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
+    if (m->nmimic) {
+        for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
+            const rbdi_entry *e = &d->entry[d->entry[first + j].laid];
+            const rbdi_b3 in = y;
+            rbd_real x[3];
+            rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
+            rbdi_add_column(out + e->user, nv, rbdi_ratio(m, e->source), x, 3);
+        }
+        return;
+    }
+    RBDI_UNROLL_SIX for (int k = 0, at = first; k < 3; ++k, at += nv) {
+        if (at + RBDI_BATCH <= end) {
+            *(rbdi_batch *)&out[at] = row[k];
+        } else {
+            const rbdi_batch in = row[k];
+            rbdi_copy((const rbd_real *)&in, end - at, &out[at]);
+        }
+    }
+}
+
+/* Columns of a free base: of the whole, moments about the centre of mass, forces scaled. A shift has no
+   moment. */
+RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
+                                       rbd_real *out) {
+    const rbdi_mat E = d->work->block[0].X.E;
+    const rbdi_rbi C = rbdi_whole_body(d, com);
+    const ptrdiff_t nv = d->model->nv;
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
+        const rbdi_force F = rbdi_rbi_column(C, d->mass, k);
+        const rbdi_v3 n = k < 3 ? rbdi_mul_t(E, F.n) : rbdi_vec0(), f = rbdi_scale(scale, rbdi_mul_t(E, F.f));
+        rbd_real *to = out + k;
+        if (rows > 3) to[0] = n.x, to[nv] = n.y, to[2 * nv] = n.z, to += 3 * nv;
+        to[0] = f.x, to[nv] = f.y, to[2 * nv] = f.z;
+    }
+}
+
+/* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
+   a scale. */
+RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
+                                  rbd_real *out) {
+    const int nv = d->model->nv;
+    const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
+    if (d->model->nmimic) rbdi_clear(out, rows * nv);
+    for (int b = d->batches - 1; b >= d->behind; --b) {
+        rbdi_bforce F = d->columns[b].F;
+        F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
+        if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
+        F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
+        if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
+        rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
+    }
+    if (d->base) rbdi_put_base_momenta(d, com, scale, rows, out);
+}
+
+/* The wrench on all that moves, at a = 0: the sum over the roots. */
+RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
+                                      rbd_real *A_dot_v) {
+    rbdi_force F = rbdi_force0();
+    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+        const rbd_real *in = RBDI_OF(d, rbdi_last_dof(m, r->link), sum.f);
+        if (r->parent < 0) F = rbdi_force_add(F, rbdi_load_force(in, RBDI_BATCH));
+    }
+    F.n = rbdi_sub(F.n, rbdi_cross(com, F.f));
+    if (d->base) F.n = rbdi_mul_t(d->work->block[0].X.E, F.n), F.f = rbdi_mul_t(d->work->block[0].X.E, F.f);
+    rbdi_store_force(A_dot_v, 1, F);
+}
+
+RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_v3 com;
+    if (status) return status;
+    rbdi_common(m, d, q, v, d->work->zero, none, NULL, A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0);
+    rbdi_join_origins(m, d);
+    com = rbdi_common_com(d);
+    if (A_dot_v) rbdi_put_momentum_bias(m, d, com, A_dot_v);
+    rbdi_put_momenta(d, com, rbdi_set(RBD_C(1)), 6, A);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && J);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    if (status) return status;
+    rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
+    rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
+    return RBD_OK;
+}
+#endif
+
+/* ---- Coriolis matrix [coriolis code] ---- */
+
+#ifndef RBD_NO_CORIOLIS
+RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                rbd_real *C) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    if (status) return status;
+    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
+    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
+    rbdi_put_base_block(d, NULL, C, NULL);
+    return RBD_OK;
+}
+#endif
+
+#endif

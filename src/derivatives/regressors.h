@@ -1,0 +1,276 @@
+#ifndef RBDI_DERIVATIVES_REGRESSORS_H
+#define RBDI_DERIVATIVES_REGRESSORS_H
+#include "model/wide.h"
+#include "derivatives/momentum.h"
+
+/* ---- regressors and inertial parameters [identification code] ---- */
+
+#ifndef RBD_NO_REGRESSOR
+/* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
+   inertia. */
+#ifdef RBDI_FOURS
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    const rbdi_four x = {a, b, c, d};
+    *y = x;
+}
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
+RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y - *x * k; }
+RBDI_INLINE void rbdi_halve_first(rbdi_four *y) {
+    const rbdi_four k = {RBD_C(0.5), RBD_C(1), RBD_C(1), RBD_C(1)};
+    *y = *y * k;
+}
+#else
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
+}
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return x->x[k]; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = x->x[j] * k;
+}
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] + x->x[j] * k;
+}
+RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] - x->x[j] * k;
+}
+RBDI_INLINE void rbdi_halve_first(rbdi_four *y) { y->x[0] = y->x[0] * RBD_C(0.5); }
+#endif
+/* a_1 x_1 + a_2 x_2 + a_3 x_3, and with y added. */
+RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
+    rbdi_add_four(y, a.x, &x[0]), rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
+}
+RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
+    rbdi_scale_four(y, a.x, &x[0]);
+    rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
+}
+
+/* (x R) of a body as described, by rows: its origin and axes in the common frame. With a row's four figures
+   belong to the same four parameters: a' (x R) is (a' x; R' a). */
+typedef struct rbdi_placement {
+    rbdi_four row[3];
+} rbdi_placement;
+
+RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *u,
+                                 rbdi_placement *p) {
+    const rbdi_pose X = rbdi_common_pose(m, d, u->link);
+    const rbd_real o = rbdi_zero();
+    const rbd_const *E = u->E;
+    rbdi_four own[3]; /* the same in the link's axes */
+    rbdi_set_four(&own[0], rbdi_set(u->r.x), rbdi_set(E[0]), rbdi_set(E[3]), rbdi_set(E[6]));
+    rbdi_set_four(&own[1], rbdi_set(u->r.y), rbdi_set(E[1]), rbdi_set(E[4]), rbdi_set(E[7]));
+    rbdi_set_four(&own[2], rbdi_set(u->r.z), rbdi_set(E[2]), rbdi_set(E[5]), rbdi_set(E[8]));
+    rbdi_set_four(&p->row[0], X.r.x, o, o, o);
+    rbdi_set_four(&p->row[1], X.r.y, o, o, o);
+    rbdi_set_four(&p->row[2], X.r.z, o, o, o);
+    rbdi_add_fours(&p->row[0], rbdi_vec(X.E.xx, X.E.yx, X.E.zx), own);
+    rbdi_add_fours(&p->row[1], rbdi_vec(X.E.xy, X.E.yy, X.E.zy), own);
+    rbdi_add_fours(&p->row[2], rbdi_vec(X.E.xz, X.E.yz, X.E.zz), own);
+}
+/* R' a, and the origin x. */
+RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
+    rbdi_four y;
+    rbdi_combine_fours(&y, a, p->row);
+    return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
+}
+RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
+    return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
+}
+
+/* What moves the unit wrenches of all bodies on a link, in places of no more use: Omega in the rows of
+   X, acc in P, omega and omega_dot in U. */
+RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
+    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
+        const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
+        c->sum.Xx = O.x, c->sum.Xy = O.y, c->sum.Xz = O.z;
+        c->sum.P = rbdi_b_cross_add(A.v, V.omega, V.v);
+        c->U.omega = V.omega, c->U.v = A.omega;
+    }
+}
+
+/* Wrenches of a body's unit parameters, in the common frame: six rows of ten in K, moments and forces. With
+   acc of the body's origin and body axes e, of m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega e);
+   inertia: I omega_dot + omega x I omega, in body axes, its forces being zero and not written. */
+RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
+                                  ptrdiff_t stride) {
+    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
+                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v)));
+    const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
+    const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
+                   zz = w.z * w.z;
+    rbdi_four f[3], some[3], rest[3];
+    rbdi_set_four(&some[0], a.x, a.y - xz, a.z + xy, -yz); /* xx xy xz yy */
+    rbdi_set_four(&some[1], xz, a.x + yz, zz - xx, a.y);
+    rbdi_set_four(&some[2], -xy, xx - yy, a.x - yz, xy);
+    rbdi_set_four(&rest[0], a.z + xy, -yz, yy - zz, yz); /* xz yy yz zz */
+    rbdi_set_four(&rest[1], zz - xx, a.y, a.z - xy, -xz);
+    rbdi_set_four(&rest[2], a.x - yz, xy, a.y + xz, a.z);
+    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
+        const rbdi_v3 R =
+            rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
+        rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
+        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH), p->row);
+        *(rbdi_four *)&K[(3 + i) * stride] = f[i];
+        rbdi_combine_fours((rbdi_four *)&K[i * stride + 4], R, some);
+        rbdi_combine_fours((rbdi_four *)&K[i * stride + 6], R, rest);
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) { /* the first of the two sums has x x acc twice */
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        rbdi_four n;
+        rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
+        rbdi_subtract_four(&n, rbdi_one_of(&f[j], 0), &p->row[k]);
+        rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
+        rbdi_subtract_four(&n, rbdi_one_of(&p->row[k], 0), &f[j]);
+        rbdi_halve_first(&n);
+        *(rbdi_four *)&K[i * stride] = n;
+    }
+}
+
+/* y = S' K, ten figures. */
+RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S, rbd_real *y) {
+    static const int at[3] = {0, 4, 6}; /* the last two go over one another */
+    rbdi_four sum[3];
+    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+        const rbd_real *k = K + at[j];
+        rbdi_scale_four(&sum[j], S.omega.x, (const rbdi_four *)k);
+        rbdi_add_four(&sum[j], S.omega.y, (const rbdi_four *)(k + stride));
+        rbdi_add_four(&sum[j], S.omega.z, (const rbdi_four *)(k + 2 * stride));
+    }
+    rbdi_add_four(&sum[0], S.v.x, (const rbdi_four *)(K + 3 * stride));
+    rbdi_add_four(&sum[0], S.v.y, (const rbdi_four *)(K + 4 * stride));
+    rbdi_add_four(&sum[0], S.v.z, (const rbdi_four *)(K + 5 * stride));
+    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j)
+        *(rbdi_four *)&y[at[j]] = sum[j];
+}
+
+/* A free base's six rows are the unit wrenches themselves. */
+RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 const rbd_real *a, rbd_real *Y) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
+    const ptrdiff_t columns = m ? 10 * m->nb : 0;
+    const rbdi_entry *entry;
+    const rbd_real *S;
+    rbd_real own[60], *K = own;
+    int base;
+    if (status) return status;
+    entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
+    rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
+    rbdi_link_motion(d, base);
+    if (!d->keep_zeros || m->nmimic) rbdi_clear_all(Y, m->nv * 10 * m->nb);
+    for (int i = 0; i < m->nb; ++i, Y += 10) {
+        const rbdi_frame *u = &m->frame[i];
+        const ptrdiff_t stride = base ? columns : 10;
+        rbdi_placement p;
+        int k;
+        if (u->link < 0) continue;
+        if (base) K = Y;
+        rbdi_place_body(m, d, u, &p);
+        k = rbdi_last_dof(m, u->link);
+        rbdi_unit_wrenches(d, k, &p, K, stride);
+        for (; k >= base; k = entry[k].parent) {
+            rbd_real *y = Y + entry[k].user * columns;
+            const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
+            if (m->nmimic) {
+                rbd_real part[10];
+                rbdi_regress(K, stride, s, part);
+                rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);
+            } else
+                rbdi_regress(K, stride, s, y);
+        }
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
+    const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
+    const int need = Y_kinetic ? RBDI_NEED_V : 0;
+    if (status) return status;
+    rbdi_common_motion(m, d, 0, q, v, NULL, d->work->gravity, need);
+    if (Y_kinetic) rbdi_clear(Y_kinetic, 10 * m->nb);
+    if (Y_potential) rbdi_clear(Y_potential, 10 * m->nb);
+    for (int i = 0; i < m->nb; ++i) {
+        const rbdi_frame *u = &m->frame[i];
+        const rbd_const half = RBD_C(0.5);
+        int root = u->link;
+        rbdi_placement p;
+        if (root < 0) continue;
+        while (m->link[root].parent >= 0) root = m->link[root].parent;
+        rbdi_place_body(m, d, u, &p);
+        if (Y_kinetic) { /* the frame moves: its velocity is that which the world has, reversed */
+            const int last = rbdi_last_dof(m, u->link);
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),
+                                                  rbdi_load_motion(RBDI_OF(d, last, dV)));
+            const rbdi_v3 w = rbdi_to_body(&p, V.omega),
+                          c = rbdi_to_body(
+                              &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
+            rbd_real *y = Y_kinetic + 10 * i;
+            y[0] = rbdi_dot(c, c) * half;
+            rbdi_store(rbdi_cross(c, w), y + 1);
+            y[4] = w.x * w.x * half, y[5] = w.x * w.y, y[6] = w.x * w.z;
+            y[7] = w.y * w.y * half, y[8] = w.y * w.z, y[9] = w.z * w.z * half;
+        }
+        if (Y_potential) {
+            const rbdi_v3 up = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
+            rbdi_four *y = (rbdi_four *)&Y_potential[10 * i];
+            rbdi_set_four(y, rbdi_dot(up, rbdi_place_of(m, d, root)), rbdi_zero(), rbdi_zero(), rbdi_zero());
+            rbdi_add_fours(y, up, p.row);
+        }
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
+    const rbdi_frame *u;
+    rbd_const m_, x, y, z;
+    if (!m || !pi) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    u = &m->frame[body];
+    m_ = u->mass, x = u->com.x, y = u->com.y, z = u->com.z;
+    pi[0] = m_, pi[1] = m_ * x, pi[2] = m_ * y, pi[3] = m_ * z;
+    pi[4] = u->I.xx + m_ * (y * y + z * z), pi[5] = u->I.xy - m_ * x * y, pi[6] = u->I.xz - m_ * x * z;
+    pi[7] = u->I.yy + m_ * (x * x + z * z), pi[8] = u->I.yz - m_ * y * z;
+    pi[9] = u->I.zz + m_ * (x * x + y * y);
+    return RBD_OK;
+}
+
+#ifndef RBD_NO_BUILD
+RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
+    double c[3], mass;
+    if (!body || !pi) return RBD_ERR_NULL;
+    mass = (double)pi[0];
+    for (int k = 0; k < 3; ++k) c[k] = mass > 0 || mass < 0 ? (double)pi[1 + k] / mass : 0;
+    body->mass = mass;
+    for (int k = 0; k < 3; ++k) body->com[k] = c[k];
+    body->inertia[0] = (double)pi[4] - mass * (c[1] * c[1] + c[2] * c[2]);
+    body->inertia[1] = (double)pi[5] + mass * c[0] * c[1];
+    body->inertia[2] = (double)pi[6] + mass * c[0] * c[2];
+    body->inertia[3] = (double)pi[7] - mass * (c[0] * c[0] + c[2] * c[2]);
+    body->inertia[4] = (double)pi[8] + mass * c[1] * c[2];
+    body->inertia[5] = (double)pi[9] - mass * (c[0] * c[0] + c[1] * c[1]);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
+    rbd_body b;
+    double trace, size = 0, Sigma[6]; /* trace: about the centre of mass; size: of the figures as given */
+    if (!pi) return RBD_ERR_NULL;
+    if (!(pi[0] >= 0 && pi[0] - pi[0] <= 0)) return RBD_ERR_MASS;
+    for (int k = 1; k < 4; ++k)
+        if (!(pi[k] - pi[k] <= 0) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+    for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
+    if (size <= 0) return RBD_OK;
+    rbd_set_parameters(&b, pi);
+    trace = b.inertia[0] + b.inertia[3] + b.inertia[5];
+    for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - b.inertia[k];
+    size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
+    return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
+}
+#endif
+#endif
+
+#endif

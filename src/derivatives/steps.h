@@ -1,0 +1,140 @@
+#ifndef RBDI_DERIVATIVES_STEPS_H
+#define RBDI_DERIVATIVES_STEPS_H
+#include "base/memory.h"
+#include "model/joints.h"
+#include "motion/manifold.h"
+#include "api/derivatives.h"
+
+/* ---- derivatives of steps on the configuration manifold [steps code] ----
+   Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
+   or u = 0 or in a plane where the joint has no more, with ad = ([w]x, 0; [u]x, [w]x)
+
+       integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
+       difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
+
+   ad is [w]x + eps [u]x in dual numbers, eps below the diagonal: f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on
+   it and its derivative along u below, b and c being functions of x = w'w. In c_n = sum (-x)^k / (n + 2k)!,
+   for which 2 dc_n/dx = n c_n+2 - c_n+1, are
+
+       exp(-ad)   b = -c_1, c = c_2
+       J_r        b = -c_2, c = c_3
+       J_r^-1     b = 1/2,  c = (c_3 - 2 c_4) / (2 c_2)
+
+   Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
+
+#ifndef RBDI_NO_STEP_DERIVATIVES
+/* f(ad): b, c and their derivatives by x. */
+typedef struct rbdi_ad_function {
+    rbd_real b, c, db, dc;
+} rbdi_ad_function;
+
+/* c_1 .. c_6 for a turn. */
+static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
+    const rbdi_exp e = rbdi_exp_of(w);
+    const rbd_real one = rbdi_set(RBD_C(1));
+    const rbdi_mask near_zero = rbdi_less(e.x, one);
+    const rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero());
+    c[0] = one - e.x * e.B;
+    c[1] = (e.half_sine + e.half_sine) * e.half_cosine, c[2] = e.B, c[3] = e.C;
+    for (int n = 4; n < 7; ++n) {
+        const rbd_real inverse_factorial = rbdi_set(RBD_C(1) / (rbd_const)(n == 4 ? 2 : n == 5 ? 6 : 24));
+        c[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - c[n - 2]) / e.x);
+    }
+}
+
+/* Derivative of c_n by x. */
+RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real c[7], int n) {
+    return (c[n + 2] * (rbd_const)n - c[n + 1]) * RBD_C(0.5);
+}
+
+enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
+
+static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
+    const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
+    rbdi_ad_function f;
+    if (which == RBDI_J_R_INVERSE) {
+        const rbd_real half = rbdi_set(RBD_C(0.5)), k = half / c[2], slope = rbdi_tail_slope(c, 4);
+        f.b = half, f.db = rbdi_zero();
+        f.c = (c[3] - (c[4] + c[4])) * k;
+        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * k;
+        return f;
+    }
+    f.b = -c[n], f.db = -rbdi_tail_slope(c, n);
+    f.c = c[n + 1], f.dc = rbdi_tail_slope(c, n + 1);
+    return f;
+}
+
+/* scale f(ad), 6 x 6. */
+static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
+    const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
+    const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const int k = 3 - i - j, even = (j - i + 3) % 3 == 2; /* [w]x_ij = w_k, or -w_k */
+            rbd_real turn = rbdi_zero(), shift = rbdi_zero(), ww = w[i] * w[j],
+                     wu = w[i] * u[j] + u[i] * w[j];
+            if (i == j) ww = ww - x, wu = wu - slope;
+            if (i != j) turn = even ? w[k] : -w[k], shift = even ? u[k] : -u[k];
+            J[i][j] = f.b * turn + f.c * ww;
+            if (i == j) J[i][j] = J[i][j] + rbdi_set(RBD_C(1));
+            J[i][j] = J[3 + i][3 + j] = J[i][j] * scale;
+            J[i][3 + j] = rbdi_zero();
+            J[3 + i][j] = (f.b * shift + f.c * wu + slope * (f.db * turn + f.dc * ww)) * scale;
+        }
+}
+
+/* A joint's part of a matrix that is zero: scale f(ad) of d sign; for joints whose steps add, scale. */
+static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
+                          rbd_real sign, rbd_real scale, rbd_real *out) {
+    const ptrdiff_t nv = m->nv;
+    const int first = u->type == RBD_PLANAR ? 2 : 0;
+    rbd_real a[6], c[7], J[6][6];
+    rbdi_motion step;
+    out += u->iv * nv + u->iv;
+    if (u->type != RBD_SPHERICAL && u->type != RBD_PLANAR && u->type != RBD_FLOATING) {
+        for (int k = 0; k < u->nv; ++k) out[k * nv + k] = scale;
+        return;
+    }
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < u->nv; ++k) a[first + k] = d[k] * sign;
+    step = rbdi_motion_from_array(a);
+    rbdi_tails(step.omega, c);
+    rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
+    for (int i = 0; i < u->nv; ++i)
+        for (int j = 0; j < u->nv; ++j) out[i * nv + j] = J[first + i][first + j];
+}
+
+RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                             rbd_real *dnext_dq, rbd_real *dnext_dv) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    if (!m || !v) return RBD_ERR_NULL;
+    if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
+    if (dnext_dv) rbdi_clear(dnext_dv, m->nv * m->nv);
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        const rbd_real *d = u->nv > 0 ? &v[u->iv] : v;
+        if (dnext_dq && u->nv > 0) rbdi_put_step(m, u, RBDI_EXP_MINUS_AD, d, dt, one, dnext_dq);
+        if (dnext_dv && u->nv > 0) rbdi_put_step(m, u, RBDI_J_R, d, dt, dt, dnext_dv);
+    }
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                              rbd_real *dd_dq0, rbd_real *dd_dq1) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    if (!m || !q0 || !q1) return RBD_ERR_NULL;
+    if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
+    if (dd_dq1) rbdi_clear(dd_dq1, m->nv * m->nv);
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real d[6];
+        if (u->nv == 0) continue;
+        rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
+        if (dd_dq0) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
+        if (dd_dq1) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, one, one, dd_dq1);
+    }
+    return RBD_OK;
+}
+#endif
+
+#endif

@@ -1,0 +1,192 @@
+#ifndef RBDI_DERIVATIVES_SUBTREES_H
+#define RBDI_DERIVATIVES_SUBTREES_H
+#include "derivatives/common_frame.h"
+
+/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
+   for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
+   as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
+    for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
+        const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
+        const rbd_real *last = x + e->at;
+        rbd_real sum[14], *out;
+        RBDI_ONE_INDEX(last);
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
+        while (e > first) {
+            out = x + (--e)->at;
+            RBDI_ONE_INDEX(out);
+            if (r->block) {
+                RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
+                continue;
+            }
+            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
+                sum[j] + out[j * RBDI_BATCH];
+        }
+        if (r->parent < 0) continue;
+        out = x + d->entry[r->parent].at;
+        RBDI_ONE_INDEX(out);
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+    }
+}
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int need) {
+    rbd_real *x = (rbd_real *)&d->columns->sum;
+    if (!(need & RBDI_NEED_V)) {
+        rbdi_sum_few(d, root, x, 9);
+        if (need & RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
+        return;
+    }
+    rbdi_sum_few(d, root, x, 14);
+    rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
+}
+
+/* I (omega; v) of a subtree, or of a link, and its mass. */
+RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
+    const rbdi_b3 w = V.omega, v = V.v;
+    rbdi_bforce F;
+    F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
+                     (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
+                     (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
+    F.n = rbdi_b_cross_add(F.n, s->h, v);
+    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
+    return F;
+}
+/* F + (G / 2 w, -P x w): F + B (w; any). */
+RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
+    const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
+    F.n = rbdi_b_vec(F.n.x + (y.y + z.z) * w.x - x.y * w.y - x.z * w.z,
+                     F.n.y + (x.x + z.z) * w.y - y.x * w.x - y.z * w.z,
+                     F.n.z + (x.x + y.y) * w.z - z.x * w.x - z.y * w.y);
+    F.f = rbdi_b_cross_add(F.f, w, s->P);
+    return F;
+}
+/* Moment of B' S. */
+RBDI_INLINE rbdi_b3 rbdi_subtree_B_t(const rbdi_sums *s, rbdi_bmotion S) {
+    const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz, w = S.omega;
+    const rbdi_b3 n =
+        rbdi_b_vec((y.y + z.z) * w.x - y.x * w.y - z.x * w.z, (x.x + z.z) * w.y - x.y * w.x - z.y * w.z,
+                   (x.x + y.y) * w.z - x.z * w.x - y.z * w.y);
+    return rbdi_b_cross_add(n, s->P, S.v);
+}
+RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
+    a.n = rbdi_b_add(a.n, b.n);
+    a.f = rbdi_b_add(a.f, b.f);
+    return a;
+}
+
+/* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
+RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
+    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_sums *s = &c->sum;
+        const rbdi_bmotion S = c->S,
+                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
+        const rbdi_bforce f = s->f;
+        rbdi_bforce E =
+            rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, c->Psi.omega);
+        E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
+        E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
+        c->Phi = Phi, c->E = E;
+    }
+}
+/* Columns of forces of a batch of dofs. */
+RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
+    const rbdi_sums *s = &c->sum;
+    const rbdi_bmotion S = c->S;
+    if (need & RBDI_NEED_V) {
+        c->T = rbdi_subtree_B_t(s, S);
+        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, k->subtree, c->U), s, S.omega);
+    }
+    c->F = rbdi_inertia_times(s, k->subtree, S);
+}
+
+/* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
+RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
+                                    const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
+    rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
+    if (base && need) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
+    if (base && need & RBDI_NEED_WHOLE) {
+        d->V.v = rbdi_vec(v[3], v[4], v[5]);
+        d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
+    }
+    rbdi_poses(m, d, base);
+    rbdi_motion_columns(d, base ? d->behind : 0);
+    if (need) rbdi_velocities(m, d, base, v, need);
+    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
+}
+
+/* The base's own, in its axes, in which V = (omega; 0). */
+RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
+    const rbdi_link *l = m->link;
+    const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
+                              l->Sigma.zz, l->h.x,      l->h.y,      l->h.z};
+    const int last = d->base - 1;
+    rbd_real *out = RBDI_OF(d, last, sum);
+    const rbdi_v3 w = d->V.omega, h = rbdi_vec_c(l->h);
+    for (int k = 0; k < 9; ++k) out[k * RBDI_BATCH] = rbdi_set(own[k]);
+    if (need & RBDI_NEED_V) {
+        const rbdi_sym S = rbdi_sym_c(l->Sigma);
+        const rbdi_v3 W = need & RBDI_NEED_CORIOLIS ? w : rbdi_add(w, w),
+                      x = rbdi_cross(W, rbdi_vec(S.xx, S.xy, S.xz)),
+                      y = rbdi_cross(W, rbdi_vec(S.xy, S.yy, S.yz)),
+                      z = rbdi_cross(W, rbdi_vec(S.xz, S.yz, S.zz));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xx), rbdi_vec(x.x, y.x, z.x));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xy), rbdi_vec(x.y, y.y, z.y));
+        rbdi_store_vec(RBDI_OF(d, last, sum.Xz), rbdi_vec(x.z, y.z, z.z));
+        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(W, h));
+    }
+    if (need & RBDI_NEED_WRENCH) {
+        const rbdi_motion A = rbdi_load_motion(RBDI_OF(d, last, Ap));
+        const rbdi_force f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(w, A.omega), &A.v);
+        rbdi_store_force(RBDI_OF(d, last, sum.f), RBDI_BATCH, f);
+    }
+}
+
+/* Masses, momenta and wrenches of the links themselves. */
+RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
+                               int need) {
+    if (base) rbdi_base_sums(m, d, need);
+    for (int b = base ? d->behind : 0; b < d->batches; ++b) {
+        rbdi_columns *c = &d->columns[b];
+        const rbdi_constants *k = &d->constants[b];
+        rbdi_bmotion V;
+        rbdi_sums s; /* not in place: what lies in memory is read again after every store */
+        rbdi_own_inertia(c, k, &s);
+        if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
+        if (need & RBDI_NEED_V)
+            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), k, &s);
+        rbdi_store_sums(&s, need, &c->sum);
+    }
+    if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
+}
+
+/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
+   columns of forces. */
+RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
+                                const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
+                                int need, int more) {
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | more);
+    rbdi_own_sums(m, d, base, f_ext, need);
+    rbdi_sum_subtrees(d, d->run + (base > 0), need);
+    for (int b = base ? d->behind : 0; b < d->batches; ++b)
+        rbdi_force_columns(&d->columns[b], &d->constants[b], need);
+}
+
+/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, at
+   v = 0 and without gravity. */
+RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                           const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
+    const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
+    const int base = d->base, more = need & RBDI_NEED_WHOLE;
+    need &= ~more;
+    if (!need)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
+    else if (need == coriolis)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
+    else if (need == RBDI_NEED_WRENCH)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
+    else
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
+}
+
+#endif

@@ -1,0 +1,536 @@
+#ifndef RBDI_DYNAMICS_ABA_H
+#define RBDI_DYNAMICS_ABA_H
+#include "dynamics/crba.h"
+
+/* ---- aba [aba] ----
+   RBDA table 7.1, its c, pA and a classical ([design]):
+
+       pass 1   omega_i, c_i,  pA_i = wrench with omega_dot = acc = 0   rbdi_aba_velocity, rbdi_wrench
+                pA_i -= X* f_ext                                    rbdi_external
+       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_release
+                Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
+                IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
+       pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
+
+   IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
+   zero and stays so through the shift along z and the turn about it, which rbdi_aba_release and
+   rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
+   feels about the joint's axis is its torque. */
+
+/* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
+    if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+    IA = rbdi_abi_up_z(0, t.c, t.s, IA);
+    IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
+    if (!(form & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
+    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
+    IA = rbdi_abi_uncycle(IA);
+    if (form & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
+    return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
+}
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
+    IA.I = rbdi_sym_up(P->E, IA.I);
+    IA.H = rbdi_mat_up(P->E, IA.H);
+    IA.M = rbdi_sym_up(P->E, IA.M);
+    return rbdi_abi_shift(P->r, IA);
+}
+
+/* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA) {
+    const rbdi_csym Sigma = l->Sigma;
+    IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
+    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz,
+    IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
+    IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
+    IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
+    if (form & RBDI_MASS_KEPT) {
+        IA.H.xy = IA.H.xy - l->h.z, IA.H.yx = IA.H.yx + l->h.z;
+        IA.M.xx = IA.M.xx + l->mass, IA.M.yy = IA.M.yy + l->mass, IA.M.zz = IA.M.zz + l->mass;
+    }
+    return IA;
+}
+
+/* Pass 1, one-axis link: velocity omega (in: the parent's) and velocity-product acceleration c. */
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd,
+                                          rbdi_v3 *omega) {
+    const int screw = form & RBDI_SLIDES;
+    rbd_real turn = screw ? qd * l->rho : qd;
+    rbdi_motion c = rbdi_motion0();
+    if (form & RBDI_ROOT) {
+        *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+        return c;
+    }
+    if (form & RBDI_SHIFT_R)
+        c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
+    *omega = rbdi_down(l, form, t, *omega);
+    c.omega.x = turn * omega->y;
+    c.omega.y = -(turn * omega->x);
+    if (form & RBDI_SHIFT_Z) {
+        c.v.x = c.v.x + t.d * (omega->x * omega->z);
+        c.v.y = c.v.y + t.d * (omega->y * omega->z);
+        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
+    }
+    if (screw) {
+        rbd_real k = (qd + qd) * l->kappa;
+        c.v.x = c.v.x + k * omega->y;
+        c.v.y = c.v.y - k * omega->x;
+    }
+    omega->z = omega->z + turn;
+    return c;
+}
+RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
+                                                const rbd_real *v, rbdi_v3 *omega) {
+    rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
+    rbdi_v3 turned;
+    if (l->parent < 0) { /* the world does not turn */
+        *omega = J.omega;
+        c.v = rbdi_cross(J.omega, J.v);
+        return c;
+    }
+    turned = rbdi_mul(X->E, *omega);
+    c = rbdi_joint_product(turned, J);
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
+    *omega = rbdi_add(turned, J.omega);
+    return c;
+}
+
+/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
+RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+                                        rbdi_v3 omega) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    rbdi_motion *c = &w->scratch[i].c;
+    if (apart && l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
+    if (rbdi_block_link(l, form))
+        *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
+    else
+        *c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), v[l->iv], &omega);
+    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(omega), NULL);
+    if (apart && l->slot >= 0) {
+        w->slot[l->slot].state.omega = omega;
+        w->slot[l->slot].I = rbdi_abi_zero();
+    }
+    return omega;
+}
+
+/* keep: each link's omega, in its kin. */
+RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
+    rbdi_v3 omega = rbdi_vec0();
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        if (keep) w->kin[i].state.omega = omega;
+    }
+}
+
+RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
+    rbdi_aba_velocities(m, w, v, 0);
+}
+
+/* U = IA S. */
+RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_abi *IA) {
+    rbdi_force U;
+    U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
+    U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
+    if (form & RBDI_SLIDES) {
+        U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
+        U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
+                       rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->M.xz, IA->M.yz, IA->M.zz)));
+    }
+    return U;
+}
+
+/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
+   Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
+   about z is tau: above. c.omega.z = 0 (omega x z turn). */
+RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
+    const rbdi_link *l = &m->link[i];
+    const rbdi_dof *dof = &m->dof[l->iv];
+    rbdi_scratch *own = &w->scratch[i];
+    const rbdi_motion *c = &own->c;
+    rbdi_force U, U_D;
+    rbd_real D, inverse, u_D;
+    U = rbdi_abi_axis(l, form, IA);
+    D = rbdi_along_axis(l, form, U);
+    if (full) D = D + dof->armature;
+    w->pivot[l->iv] = D;
+    inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+    u_D = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
+    U_D.n.x = inverse * U.n.x;
+    U_D.n.y = inverse * U.n.y;
+    U_D.f = rbdi_scale(inverse, U.f);
+    own->U_D.n.x = U_D.n.x;
+    own->U_D.n.y = U_D.n.y;
+    own->U_D.f = U_D.f;
+    own->u_D = u_D;
+
+    IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
+    IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
+    IA->I.yy = IA->I.yy - U.n.y * U_D.n.y;
+    IA->H.xx = IA->H.xx - U.n.x * U_D.f.x, IA->H.xy = IA->H.xy - U.n.x * U_D.f.y,
+    IA->H.xz = IA->H.xz - U.n.x * U_D.f.z;
+    IA->H.yx = IA->H.yx - U.n.y * U_D.f.x, IA->H.yy = IA->H.yy - U.n.y * U_D.f.y,
+    IA->H.yz = IA->H.yz - U.n.y * U_D.f.z;
+    IA->M.xx = IA->M.xx - U.f.x * U_D.f.x, IA->M.xy = IA->M.xy - U.f.x * U_D.f.y,
+    IA->M.xz = IA->M.xz - U.f.x * U_D.f.z;
+    IA->M.yy = IA->M.yy - U.f.y * U_D.f.y, IA->M.yz = IA->M.yz - U.f.y * U_D.f.z,
+    IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
+    pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u_D;
+    pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u_D;
+    pA->n.x = pA->n.x + (IA->H.xx * c->v.x + IA->H.xy * c->v.y + IA->H.xz * c->v.z);
+    pA->n.y = pA->n.y + (IA->H.yx * c->v.x + IA->H.yy * c->v.y + IA->H.yz * c->v.z);
+    pA->f.x = pA->f.x + (IA->H.xx * c->omega.x + IA->H.yx * c->omega.y) + U.f.x * u_D;
+    pA->f.y = pA->f.y + (IA->H.xy * c->omega.x + IA->H.yy * c->omega.y) + U.f.y * u_D;
+    pA->f.z = pA->f.z + (IA->H.xz * c->omega.x + IA->H.yz * c->omega.y) + U.f.z * u_D;
+    pA->f = rbdi_add(pA->f, rbdi_mul_sym(IA->M, c->v));
+    if (full) {
+        own->U_D.n.z = U_D.n.z = inverse * U.n.z;
+        IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
+        IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
+        IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
+        IA->H.zx = IA->H.zx - U.n.z * U_D.f.x;
+        IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
+        IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
+        pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
+        pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
+    } else {
+        IA->I.xz = IA->I.yz = IA->I.zz = IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
+        pA->n.z = tau;
+    }
+}
+
+/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
+   without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
+   axes before it still need is kept up: the lower triangle. */
+RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
+                                       rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
+                                       rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
+    const rbdi_dof *dof = &m->dof[l->iv + k];
+    const int s = first + k, end = keep ? 6 : s;
+    rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+    w->pivot[l->iv + k] = D;
+    bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
+        U[i] = A[s][i];
+        bw->U_D[k][i] = U[i] * inverse;
+    }
+    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
+        const int columns = keep ? 6 : i + 1;
+        RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j)
+            A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
+        P[i] = P[i] + U[i] * bw->u_D[k];
+    }
+}
+RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
+                                        int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
+                                        rbdi_mask *doubt) {
+    rbdi_block_work *bw = &w->block[l->block];
+    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
+        rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
+}
+/* -- mimic joints --
+   A joint and those that mimic it are one joint with several links, where the parent of each is another of
+   them or P, the same for all others: rbdi_emit_ties. On the way to P none of them lets go. The group's
+   acceleration x, whose force is tau, takes a wrench F:
+
+       f = IA a + pA + F x,   tau = F' a + p + D x
+
+   A link with the share k of x adds k U to F. In P's frame the group lets go: IA -= F F'/D, pA += F u/D with
+   u = tau - p; in pass 3 x = (u - F' y)/D. What F has of the links behind a link waits in its U_D, what it
+   has for P in w->F at the leader's place, as F/D later; D in w->pivot, p and later u/D in w->bias. */
+
+RBDI_COLD void rbdi_tie_clear(const rbd_model *m, rbd_work *w) {
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        const int g = rbdi_source(m, m->link[i].iv);
+        if (!(m->link[i].flags & RBDI_TIED)) continue;
+        w->scratch[i].U_D = rbdi_force0();
+        rbdi_store_force(&w->F[g], rbdi_stride(m), rbdi_force0());
+        w->pivot[g] = w->bias[g] = rbdi_zero();
+    }
+}
+
+/* A group lets go. */
+RBDI_INLINE void rbdi_tie_release(const rbd_model *m, rbd_work *w, int g, rbd_real tau, rbdi_abi *IA,
+                                  rbdi_force *pA, rbdi_mask *doubt) {
+    const rbd_real inverse = rbdi_pivot_inverse(w->pivot[g], m->dof[g].scale, doubt);
+    rbd_real A[6][6], P[6], *U = &w->F[g];
+    w->bias[g] = (tau - w->bias[g]) * inverse;
+    rbdi_abi_to_array(*IA, A);
+    rbdi_store_force(P, 1, *pA);
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
+        const rbd_real U_D = U[j * rbdi_stride(m)] * inverse;
+        P[j] = P[j] + U[j * rbdi_stride(m)] * w->bias[g];
+        RBDI_UNROLL_SIX for (int k = j; k < 6; ++k)
+            A[j][k] = A[j][k] - U[k * rbdi_stride(m)] * U_D;
+        U[j * rbdi_stride(m)] = U_D;
+    }
+    *IA = rbdi_abi_from_array(A);
+    *pA = rbdi_load_force(P, 1);
+}
+
+/* Pass 2, tied link: as rbdi_aba_up. */
+RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
+                           rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const int form = l->flags, g = rbdi_source(m, l->iv), up = l->parent < 0 ? i : l->parent;
+    const rbdi_link *parent = &m->link[up];
+    const rbd_real k = rbdi_ratio(m, l->iv), armature = rbdi_set(m->dof[l->iv].armature);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const rbdi_motion c = w->scratch[i].c;
+    rbdi_force F = w->scratch[i].U_D, U = rbdi_abi_axis(l, form, IA);
+    U.n = rbdi_scale(k, U.n), U.f = rbdi_scale(k, U.f);
+    *pA = rbdi_force_add(*pA, rbdi_abi_times(IA, c));
+    w->bias[g] = w->bias[g] + k * rbdi_along_axis(l, form, *pA) + rbdi_dot(F.n, c.omega) + rbdi_dot(F.f, c.v);
+    w->pivot[g] = w->pivot[g] + k * (rbdi_along_axis(l, form, F) + k * armature);
+    F = rbdi_force_add(F, U);
+    w->pivot[g] = w->pivot[g] + k * rbdi_along_axis(l, form, F);
+    F = rbdi_force_up(l, form, t, F);
+    *pA = rbdi_force_up(l, form, t, *pA);
+    *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
+    if (!(form & RBDI_ROOT) && (parent->flags & RBDI_TIED) && rbdi_source(m, parent->iv) == g) {
+        w->scratch[up].U_D = rbdi_force_add(w->scratch[up].U_D, F);
+        return;
+    }
+    F = rbdi_force_add(rbdi_load_force(&w->F[g], rbdi_stride(m)), F);
+    rbdi_store_force(&w->F[g], rbdi_stride(m), F);
+    if (form & RBDI_TIED_FIRST) rbdi_tie_release(m, w, g, tau[g], IA, pA, doubt);
+}
+
+/* What link i hands on goes to its parent's slot, unless that is link i - 1. */
+RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+    const int parent = m->link[i].parent;
+    if (parent == i - 1) return;
+    if (parent >= 0) {
+        rbdi_slot *slot = &w->slot[m->link[parent].slot];
+        slot->I = rbdi_abi_add(slot->I, *IA);
+        w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
+    }
+    *IA = rbdi_abi_zero();
+    *pA = rbdi_force0();
+}
+
+/* A floating base on the world, without armature. */
+RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
+    return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
+}
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i_link];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_block_work *bw = &w->block[l->block];
+    rbd_real A[6][6], P[6], C[6];
+    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
+    rbdi_store_force(P, 1, *pA);
+    if (rbdi_free_base(l, b)) {
+        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
+        return;
+    }
+    rbdi_aba_release_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
+    if (l->parent < 0) return;
+    rbdi_motion_to_array(w->scratch[i_link].c, C);
+    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
+        for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
+    *IA = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
+    *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
+}
+
+/* Pass 2, one-axis link: IA and pA, those of the children summed, become what the parent feels. */
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+                             rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    *IA = rbdi_abi_add_link(l, form, *IA);
+    if (RBDI_TIES && (form & RBDI_TIED)) { /* copies, so that the other forms keep theirs in registers */
+        rbdi_abi copy_IA = *IA;
+        rbdi_force copy_pA = *pA;
+        rbdi_mask copy_doubt = *doubt;
+        rbdi_tie_up(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
+        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
+        return;
+    }
+    rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
+    if (form & RBDI_ROOT) return;
+    *IA = rbdi_abi_up(l, form, t, *IA);
+    *pA = rbdi_force_up(l, form, t, *pA);
+}
+
+/* Pass 2, link i: IA and pA, what link i + 1 hands on, become what link i does. */
+RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
+    *pA = rbdi_force_add(*pA, w->scratch[i].f);
+    if (rbdi_block_link(l, form)) { /* copies, so that the other forms keep theirs in registers */
+        rbdi_abi copy_IA = *IA;
+        rbdi_force copy_pA = *pA;
+        rbdi_mask copy_doubt = *doubt;
+        rbdi_aba_up_block(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
+        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
+    } else {
+        rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
+    }
+    if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
+}
+
+/* Pass 2, what is left of the way up of a link that begins a branch. */
+RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_v3 r = rbdi_vec_c(l->r);
+    if (l->flags & RBDI_BRANCH_TURN) {
+        const rbd_real c = rbdi_set(l->cb), s = rbdi_set(l->sb);
+        *IA = rbdi_abi_up_z(0, c, s, *IA);
+        pA->n = rbdi_turn_up_z(0, c, s, pA->n);
+        pA->f = rbdi_turn_up_z(0, c, s, pA->f);
+    }
+    *IA = rbdi_abi_shift(r, *IA);
+    pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
+    rbdi_aba_hand_on(m, w, i, IA, pA);
+}
+
+/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
+RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
+                                      int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
+                                      rbdi_mask *any_doubt) {
+    rbdi_abi IA = *carried_IA;
+    rbdi_force pA = *carried_pA;
+    rbdi_mask doubt = *any_doubt;
+    RBDI_UNROLL for (int i = end - 1; i >= first; --i) {
+        const rbdi_link *l = &m->link[i];
+        const int branch = rbdi_begins_branch(l);
+        if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
+        RBDI_BY_SERIAL_FORM(form, l, rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+        if (branch) rbdi_aba_branch_up(m, w, i, &IA, &pA);
+    }
+    *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
+}
+
+RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
+    rbdi_abi IA = rbdi_abi_zero();
+    rbdi_force pA = rbdi_force0();
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_aba_pass2_links(m, w, tau, 0, m->nl, &IA, &pA, &doubt);
+    return doubt;
+}
+
+/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's, but for
+   c + S qdd: X y. */
+RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
+                                       rbdi_motion y) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    if (!(form & RBDI_ROOT) && (form & RBDI_SHIFT_R)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
+    y.omega = rbdi_down(l, form, t, y.omega);
+    y.v = rbdi_down(l, form, t, y.v);
+    if (form & RBDI_SHIFT_Z) {
+        y.v.x = y.v.x + t.d * y.omega.y;
+        y.v.y = y.v.y - t.d * y.omega.x;
+    }
+    return y;
+}
+RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link *l, rbdi_motion y) {
+    const rbdi_pose *X = &w->block[l->block].X;
+    y.v = rbdi_mul(X->E, rbdi_add(y.v, rbdi_cross(y.omega, X->r)));
+    y.omega = rbdi_mul(X->E, y.omega);
+    return y;
+}
+
+RBDI_COLD rbdi_motion rbdi_tie_down(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
+                                    rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const int g = rbdi_source(m, l->iv);
+    const rbdi_force U_D = rbdi_load_force(&w->F[g], rbdi_stride(m));
+    rbd_real qdd;
+    if (l->flags & RBDI_TIED_FIRST) a[g] = w->bias[g] - rbdi_dot(U_D.n, y.omega) - rbdi_dot(U_D.f, y.v);
+    qdd = a[g] * rbdi_ratio(m, l->iv);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, l->flags, y), w->scratch[i].c);
+    y.omega.z = y.omega.z + qdd * l->rho;
+    y.v.z = y.v.z + qdd * l->kappa;
+    return y;
+}
+
+/* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
+                                      rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_scratch *own = &w->scratch[i];
+    rbd_real x, qdd;
+    if (RBDI_TIES && (form & RBDI_TIED)) return rbdi_tie_down(m, w, i, y, a);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
+    x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
+    if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
+        a[l->iv] = x - y.omega.z;
+        y.omega.z = x;
+        return y;
+    }
+    qdd = x - own->U_D.n.z * y.omega.z;
+    if (form & RBDI_SLIDES) {
+        y.omega.z = y.omega.z + qdd * l->rho;
+        y.v.z = y.v.z + qdd * l->kappa;
+    } else {
+        y.omega.z = y.omega.z + qdd;
+    }
+    a[l->iv] = qdd;
+    return y;
+}
+RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
+                                          rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block_work *bw = &w->block[l->block];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real all[6];
+    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
+    if (rbdi_free_base(l, b)) {
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
+            rbd_real x = bw->u_D[k];
+            RBDI_UNROLL_SIX for (int j = 0; j < k; ++j)
+                x = x - bw->U_D[k][j] * all[j];
+            a[l->iv + k] = x - all[k];
+            all[k] = x;
+        }
+        return rbdi_motion_from_array(all);
+    }
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
+        rbd_real qdd = bw->u_D[k];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+            qdd = qdd - bw->U_D[k][j] * all[j];
+        all[b->first + k] = all[b->first + k] + qdd;
+        a[l->iv + k] = qdd;
+    }
+    return rbdi_motion_from_array(all);
+}
+
+/* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int form,
+                                            const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    if (apart && l->parent < 0)
+        y = *world;
+    else if (apart && l->parent != i - 1)
+        y = w->slot[m->link[l->parent].slot].y;
+    if (rbdi_block_link(l, form))
+        y = rbdi_aba_down_block(m, w, i, y, a);
+    else
+        y = rbdi_aba_down(m, w, i, form, y, a);
+    if (apart && l->slot >= 0) w->slot[l->slot].y = y;
+    return y;
+}
+
+/* Pass 3 of the links first .. end - 1; y: of the link before them, comes back as that of the last. */
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
+                                             rbdi_motion world, rbdi_motion y, rbd_real *a) {
+    RBDI_UNROLL for (int i = first; i < end; ++i)
+        RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
+    return y;
+}
+
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
+    rbdi_motion world = rbdi_motion0();
+    world.v = rbdi_world_state(w->gravity).acc;
+    (void)rbdi_aba_pass3_links(m, w, 0, m->nl, world, world, a);
+}
+
+#endif

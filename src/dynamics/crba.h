@@ -1,0 +1,319 @@
+#ifndef RBDI_DYNAMICS_CRBA_H
+#define RBDI_DYNAMICS_CRBA_H
+#include "api/dynamics.h"
+#include "base/memory.h"
+#include "dynamics/state.h"
+
+/* ---- crba [crba] ----
+   RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
+   every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches of all dofs of link i's subtree
+   stand side by side, by component, in link i's frame: the entries of its dof with all of them are one
+   component (the moment about z; of a screw two, of a block n). Then all take the step to the parent
+   together, a batch at a time. Of I^c only Sigma and h depend on q: the subtree's mass is a constant. */
+
+/* Composite body of a link, to the parent's axes and origin. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
+    if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
+    C = rbdi_rbi_up_z(0, t.c, t.s, C);
+    C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(form & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
+    if (!(form & RBDI_SHIFT_XYZ))
+        return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
+    C = rbdi_rbi_uncycle(C);
+    if (form & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
+    return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
+}
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
+    C.Sigma = rbdi_sym_up(X->E, C.Sigma);
+    C.h = rbdi_mul_t(X->E, C.h);
+    return rbdi_rbi_shift(X->r, m, C);
+}
+
+/* C plus the link's own body. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
+    C.Sigma = rbdi_sym_add(C.Sigma, rbdi_sym_c(l->Sigma));
+    C.h = rbdi_add(C.h, rbdi_vec_c(l->h));
+    return C;
+}
+
+/* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
+   [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
+RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
+    const rbd_real o = rbdi_zero(), mass = rbdi_set(m);
+    rbdi_force F;
+    switch (k) {
+    case 0:
+        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
+        break;
+    case 1:
+        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
+        break;
+    case 2:
+        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
+        break;
+    case 3: F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o); break;
+    case 4: F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o); break;
+    default: F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass); break;
+    }
+    return F;
+}
+
+/* The same along the axis of a one-axis link: C S. */
+RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C) {
+    rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, 2);
+    if (slides) {
+        rbdi_force slide = rbdi_rbi_column(C, l->subtree_mass, 5);
+        own.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.n), rbdi_scale(rbdi_set(l->kappa), slide.n));
+        own.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), own.f), rbdi_scale(rbdi_set(l->kappa), slide.f));
+    }
+    return own;
+}
+
+#ifdef RBD_SPECIALISE
+#define RBDI_LOOP_BATCH 1
+#else
+#define RBDI_LOOP_BATCH RBDI_BATCH
+#endif
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
+   not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
+   last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
+   batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+                              rbdi_force own) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+#if RBDI_LOOP_BATCH > 1
+    rbd_real F[6];
+    rbdi_store_force(F, 1, own);
+    for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
+        rbdi_batch x[6];
+        rbd_real *n = &w->F[k], *p = n + 3 * stride;
+        RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+            x[j] = *(const rbdi_batch *)&n[j * stride];
+            x[j + 3] = *(const rbdi_batch *)&p[j * stride];
+        }
+        if (k <= l->first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                x[j] = rbdi_insert(x[j], l->first - k, F[j]);
+        }
+        rbdi_batch_up(l, form, t, x);
+        RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
+            *(rbdi_batch *)&n[j * stride] = x[j];
+            *(rbdi_batch *)&p[j * stride] = x[j + 3];
+        }
+    }
+#else
+#ifdef RBD_SPECIALISE /* the same wait, where the compiler makes batches of the loop */
+    const int first = l->first + 1;
+    rbdi_store_force(&w->F[l->first], stride, rbdi_force_up(l, form, t, own));
+#else
+    const int first = l->first;
+    rbdi_store_force(&w->F[first], stride, own);
+#endif
+    RBDI_UNROLL for (int k = first; k < l->end; ++k)
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
+#endif
+}
+RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
+        rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
+}
+
+/* Where the entries of an ancestor dof c go: the column of packed rows at its depth, or row and column c of
+   the full matrix. */
+typedef struct rbdi_entries {
+    int full, nv;
+    rbd_real *H, *row, *column; /* packed: H, full: the others */
+    const rbdi_order *order;
+} rbdi_entries;
+
+RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M) {
+    rbdi_entries e;
+    e.full = M != NULL;
+    e.H = M ? NULL : H + depth;
+    e.row = M ? M + (ptrdiff_t)c * m->nv : NULL;
+    e.column = M ? M + c : NULL;
+    e.order = m->order;
+    e.nv = m->nv;
+    return e;
+}
+/* The entry of solver's dof j. */
+RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
+    if (e.full)
+        e.row[e.order[j].dof] = e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
+    else
+        e.H[e.order[j].row] = x;
+}
+
+/* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
+   those of its subtree make: S' F. */
+RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, int first,
+                                         int n, ptrdiff_t stride, rbdi_rbi C, rbd_real *H, rbd_real *M) {
+    const int iv = l->iv, depth = m->dof[iv].level;
+    const rbd_real *F = &w->F[stride * first];
+    RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
+        const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
+        rbd_real all[6];
+        rbdi_store_force(all, 1, own);
+        if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
+        all[first + k] = all[first + k] + m->dof[iv + k].armature;
+        RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
+            rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
+    }
+    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
+        for (int k = 0; k < n; ++k)
+            rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
+}
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+                                   rbdi_force own, rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_dof *dof = &m->dof[l->iv];
+    const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
+    const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
+    rbd_real D = rbdi_along_axis(l, form, own);
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
+    rbdi_crba_put(e, l->first, D);
+    RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
+        rbd_real x = N[j];
+        if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
+        rbdi_crba_put(e, j, x);
+    }
+}
+
+/* The rows and columns of one link's dofs; its composite body and all wrenches of its subtree, to the
+   parent's axes and origin. */
+RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+                                    rbdi_rbi C, rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_force own = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
+    rbdi_crba_entries(m, w, i, form, stride, own, H, M);
+    if (form & RBDI_ROOT) return C;
+    rbdi_crba_up(m, w, i, form, stride, own);
+    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
+}
+RBDI_INLINE rbdi_rbi rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
+                                     rbdi_rbi C, rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    if (b->n == 6)
+        rbdi_crba_entries_block(m, w, l, 0, 6, stride, C, H, M);
+    else
+        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, C, H, M);
+    if (l->parent < 0) return C;
+    rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
+    return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
+}
+
+/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i
+   does. */
+RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+                                    rbdi_rbi carried, rbd_real *H, rbd_real *M) {
+    const rbdi_link *l = &m->link[i];
+    const int apart = form & RBDI_APART;
+    rbdi_rbi C = rbdi_rbi_add_link(l, carried);
+    if (apart && l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
+    if (rbdi_block_link(l, form))
+        C = rbdi_crba_block(m, w, i, stride, C, H, M);
+    else
+        C = rbdi_crba_axis(m, w, i, form, stride, C, H, M);
+    if (!apart || l->parent == i - 1) return C;
+    if (l->parent >= 0) {
+        rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
+        slot->C = rbdi_rbi_add(slot->C, C);
+    }
+    return rbdi_rbi_zero();
+}
+
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
+   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. */
+RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M) {
+    const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
+    const rbd_work work = *w;
+    const ptrdiff_t stride = rbdi_stride(m);
+    rbdi_rbi carried = rbdi_rbi_zero();
+    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
+        w->slot[i].C = rbdi_rbi_zero();
+    if (RBDI_FIXED_STRIDE &&
+        stride != RBDI_FIXED_STRIDE) { /* the size alone: one copy for all forms will do */
+        for (int i = m->nl - 1; i >= 0; --i)
+            carried = rbdi_crba_step(&model, &work, i, model.link[i].flags, stride, carried, H, M);
+        return;
+    }
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+        RBDI_BY_BRANCH_FORM(form, &model.link[i],
+                            carried = rbdi_crba_step(&model, &work, i, form,
+                                                     RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried,
+                                                     H, M));
+}
+
+/* The dof that carries this one, itself unless it mimics, and its share of that. */
+RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
+    return k < m->nv ? k : m->mimic[k - m->nv].source_v;
+}
+RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
+    return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
+}
+
+/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where
+   nobody wrote. Off its diagonal M_x has every entry twice. */
+RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
+    for (int s = 0; s < m->nv + m->nmimic; ++s) {
+        const int i = m->order[s].dof, a = rbdi_source(m, i);
+        const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
+        if (m->order[s].row < m->nh) continue;
+        H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
+        for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
+            const int b = rbdi_source(m, j);
+            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x = *--h * k;
+            if (j >= m->nv) x = x * rbdi_ratio(m, j);
+            *entry = *entry + (a == b ? x + x : x);
+        }
+    }
+}
+
+#ifndef RBD_NO_CRBA
+/* M packed, from the joints' transforms. */
+RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    if (m->nmimic) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
+    if (m->nmimic) rbdi_reduce_H(m, w->H);
+    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
+}
+
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
+    const rbd_status status = rbdi_check(m, w, q && H);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_crba_of_joints(m, w, H);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
+    const rbd_status status = rbdi_check(m, w, q && M);
+    if (status) return status;
+    if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
+    if (m->nmimic) {
+        rbd_crba_packed(m, w, q, w->H);
+        for (int i = 0; i < m->nv; ++i)
+            for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)
+                M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
+        return RBD_OK;
+    }
+    rbdi_joints(m, w, q);
+    rbdi_crba(m, w, NULL, M);
+    return RBD_OK;
+}
+#endif
+
+RBD_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
+
+RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
+    int row = i > j ? i : j, column = i > j ? j : i, t;
+    if (!m || column < 0 || row >= m->nv) return -1;
+    t = m->dof[row].depth;
+    for (int k = row; k >= column; k = m->dof[k].lambda, --t)
+        if (k == column) return m->dof[row].row + t;
+    return -1;
+}
+
+#endif

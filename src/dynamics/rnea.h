@@ -1,0 +1,157 @@
+#ifndef RBDI_DYNAMICS_RNEA_H
+#define RBDI_DYNAMICS_RNEA_H
+#include "api/dynamics.h"
+#include "base/memory.h"
+#include "dynamics/state.h"
+
+/* ---- rnea [rnea] ----
+   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
+   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
+   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
+
+/* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
+RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
+                                    const rbd_real *a, rbd_real *tau) {
+    const rbdi_link *l = &m->link[i];
+    rbd_real t = rbdi_along_axis(l, form, F);
+    if (form & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
+    tau[l->iv] = t;
+    return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
+}
+RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                          rbdi_force F, const rbd_real *a, rbd_real *tau) {
+    const rbdi_block *b = rbdi_block_of(m, l);
+    rbd_real all[6];
+    rbdi_store_force(all, 1, F);
+    if (l->flags & RBDI_ARMATURE) RBDI_UNROLL
+        for (int k = 0; k < b->n; ++k)
+            all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    if (b->n == 6) RBDI_UNROLL_SIX
+        for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
+    else RBDI_UNROLL
+        for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
+}
+
+/* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
+RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
+                                      rbdi_force carried, const rbd_real *a, rbd_real *tau) {
+    const rbdi_link *l = &m->link[i];
+    rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
+    if (rbdi_block_link(l, form))
+        F = rbdi_rnea_up_block(m, w, l, F, a, tau);
+    else
+        F = rbdi_rnea_up(m, w, i, form, F, a, tau);
+    if (!(form & RBDI_APART) || l->parent == i - 1) return F;
+    if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
+    return rbdi_force0();
+}
+
+/* Torques from the wrenches that move the links. */
+RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
+    rbdi_force carried = rbdi_force0();
+    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+        RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
+}
+
+/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
+RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
+                         const rbd_real *f_ext, rbd_real *tau) {
+    const rbdi_state world = rbdi_world_state(w->gravity);
+    rbdi_state s = world;
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, a, tau);
+}
+
+#ifndef RBD_NO_RNEA
+RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
+    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext, m->nmimic ? w->tx : tau);
+    rbdi_reduce_tau(m, w->tx, tau);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *f_ext, rbd_real *c) {
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
+}
+
+RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
+    if (!w) return RBD_ERR_NULL;
+    return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
+}
+#endif
+
+#ifndef RBD_NO_OBSERVER
+RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                           rbdi_force F, const rbd_real *a, rbd_real *out) {
+    return rbdi_rnea_up_block(m, w, l, F, a, out);
+}
+
+/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
+   v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
+   S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
+   */
+RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbdi_state world = rbdi_world_state(none);
+    rbdi_state s = world;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, w->zero, v, s, 1);
+        w->scratch[i].c.omega = s.omega_dot;
+        w->scratch[i].c.v = s.acc;
+    }
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_motion V = w->scratch[i].c;
+        rbdi_force h = w->scratch[i].f, turned;
+        turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
+        turned.f = rbdi_cross(h.f, V.omega);
+        if (l->kind == RBDI_BLOCK) {
+            h = rbdi_momenta_up_block(m, w, l, h, v, p);
+            rbdi_momenta_up_block(m, w, l, turned, w->zero, ctv);
+        } else {
+            h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
+            rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
+        }
+        if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
+    }
+}
+
+RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+    const rbd_status status = rbdi_check(m, w, q && v);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    if (!p) p = w->bias;
+    if (!ctv) ctv = w->bias;
+    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), m->nmimic ? w->tx : p, m->nmimic ? w->ax : ctv);
+    rbdi_reduce_tau(m, w->tx, p);
+    rbdi_reduce_tau(m, w->ax, ctv);
+    return RBD_OK;
+}
+#endif
+
+RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
+    const rbd_real *vx;
+    rbd_real *tx;
+    const rbd_status status = rbdi_check(m, w, v && tau);
+    if (status) return status;
+    vx = rbdi_expand_v(m, v, w->vx);
+    tx = m->nmimic ? w->tx : tau;
+    for (int k = 0; k < m->nv + m->nmimic; ++k) {
+        rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
+        rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
+        tx[k] = sign - x * m->dof[k].damping;
+    }
+    rbdi_reduce_tau(m, tx, tau);
+    return RBD_OK;
+}
+
+#endif

@@ -1,0 +1,268 @@
+#ifndef RBDI_MODEL_CHECK_H
+#define RBDI_MODEL_CHECK_H
+#include "base/memory.h"
+#include "model/wide.h"
+
+/* ---- model build [model build] ----
+   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
+   steps:
+     checks   rbdi_check_body; after step 2 rbdi_moves_something: the first error ends the build
+     1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
+     3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
+     5        rbdi_draft_measure: mass and moments of each subtree
+     6        rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
+     7, 8     rbdi_draft_scale: bounds for the pivots; rbdi_draft_regroup: leaves to root, base parameters
+     9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
+
+#ifndef RBD_NO_BUILD
+
+/* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
+   'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
+typedef struct rbdi_joint_fact {
+    int nq, nv, first; /* first: of a block's spatial axes */
+    char axes[4];
+} rbdi_joint_fact;
+
+static const rbdi_joint_fact *rbdi_joint_facts(int type) {
+    static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
+        {0, 0, 0, ""},                                                       /* fixed */
+        {1, 1, 0, "a"},                                                      /* revolute */
+        {1, 1, 0, "a"},                                                      /* continuous */
+        {2, 1, 0, "a"},                                                      /* continuous_cs */
+        {1, 1, 0, "a"},                                                      /* prismatic */
+        {1, 1, 0, "a"},                                                      /* helical */
+        {2, 2, 0, "aa"},                                                     /* cylindrical */
+        {2, 2, 0, "ab"},                                                     /* universal */
+        {4, 3, 0, ""},                                                       /* spherical */
+        {3, 3, 0, "zyx"},                                                    /* the four Euler types */
+        {3, 3, 0, "xyz"}, {3, 3, 0, "yxz"}, {3, 3, 0, "zxy"}, {3, 3, 2, ""}, /* planar */
+        {3, 3, 3, ""},                                                       /* translation */
+        {7, 6, 0, ""},                                                       /* floating */
+    };
+    return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
+}
+
+static int rbdi_links_of(int type) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    int n = 0;
+    while (fact->axes[n]) ++n;
+    return n == 0 && fact->nv > 0 ? 1 : n;
+}
+static int rbdi_is_block(int type) {
+    return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0];
+}
+static int rbdi_can_mimic(int type) {
+    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
+
+/* -- small dense algebra of the build -- */
+
+static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+
+/* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
+static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
+    rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    *c /= n, *s /= n;
+    if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
+    if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
+}
+
+/* Angle of a point on the unit circle, c >= 0; as rbdi_signed_angle, in the build's arithmetic. */
+static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
+    rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
+    rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
+    for (int k = 0; k < 4; ++k) angle += sine * RBDI_WIDE_LIBM(cos)(angle) - c * RBDI_WIDE_LIBM(sin)(angle);
+    return s < 0 ? -angle : angle;
+}
+
+/* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
+   h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
+static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3],
+                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    rbdi_wide full[9], turned[9], Ah[3], T[9];
+    for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
+    rbdi_w_product(A, full, turned);
+    rbdi_w_transpose(A, T);
+    rbdi_w_product(turned, T, full);
+    rbdi_w_apply(A, h, Ah);
+    for (int k = 0; k < 6; ++k) {
+        int i = row[k], j = column[k];
+        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
+    }
+    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + m * t[i];
+    to->mass += m;
+}
+
+/* Sees the moments of a link in the frame x' = A x + t. */
+static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
+    rbdi_draft old = *l;
+    for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
+    for (int k = 0; k < 3; ++k) l->h[k] = 0;
+    l->mass = 0;
+    rbdi_add_moments(l, A, t, old.Sigma, old.h, old.mass);
+}
+
+/* -- the checks -- */
+
+static int rbdi_parallel(const double a[3], const double b[3]) {
+    rbdi_wide x[3], y[3], cross[3];
+    rbdi_widen(a, 3, x);
+    rbdi_widen(b, 3, y);
+    rbdi_unit(x, x);
+    rbdi_unit(y, y);
+    for (int k = 0; k < 3; ++k) cross[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
+    return !(rbdi_w_length(cross) > RBDI_PARALLEL);
+}
+
+static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+    if (report->warnings < RBD_MAX_WARNINGS) {
+        rbd_finding *f = &report->warning[report->warnings];
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+    }
+    ++report->warnings;
+}
+
+/* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
+   inequalities of the principal moments). Else dynamics can compute, but somebody should know. */
+static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
+    const double *I = b->inertia, trace = I[0] + I[3] + I[5];
+    double size = 0, S[6];
+    for (int k = 0; k < 6; ++k) {
+        size += I[k] < 0 ? -I[k] : I[k];
+        S[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
+    }
+    if (!(size > 0)) {
+        if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
+        return;
+    }
+    if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
+    if (!rbdi_semidefinite(I, size))
+        rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
+    else if (!rbdi_semidefinite(S, size))
+        rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
+static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
+    for (int j = 0; j < nb; ++j)
+        if (j != i && rbdi_same(bodies[j].joint, bodies[i].mimic))
+            return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
+    return -1;
+}
+
+static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+    const rbd_body *b = &bodies[i];
+    const int type = (int)b->type;
+    const char *axes;
+#define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
+#define RBDI_REQUIRE_SAYING(condition, status, field, sentence) \
+    do { \
+        if (!(condition)) { \
+            rbdi_refuse(report, status, i, b->name, field); \
+            report->error.text = sentence; \
+            return status; \
+        } \
+    } while (0)
+    for (int j = 0; j < i; ++j) {
+        RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
+        RBDI_REQUIRE(!rbdi_same(b->joint, bodies[j].joint), RBD_ERR_NAME, "joint");
+    }
+    RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
+    RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
+    axes = rbdi_joint_facts(type)->axes;
+    RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
+                        RBDI_TEXT("missing? it is 0, fixed, but the joint has an axis"));
+    if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
+    if (axes[0] == 'a' && axes[1] == 'b')
+        RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
+    RBDI_REQUIRE(rbdi_finite(&b->pitch, 1), RBD_ERR_PITCH, "pitch");
+    RBDI_REQUIRE(rbdi_finite(b->position, 3), RBD_ERR_POSITION, "position");
+    RBDI_REQUIRE(rbdi_is_rotation(b->rotation), RBD_ERR_ROTATION, "rotation");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->mass, 1), RBD_ERR_MASS, "mass");
+    RBDI_REQUIRE(rbdi_finite(b->com, 3), RBD_ERR_COM, "com");
+    RBDI_REQUIRE(rbdi_finite(b->inertia, 6), RBD_ERR_INERTIA, "inertia");
+    RBDI_REQUIRE(rbdi_finite_positive(b->armature, 6), RBD_ERR_ARMATURE, "armature");
+    RBDI_REQUIRE(rbdi_finite_positive(b->damping, 6), RBD_ERR_DAMPING, "damping");
+    RBDI_REQUIRE(rbdi_finite_positive(b->friction, 6), RBD_ERR_FRICTION, "friction");
+    RBDI_REQUIRE(rbdi_finite(&b->lower, 1), RBD_ERR_LIMITS, "lower");
+    RBDI_REQUIRE(rbdi_finite(&b->upper, 1), RBD_ERR_LIMITS, "upper");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->velocity, 1), RBD_ERR_LIMITS, "velocity");
+    RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
+    if (b->mimic) {
+        RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio",
+                            RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
+                            "mimic_ratio",
+                            RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
+        RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
+    }
+#undef RBDI_REQUIRE
+#undef RBDI_REQUIRE_SAYING
+    rbdi_check_inertia(b, i, report);
+    return RBD_OK;
+}
+
+/* Whether anything with mass, inertia or armature moves with body i: itself, what is fixed to it or
+   hangs on it, or what mimics its joint. */
+static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i) {
+    const rbd_body *b = &bodies[i];
+    if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
+    if (b->mimic || !rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) return 1;
+    for (int j = 0; j < nb; ++j) {
+        if (j > i && bodies[j].parent == i && bodies[j].type != RBD_FIXED) return 1; /* not a leaf */
+        if (rbdi_same(bodies[j].mimic, b->joint)) return 1;
+        if (j > i && bodies[j].type == RBD_FIXED && place[j].link == place[i].link) {
+            if (bodies[j].mass > 0 || !rbdi_all_zero(bodies[j].inertia, 6)) return 1;
+            for (int k = j + 1; k < nb; ++k)
+                if (bodies[k].parent == j && bodies[k].type != RBD_FIXED) return 1;
+        }
+    }
+    return 0;
+}
+
+/* -- the steps of the build -- */
+
+typedef struct rbdi_counts {
+    int nl, nblock, ndof, nmimic, nq, nv;
+} rbdi_counts;
+
+/* What the steps work on: the description, the model's arrays, and scratch behind them. */
+typedef struct rbdi_build {
+    const rbd_body *bodies;
+    int nb;
+    rbdi_counts n;
+    rbd_model *m;
+    rbdi_link *link;
+    rbdi_block *block;
+    rbdi_dof *dof;
+    rbdi_order *order;
+    rbdi_mimic *mimic;
+    rbdi_frame *frame;
+    rbdi_draft *draft; /* n.nl */
+    rbdi_place *place; /* nb */
+} rbdi_build;
+
+static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
+    rbdi_counts n = {0, 0, 0, 0, 0, 0};
+    for (int i = 0; i < nb; ++i) {
+        const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+        n.nl += rbdi_links_of((int)bodies[i].type);
+        n.nblock += rbdi_is_block((int)bodies[i].type);
+        n.ndof += fact->nv;
+        n.nmimic += bodies[i].mimic != NULL;
+        if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
+    }
+    return n;
+}
+
+static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
+    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
+}
+
+#endif /* RBD_NO_BUILD */
+
+#endif

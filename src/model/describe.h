@@ -1,0 +1,92 @@
+#ifndef RBDI_MODEL_DESCRIBE_H
+#define RBDI_MODEL_DESCRIBE_H
+#include "api/lookup.h"
+#include "model/joints.h"
+#include "model/wide.h"
+
+#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
+static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
+    for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
+    r[0] = (rbdi_wide)at.x, r[1] = (rbdi_wide)at.y, r[2] = (rbdi_wide)at.z;
+}
+
+/* E and r of link l at q = 0: x_link = E (x_parent - r). */
+static void rbdi_link_place(const rbd_model *m, const rbdi_link *l, rbdi_wide E[9], rbdi_wide r[3]) {
+    if (l->kind == RBDI_BLOCK) {
+        rbdi_widen_pose(rbdi_block_of(m, l)->E, l->r, E, r);
+        return;
+    }
+    r[0] = (rbdi_wide)l->r.x, r[1] = (rbdi_wide)l->r.y, r[2] = (rbdi_wide)l->r.z;
+    rbdi_w_zxz((rbdi_wide)l->cg, (rbdi_wide)l->sg, (rbdi_wide)l->ca, (rbdi_wide)l->sa, (rbdi_wide)l->cb,
+               (rbdi_wide)l->sb, E);
+    for (int k = 0; k < 3; ++k) r[k] += (rbdi_wide)l->d * E[6 + k];
+}
+
+/* Where the joint of a body stands, its axes, the links' z, and its parent; returns its first dof. */
+static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
+    const rbdi_frame *u = &m->frame[body];
+    rbdi_wide E[9], r[3], F[9], s[3], R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
+    int i = u->link, dof = 0;
+    rbdi_widen_pose(u->E, u->r, E, r);
+    for (; i >= 0 && m->dof[m->link[i].iv].body == body; i = m->link[i].parent) {
+        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = E[3 * k + 2];
+        rbdi_link_place(m, &m->link[i], F, s);
+        rbdi_w_apply_t(F, r, r);
+        for (int k = 0; k < 3; ++k) r[k] += s[k];
+        rbdi_w_product(E, F, E);
+        dof = m->link[i].iv;
+    }
+    row->parent = -1;
+    rbdi_w_transpose(E, R);
+    if (i >= 0) { /* from the link to the body that it carries */
+        row->parent = m->dof[m->link[i].iv].body;
+        rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r, F, s);
+        for (int k = 0; k < 3; ++k) r[k] -= s[k];
+        rbdi_w_apply(F, r, r);
+        rbdi_w_product(F, R, R);
+    }
+    for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+    for (int k = 0; k < 3; ++k) {
+        row->position[k] = (double)r[k];
+        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
+        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+    }
+    row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
+    return dof;
+}
+
+RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
+    const rbdi_frame *u;
+    const rbdi_dof *dof;
+    int first;
+    if (!m || !row) return RBD_ERR_NULL;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    u = &m->frame[body];
+    row->name = u->name, row->joint = u->joint;
+    row->type = (rbd_joint_type)u->type;
+    first = rbdi_describe_joint(m, body, row);
+    row->mass = (double)u->mass;
+    row->com[0] = (double)u->com.x, row->com[1] = (double)u->com.y, row->com[2] = (double)u->com.z;
+    row->inertia[0] = (double)u->I.xx, row->inertia[1] = (double)u->I.xy, row->inertia[2] = (double)u->I.xz;
+    row->inertia[3] = (double)u->I.yy, row->inertia[4] = (double)u->I.yz, row->inertia[5] = (double)u->I.zz;
+    row->lower = (double)u->lower, row->upper = (double)u->upper;
+    row->velocity = (double)u->velocity, row->effort = (double)u->effort;
+    row->mimic = NULL;
+    row->mimic_ratio = row->mimic_offset = 0;
+    if (u->type != RBD_FIXED && first >= m->nv) {
+        const rbdi_mimic *k = &m->mimic[first - m->nv];
+        row->mimic = m->frame[m->dof[k->source_v].body].joint;
+        row->mimic_ratio = (double)k->ratio, row->mimic_offset = (double)k->offset;
+    }
+    dof = &m->dof[first];
+    for (int k = 0; k < 6; ++k) {
+        const int has = k < u->nv || (row->mimic && k == 0);
+        row->armature[k] = has ? (double)dof[k].armature : 0;
+        row->damping[k] = has ? (double)dof[k].damping : 0;
+        row->friction[k] = has ? (double)dof[k].friction : 0;
+    }
+    return RBD_OK;
+}
+#endif
+
+#endif

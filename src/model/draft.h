@@ -1,0 +1,299 @@
+#ifndef RBDI_MODEL_DRAFT_H
+#define RBDI_MODEL_DRAFT_H
+#include "model/check.h"
+
+#ifndef RBD_NO_BUILD
+
+/* Axis of the k-th link of a joint, unit length, joint frame. */
+static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
+    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
+    if (which == 'a') rbdi_widen(b->axis, 3, axis);
+    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+    rbdi_unit(axis, axis);
+}
+
+static void rbdi_draft_clear(rbdi_draft *l) {
+    unsigned char *p = (unsigned char *)l;
+    for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
+}
+
+static void rbdi_draft_reach(rbdi_draft *l, rbdi_wide reach) {
+    if (l->reach < reach) l->reach = reach;
+}
+
+/* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
+   cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
+static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl) {
+    const rbd_body *b = &bodies[i];
+    const int type = (int)b->type, links = rbdi_links_of(type);
+    const char *axes = rbdi_joint_facts(type)->axes;
+    rbdi_wide R[9], E[9], r[3];
+    int parent = -1;
+    rbdi_widen(b->rotation, 9, R);
+    if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
+    rbdi_orthonormalise(R);
+    rbdi_w_transpose(R, E);
+    rbdi_widen(b->position, 3, r);
+    if (b->parent >= 0) {
+        const rbdi_place *up = &place[b->parent];
+        parent = up->link;
+        rbdi_w_product(E, up->E, E);
+        rbdi_w_apply_t(up->E, r, r);
+        for (int k = 0; k < 3; ++k) r[k] += up->r[k];
+    }
+    for (int k = 0; k < links; ++k) {
+        rbdi_draft *l = &draft[*nl];
+        rbdi_draft_clear(l);
+        l->parent = parent, l->type = type, l->body = i;
+        l->iq = place[i].iq + k, l->iv = place[i].iv + k;
+        l->favourite = -1;
+        for (int j = 0; j < 9; ++j) l->E[j] = E[j];
+        for (int j = 0; j < 3; ++j) l->r[j] = r[j];
+        l->rho = 1;
+        l->kind = RBDI_REVOLUTE;
+        if (!axes[0]) {
+            l->kind = RBDI_BLOCK;
+        } else {
+            rbdi_link_axis(b, axes[k], l->axis);
+            if (type == RBD_CONTINUOUS_CS) l->kind = RBDI_REVOLUTE_CS;
+            if (type == RBD_HELICAL) l->kind = RBDI_SCREW, l->kappa = (rbdi_wide)b->pitch;
+            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1))
+                l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
+        }
+        parent = (*nl)++;
+        rbdi_w_identity(E);
+        for (int j = 0; j < 3; ++j) r[j] = 0;
+    }
+    place[i].link = parent;
+    for (int k = 0; k < 9; ++k) place[i].E[k] = E[k];
+    for (int k = 0; k < 3; ++k) place[i].r[k] = r[k];
+    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(r));
+}
+
+/* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
+static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft) {
+    rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
+    if (place->link < 0) return;
+    rbdi_widen(b->inertia, 6, Sigma);
+    half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
+    for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
+    rbdi_widen(b->com, 3, t);
+    rbdi_w_transpose(place->E, A);
+    rbdi_w_apply(A, t, t);
+    for (int k = 0; k < 3; ++k) t[k] += place->r[k];
+    rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
+}
+
+/* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
+static void rbdi_draft_axis(rbdi_draft *draft, int i) {
+    rbdi_draft *l = &draft[i];
+    const rbdi_wide *s = l->axis;
+    rbdi_wide x[3] = {0, 0, 0}, along, none[3] = {0, 0, 0};
+    int least = 0;
+    rbdi_w_identity(l->B);
+    if (l->kind != RBDI_BLOCK) {
+        for (int k = 1; k < 3; ++k)
+            if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
+        x[least] = 1;
+        along = s[least];
+        for (int k = 0; k < 3; ++k) x[k] -= along * s[k];
+        along = rbdi_w_length(x);
+        for (int k = 0; k < 3; ++k) {
+            l->B[k] = x[k] / along;
+            l->B[6 + k] = s[k];
+        }
+        for (int k = 0; k < 3; ++k)
+            l->B[3 + k] = s[(k + 1) % 3] * l->B[(k + 2) % 3] - s[(k + 2) % 3] * l->B[(k + 1) % 3];
+    }
+    rbdi_w_product(l->B, l->E, l->E);
+    if (l->parent >= 0) {
+        rbdi_wide T[9];
+        rbdi_w_transpose(draft[l->parent].B, T);
+        rbdi_w_product(l->E, T, l->E);
+        rbdi_w_apply(draft[l->parent].B, l->r, l->r);
+    }
+    rbdi_change_moments(l, l->B, none);
+}
+
+/* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
+   others, under a one-axis parent: only they can have the cheap form). draft[p].order = who stands at p. */
+static void rbdi_draft_order(rbdi_draft *draft, int nl) {
+    int next_root = 0;
+    for (int i = 0; i < nl; ++i) draft[i].size = 1;
+    for (int i = nl - 1; i >= 0; --i)
+        if (draft[i].parent >= 0) draft[draft[i].parent].size += draft[i].size;
+    for (int i = 0; i < nl; ++i) {
+        rbdi_draft *up;
+        int best, first;
+        if (draft[i].parent < 0) continue;
+        up = &draft[draft[i].parent];
+        best = up->favourite;
+        first = up->kind != RBDI_BLOCK;
+        if (best < 0 || (first && draft[best].kind == RBDI_BLOCK && draft[i].kind != RBDI_BLOCK) ||
+            (draft[i].size > draft[best].size &&
+             !(first && draft[best].kind != RBDI_BLOCK && draft[i].kind == RBDI_BLOCK)))
+            up->favourite = i;
+    }
+    for (int i = 0; i < nl; ++i) {
+        rbdi_draft *l = &draft[i];
+        if (l->parent < 0) {
+            l->position = next_root;
+            next_root += l->size;
+        } else if (draft[l->parent].favourite == i) {
+            l->position = draft[l->parent].position + 1;
+        } else {
+            l->position = draft[l->parent].cursor;
+            draft[l->parent].cursor += l->size;
+        }
+        l->cursor = l->position + 1 + (l->favourite >= 0 ? draft[l->favourite].size : 0);
+        draft[l->position].order = i;
+    }
+}
+
+/* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
+   and results stay, the constants around it change. */
+static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
+    rbdi_draft *l = &draft[i];
+    rbdi_wide Z[9], T[9], down[3] = {0, 0, 0}, up[3] = {0, 0, 0};
+    rbdi_w_turn_z(c, s, Z);
+    rbdi_w_transpose(Z, T);
+    if (l->dh)
+        l->d += t;
+    else
+        for (int k = 0; k < 3; ++k) l->r[k] += t * l->E[6 + k];
+    rbdi_w_product(Z, l->E, l->E);
+    for (int j = i + 1; j < nl; ++j) {
+        if (draft[j].parent != i) continue;
+        draft[j].r[2] -= t;
+        rbdi_w_apply(Z, draft[j].r, draft[j].r);
+        rbdi_w_product(draft[j].E, T, draft[j].E);
+    }
+    down[2] = -t, up[2] = t;
+    rbdi_change_moments(l, Z, down);
+    rbdi_w_apply_t(l->B, up, up);
+    for (int k = 0; k < 3; ++k) l->b[k] += up[k];
+    rbdi_w_product(Z, l->B, l->B);
+}
+
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
+   everything that follows, pose and dynamics, works with one model. */
+static void rbdi_draft_angles(rbdi_draft *l) {
+    rbdi_wide *E = l->E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    l->cb = 1, l->sb = 0;
+    l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
+    if (sigma > RBDI_SNAP) {
+        l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
+        l->ca = E[8], l->sa = sigma;
+        rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
+        rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
+        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb)))
+            l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
+    }
+    l->cg = E[0] * l->cb + E[1] * l->sb;
+    l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
+    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
+    rbdi_w_zxz(l->cg, l->sg, l->ca, l->sa, l->cb, l->sb, E);
+}
+
+/* Moments of mass, sums of m |x|^2 and of m |x|, that the subtree of f can have about a point at this
+   distance from f's origin, its links stretched out away from it: what numbers about that point are the size
+   of. */
+static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance) {
+    return f->all * (f->radius + distance) * (f->radius + distance);
+}
+static rbdi_wide rbdi_draft_lever(const rbdi_draft *f, rbdi_wide distance) {
+    return f->lever + f->all * distance;
+}
+
+/* Step 5, leaves to root: mass, radius of gyration and first moment of the subtree, so stretched, about the
+   link's own origin. Where the root stands is no part of it. */
+static void rbdi_draft_measure(rbdi_draft *draft, int i) {
+    rbdi_draft *l = &draft[i];
+    const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
+    if (own > 0) l->radius += own; /* else no real body is like this */
+    if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
+    l->all += l->mass;
+    l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
+    if (l->parent < 0) return;
+    /* sums, until the parent's turn comes */
+    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r));
+    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->r));
+    draft[l->parent].all += l->all;
+}
+
+/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
+   distance from it. Numbers about a far point grow with the distance, inertias with its square, and what is
+   wanted is their differences, so those of this subtree must stay of the size that they have about the origin
+   that the user chose, 4 times at most. Errors grow by as much; right-angled and parallel axes pass
+   (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
+static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
+    const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
+    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->r), step = rbdi_w_abs(t);
+    for (int j = i + 1; j < nl; ++j) {
+        const rbdi_draft *c = &draft[j];
+        rbdi_wide from[3] = {c->r[0], c->r[1], c->r[2] - t};
+        if (c->parent == i && c != f && c->all > 0 &&
+            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r)))
+            return 0;
+    }
+    return rest * t * t + rbdi_draft_spread(f, distance) - rbdi_draft_spread(f, from_f) <
+               3 * rbdi_draft_spread(l, 0) &&
+           rest * step + rbdi_draft_lever(f, distance) - rbdi_draft_lever(f, from_f) <
+               3 * rbdi_draft_lever(l, 0);
+}
+
+/* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
+   shift: all that it carries is farther then, 4 times at most. */
+static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
+    return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
+}
+
+/* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
+   by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
+   Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
+static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
+    rbdi_draft *l = &draft[i], *f;
+    rbdi_wide r[3], Z[9], a, d = 0, t;
+    if (l->kind == RBDI_BLOCK) return;
+#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
+    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(draft, nl, i)) l->favourite = -1;
+#endif
+    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK) {
+        const int moves = l->dh && rbdi_draft_near_alone(l, rbdi_w_abs(l->d));
+        rbdi_draft_angles(l);
+        rbdi_draft_turn(draft, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
+        return;
+    }
+    f = &draft[l->favourite];
+    rbdi_draft_angles(l);
+    rbdi_draft_angles(f);
+    if (rbdi_w_abs(f->sa) > 0) {
+        /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
+        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
+            f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
+        rbdi_w_turn_z(f->cb, f->sb, Z);
+        rbdi_w_apply(Z, f->r, r);
+        a = r[0];
+        d = -r[1] / f->sa;
+        t = r[2] - d * f->ca;
+        if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
+    } else {
+        a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
+        t = f->r[2];
+        if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
+        rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
+    }
+    f->dh = 1;
+    f->r[0] = a, f->r[1] = f->r[2] = 0;
+    f->d = d;
+}
+
+/* Origin of a link in its parent's frame at q = 0. */
+static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
+    for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
+}
+
+#endif /* RBD_NO_BUILD */
+
+#endif

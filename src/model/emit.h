@@ -1,0 +1,328 @@
+#ifndef RBDI_MODEL_EMIT_H
+#define RBDI_MODEL_EMIT_H
+#include "dynamics/crba.h"
+#include "model/regroup.h"
+
+#ifndef RBD_NO_BUILD
+
+static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
+    rbdi_c3 c;
+    c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
+    return c;
+}
+static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
+    rbdi_csym c;
+    c.xx = RBD_C(x[0]), c.xy = RBD_C(x[1]), c.xz = RBD_C(x[2]);
+    c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
+    return c;
+}
+
+/* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
+static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
+    rbdi_wide c = l->cg, s = l->sg, next;
+    int quarters = 0;
+    out->cg = RBD_C(c), out->sg = RBD_C(s);
+    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) next = 0 - c, c = s, s = next;
+    out->quarters = RBD_C(quarters);
+    out->gamma = l->kind == RBDI_BLOCK ? RBD_C(0) : RBD_C(rbdi_w_angle(c, s));
+}
+
+/* Step 9: the solver's constants of the link at position p. */
+static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p) {
+    const rbdi_draft *l = &draft[draft[p].order];
+    const rbd_body *b = &bodies[l->body];
+    int block = l->kind == RBDI_BLOCK, flags = 0;
+    rbdi_link out;
+    if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
+    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
+    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->r[0])) flags |= RBDI_SHIFT_R;
+    if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
+    if (block || l->kind == RBDI_SCREW) flags |= RBDI_MASS_KEPT;
+    if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
+    if (l->parent < 0) flags |= RBDI_ROOT;
+    if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
+    if (!block && !rbdi_nonzero(l->ca) && l->sa > 0) flags |= RBDI_TWIST_90;
+    if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
+    out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
+    out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
+    out.block = out.slot = -1;
+    out.first = out.end = 0;
+    out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
+    rbdi_emit_angle(l, &out);
+    out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
+    out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
+    out.r = rbdi_round3(l->r);
+    out.d = RBD_C(l->d);
+    out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
+    out.Sigma = rbdi_round6(l->Sigma);
+    out.h = rbdi_round3(l->h);
+    out.mass = RBD_C(l->mass), out.subtree_mass = RBD_C(l->subtree_mass);
+    return out;
+}
+
+static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
+    rbdi_wide one[9];
+    rbdi_block out;
+    rbdi_w_identity(one);
+    out.type = (int16_t)l->type;
+    out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
+    out.identity = 1;
+    for (int k = 0; k < 9; ++k) {
+        out.E[k] = RBD_C(l->E[k]);
+        if (rbdi_nonzero(l->E[k] - one[k])) out.identity = 0;
+    }
+    return out;
+}
+
+/* Bound of the inertia that dof k of a link moves. */
+static rbdi_wide rbdi_draft_dof_scale(const rbdi_draft *l, int k) {
+    if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
+    return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
+}
+
+/* The dofs of link p. */
+static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
+                           rbdi_dof *dof) {
+    const rbdi_draft *l = &draft[draft[p].order];
+    const rbd_body *b = &bodies[l->body];
+    const rbdi_link *link = &m->link[p];
+    const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
+    int in_joint = 0;
+    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q)
+        ++in_joint;
+    for (int k = 0; k < n; ++k) {
+        rbdi_dof *d = &dof[link->iv + k];
+        const rbdi_wide scale = rbdi_draft_dof_scale(l, k);
+        d->body = (int16_t)l->body;
+        d->before = -1;
+        if (k > 0) {
+            d->before = (int16_t)(link->iv + k - 1);
+        } else if (link->parent >= 0) {
+            const rbdi_link *up = &m->link[link->parent];
+            d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
+        }
+        d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
+        d->armature = RBD_C(b->armature[in_joint + k]);
+        d->damping = RBD_C(b->damping[in_joint + k]);
+        d->friction = RBD_C(b->friction[in_joint + k]);
+        d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
+    }
+}
+
+/* What the user sees of body i. */
+static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
+    rbdi_wide E[9], r[3], T[9], com[3], I[6];
+    rbdi_frame out;
+    for (int k = 0; k < 9; ++k) E[k] = place->E[k];
+    for (int k = 0; k < 3; ++k) r[k] = place->r[k];
+    rbdi_widen(b->com, 3, com);
+    rbdi_widen(b->inertia, 6, I);
+    out.link = -1;
+    if (place->link >= 0) {
+        const rbdi_draft *l = &draft[place->link];
+        out.link = (int16_t)l->position;
+        rbdi_w_transpose(l->B, T);
+        rbdi_w_product(E, T, E);
+        for (int k = 0; k < 3; ++k) r[k] -= l->b[k];
+        rbdi_w_apply(l->B, r, r);
+    }
+    out.name = b->name, out.joint = b->joint;
+    out.parent = (int16_t)b->parent;
+    out.type = (int16_t)b->type;
+    out.iq = (int16_t)place->iq, out.iv = (int16_t)place->iv;
+    out.nq = out.nv = 0;
+    if (!b->mimic) {
+        out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
+        out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
+    }
+    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(E[k]);
+    out.r = rbdi_round3(r);
+    out.mass = RBD_C(b->mass);
+    out.com = rbdi_round3(com);
+    out.I = rbdi_round6(I);
+    out.lower = RBD_C(b->lower), out.upper = RBD_C(b->upper);
+    out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
+    return out;
+}
+
+/* The steps that turn drafts in the users' frames into drafts in the solver's. */
+static void rbdi_draft_solve(rbdi_draft *draft, int nl) {
+    for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
+    rbdi_draft_order(draft, nl);
+    for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
+    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order);
+    for (int i = 0; i < nl; ++i)
+        if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
+    for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
+    for (int p = nl - 1; p >= 0; --p) rbdi_draft_regroup(draft, draft[p].order);
+    for (int p = nl - 1; p >= 0; --p) {
+        rbdi_draft *l = &draft[draft[p].order];
+        l->subtree_mass += l->mass;
+        if (l->parent >= 0) draft[l->parent].subtree_mass += l->subtree_mass;
+    }
+}
+
+/* Coordinates and dofs in the order of the bodies; those of mimic joints behind all others. */
+static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place) {
+    int iq = 0, iv = 0, mimic = 0;
+    for (int i = 0; i < nb; ++i) {
+        const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+        place[i].iq = iq, place[i].iv = iv;
+        if (bodies[i].mimic) {
+            place[i].iq = n.nq + mimic, place[i].iv = n.nv + mimic;
+            ++mimic;
+        } else {
+            iq += fact->nq, iv += fact->nv;
+        }
+    }
+}
+
+/* Four counts side by side. */
+static uint64_t rbdi_pack(int a, int b, int c, int d) {
+    return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
+}
+/* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
+   the same. */
+static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
+    shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
+    shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
+    shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
+}
+
+/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b.
+   Eliminating a row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become
+   one from there on. */
+static void rbdi_couple(rbdi_dof *dof, int a, int b) {
+    while (a != b) {
+        const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
+        if (next < low) dof[high].lambda = (int16_t)low;
+        a = low, b = next;
+    }
+}
+
+/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
+   they follow with all that lies before and behind them. */
+static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof) {
+    const int nv = m->nv, n = nv + m->nmimic;
+    for (int k = 0; k < n; ++k) {
+        int up = dof[k].before;
+        while (up >= nv) up = dof[up].before;
+        dof[k].lambda = (int16_t)(k < nv ? up : -1);
+    }
+    for (int k = 0; k < n; ++k)
+        for (int j = dof[k].before; j >= 0; j = dof[j].before)
+            if (k >= nv || j >= nv)
+                rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
+    m->nh = 0;
+    for (int k = 0; k < n; ++k) {
+        dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
+        dof[k].row = m->nh;
+        if (k < nv) m->nh += dof[k].depth + 1;
+    }
+}
+
+/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the
+   mechanism. */
+static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k) {
+    for (; k >= 0; k = dof[k].before)
+        if (k >= m->nv || dof[k].lambda != dof[k].before) return 0;
+    return 1;
+}
+
+/* Links, blocks, slots and dofs, in the solver's order. */
+static void rbdi_emit_links(const rbdi_build *b) {
+    rbd_model *m = b->m;
+    int block = 0;
+    m->nslot = 0;
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        *l = rbdi_emit_link(b->bodies, b->draft, p);
+        if (l->kind == RBDI_BLOCK) {
+            l->block = (int16_t)block;
+            b->block[block++] = rbdi_emit_block(&b->draft[b->draft[p].order]);
+        }
+        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
+            b->link[l->parent].slot = m->nslot++;
+        rbdi_emit_dofs(b->bodies, m, b->draft, p, b->dof);
+    }
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        if (l->kind == RBDI_BLOCK || l->slot >= 0 || l->parent < 0 || l->parent != p - 1 ||
+            (l->flags & RBDI_SHIFT_XYZ))
+            l->flags |= RBDI_APART;
+    }
+}
+
+static void rbdi_emit_frames(const rbdi_build *b) {
+    int next = 0;
+    for (int i = 0; i < b->nb; ++i) {
+        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->draft);
+        if (!b->bodies[i].mimic) continue;
+        const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
+        rbdi_mimic *k = &b->mimic[next++];
+        k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
+        k->ratio = RBD_C(b->bodies[i].mimic_ratio), k->offset = RBD_C(b->bodies[i].mimic_offset);
+        b->dof[k->source_v].scale += k->ratio * k->ratio * b->dof[b->place[i].iv].scale;
+    }
+}
+
+/* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
+static void rbdi_emit_order(const rbdi_build *b) {
+    rbd_model *m = b->m;
+    int next = 0;
+    m->nhx = 0;
+    for (int p = 0; p < m->nl; ++p) {
+        rbdi_link *l = &b->link[p];
+        const int dofs = l->block < 0 ? 1 : b->block[l->block].n;
+        l->first = (int16_t)next;
+        for (int k = 0; k < dofs; ++k, ++next) {
+            const rbdi_dof *d = &b->dof[l->iv + k];
+            b->order[next].dof = (int16_t)(l->iv + k);
+            b->order[next].row = d->row;
+            if (rbdi_own_row(m, b->dof, l->iv + k)) continue;
+            b->order[next].row = m->nh + m->nhx;
+            m->nhx += d->level + 1;
+        }
+    }
+    for (int p = 0; p < m->nl; ++p) {
+        const int behind = p + b->draft[b->draft[p].order].size;
+        b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
+    }
+}
+
+/* Marks the links of mimic joints if the parent of each is in its group, or that of its group's first. */
+static void rbdi_emit_ties(const rbdi_build *b) {
+    const rbd_model *m = b->m;
+    for (int mark = 0; mark < 2; ++mark)
+        for (int p = 0; p < m->nl; ++p) {
+            const int g = rbdi_source(m, m->link[p].iv), up = m->link[p].parent;
+            int first = 0;
+            while (rbdi_source(m, m->link[first].iv) != g) ++first;
+            if (first == p) continue;
+            if (mark)
+                b->link[first].flags |= RBDI_TIED | RBDI_TIED_FIRST, b->link[p].flags |= RBDI_TIED;
+            else if (up != m->link[first].parent && (up < 0 || rbdi_source(m, m->link[up].iv) != g))
+                return;
+        }
+}
+
+static void rbdi_emit(const rbdi_build *b) {
+    rbd_model *m = b->m;
+    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
+    m->frame = b->frame;
+    m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
+    m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
+    m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
+    m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
+    rbdi_emit_links(b);
+    rbdi_emit_frames(b);
+    rbdi_emit_tree(m, b->mimic, b->dof);
+    rbdi_emit_order(b);
+    if (RBDI_TIES) rbdi_emit_ties(b);
+    rbdi_shape(m, m->shape);
+}
+
+#endif /* RBD_NO_BUILD */
+
+#endif

@@ -1,0 +1,274 @@
+#ifndef RBDI_MODEL_JOINTS_H
+#define RBDI_MODEL_JOINTS_H
+#include "algebra/rotations.h"
+
+/* ---- joints [joints] ----
+   What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
+   rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
+   (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
+   first two only. */
+
+RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
+    return &m->block[l->block];
+}
+/* Whether a link is a block, which the common forms are not. */
+RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int form) {
+    return (form & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+}
+RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
+    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+}
+
+/* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
+RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
+    rbdi_v3 shift = rbdi_vec0();
+    rbdi_pose X;
+    switch (b->type) {
+    case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
+    case RBD_PLANAR: {
+        rbd_real c, s;
+        rbdi_sincos(q[2], &s, &c);
+        X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
+        X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
+        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBD_C(1));
+        shift = rbdi_vec(q[0], q[1], rbdi_zero());
+        break;
+    }
+    case RBD_TRANSLATION:
+        shift = rbdi_vec(q[0], q[1], q[2]);
+        X.E = rbdi_mat_c(b->E);
+        break;
+    default: /* RBD_FLOATING */
+        shift = rbdi_vec(q[0], q[1], q[2]);
+        X.E = rbdi_quaternion_down(q + 3);
+        break;
+    }
+    if (!b->identity) {
+        const rbdi_mat joint = rbdi_mat_c(b->E);
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        shift = rbdi_mul_t(joint, shift);
+    }
+    X.r = rbdi_add(rbdi_vec_c(l->r), shift);
+    return X;
+}
+
+/* Sine and cosine of a link's joint angle by libm. */
+RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
+    rbd_real s, c;
+    rbdi_sincos_libm(angle, &s, &c);
+    switch ((int)l->quarters) {
+    case 1: *sine = c, *cosine = -s; break;
+    case 2: *sine = -s, *cosine = -c; break;
+    case 3: *sine = -c, *cosine = s; break;
+    default: *sine = s, *cosine = c; break;
+    }
+}
+
+/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q +
+   gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
+   where the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+    int plain = 1;
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        w->quarters[i] = rbdi_set(l->quarters);
+        if (l->kind == RBDI_REVOLUTE) {
+            w->angle[i] = q[l->iq] + l->gamma;
+        } else if (l->kind == RBDI_BLOCK) {
+            w->angle[i] = rbdi_zero();
+            w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
+        } else {
+            plain = 0;
+            w->angle[i] = rbdi_zero();
+            if (l->rho > 0 && l->kind == RBDI_SCREW) w->angle[i] = q[l->iq] + l->gamma;
+            if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
+        }
+    }
+    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c)) RBDI_UNROLL
+        for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    if (plain) return;
+    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_REVOLUTE_CS) {
+            rbd_real c, s;
+            rbdi_unit_cs(&q[l->iq], &c, &s);
+            w->c[i] = c * l->cg - s * l->sg;
+            w->s[i] = c * l->sg + s * l->cg;
+        } else if (l->kind == RBDI_SCREW && !(l->rho > 0)) {
+            w->c[i] = rbdi_set(l->cg);
+            w->s[i] = rbdi_set(l->sg);
+        }
+    }
+}
+
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form) {
+    rbdi_trig t;
+    t.c = w->c[i], t.s = w->s[i];
+    t.d = form & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
+    return t;
+}
+
+/* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
+   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at
+   a right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an
+   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer; pass 2 takes
+   these by RBDI_BY_SERIAL_FORM, without what comes of the branch, and that by itself). Each form is a copy of
+   the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are tested
+   (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none where
+   arithmetic is a call, for there it saves two per cent. */
+#define RBDI_CASE(known, form, call) \
+    case known: { \
+        const int form = known; \
+        call; \
+    } break;
+#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0 || defined RBD_SPECIALISE
+#define RBDI_SERIAL_FORMS 0
+#define RBDI_SERIAL_CASES(form, call)
+#define RBDI_BRANCH_CASES(form, call)
+#elif RBDI_SIMD > 0
+#define RBDI_SERIAL_FORMS 1
+#define RBDI_SERIAL_CASES(form, call) \
+    RBDI_CASE(RBDI_TWIST_90, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+#define RBDI_BRANCH_CASES(form, call) \
+    RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
+    RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
+#else
+#define RBDI_SERIAL_FORMS 0
+#define RBDI_SERIAL_CASES(form, call) \
+    case RBDI_TWIST_90: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_R: \
+    case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
+        int shifts_ = flags_; \
+        __asm__("" : "+r"(shifts_)); \
+        const int form = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        call; \
+    } break; \
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+#define RBDI_BRANCH_CASES(form, call)
+#endif
+#define RBDI_BY_CASES(cases, form, flags, call) \
+    do { \
+        const int flags_ = flags; \
+        switch (flags_) { \
+        default: { \
+            const int form = flags_; \
+            call; \
+        } break; \
+            cases \
+        } \
+    } while (0)
+#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, (link)->flags, call)
+#define RBDI_BY_BRANCH_FORM(form, link, call) \
+    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, (link)->flags, call)
+#define RBDI_BY_SERIAL_FORM(form, link, call) \
+    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, rbdi_serial_form(link), call)
+
+/* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
+   a branch; the link's form without it. */
+RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
+    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TIED)) == RBDI_SHIFT_XYZ &&
+           l->kind != RBDI_BLOCK;
+}
+RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {
+    const int place = RBDI_APART | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN;
+    return rbdi_begins_branch(l) ? l->flags & ~place : l->flags;
+}
+
+/* Vector, parent axes to link axes, of a one-axis joint. */
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
+    if (form & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
+    v = rbdi_uncycle(rbdi_turn_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
+    return rbdi_turn_z(0, t.c, t.s, v);
+}
+
+/* omega x r, for the parent-side shift r. */
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
+    rbdi_v3 y;
+    y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
+    if (form & RBDI_SHIFT_XYZ) {
+        y.x = omega.y * l->r.z - omega.z * l->r.y;
+        y.y = y.y - omega.x * l->r.z;
+        y.z = y.z + omega.x * l->r.y;
+    }
+    return y;
+}
+
+/* Force (n; f) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
+   branch turn, shift. Written once for T = one scalar and T = a batch of them, of one link; or, with U = T as
+   well, of as many links. SET makes a constant of a link a U. */
+#define RBDI_DEFINE_FORCE_UP(name, T, U, SET, LINK, TRIG) \
+    RBDI_INLINE void name##_turn(int form, U c, U s, T *x, T *y) { \
+        const T x0 = *x, y0 = *y; \
+        if (form & RBDI_TWIST_0) return; \
+        *x = -y0, *y = x0; \
+        if (form & RBDI_TWIST_90) return; \
+        *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
+    } \
+    RBDI_INLINE void name(const LINK *l, int form, TRIG t, T *x) { \
+        if (form & RBDI_SHIFT_Z) { \
+            x[0] = x[0] - x[4] * t.d; \
+            x[1] = x[1] + x[3] * t.d; \
+        } \
+        RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
+            name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
+            name##_turn(form, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
+            if (form & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
+        } \
+        if (!(form & RBDI_SHIFT_R)) return; \
+        x[1] = x[1] - x[5] * l->r.x; \
+        x[2] = x[2] + x[4] * l->r.x; \
+        if (form & RBDI_SHIFT_XYZ) { \
+            x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
+            x[1] = x[1] + x[3] * l->r.z; \
+            x[2] = x[2] - x[3] * l->r.y; \
+        } \
+    }
+RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
+#if RBDI_BATCH > 1
+RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
+#endif
+
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F) {
+    rbd_real x[6];
+    rbdi_store_force(x, 1, F);
+    rbdi_array_up(l, form, t, x);
+    return rbdi_load_force(x, 1);
+}
+
+/* The same of a block link. */
+RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
+    F.f = rbdi_mul_t(X->E, F.f);
+    F.n = rbdi_add(rbdi_mul_t(X->E, F.n), rbdi_cross(X->r, F.f));
+    return F;
+}
+
+/* S' F of a one-axis joint. */
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F) {
+    return form & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+}
+
+RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {
+    a[0] = V.omega.x, a[1] = V.omega.y, a[2] = V.omega.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
+}
+RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
+    rbdi_motion V;
+    V.omega = rbdi_vec(a[0], a[1], a[2]);
+    V.v = rbdi_vec(a[3], a[4], a[5]);
+    return V;
+}
+RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
+    rbd_real a[6];
+    if (b->n == 6) return rbdi_motion_from_array(v);
+    RBDI_UNROLL for (int k = 0; k < 6; ++k)
+        a[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
+        a[b->first + k] = v[k];
+    return rbdi_motion_from_array(a);
+}
+
+#endif

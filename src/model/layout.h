@@ -1,0 +1,166 @@
+#ifndef RBDI_MODEL_LAYOUT_H
+#define RBDI_MODEL_LAYOUT_H
+#include "api/types.h"
+
+/* ---- layout [layout] ----
+   The built model and the work, laid open for sizes at compile time and for generated tables only. */
+
+/* Arithmetic of the build: double at least, whatever the model's scalar. */
+#if RBDI_KIND(RBD_CONST) == 3
+RBDI_EXTENSION typedef __float128 rbdi_wide;
+#else
+typedef double rbdi_wide;
+#endif
+
+/* A link while it is being built. Later fields overwrite what earlier steps left. */
+typedef struct rbdi_draft {
+    rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */
+    rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
+    rbdi_wide B[9], b[3];           /* user's link frame to solver frame: x_solver = B (x_user - b) */
+    rbdi_wide axis[3], rho, kappa;
+    rbdi_wide cg, sg, ca, sa, cb, sb, d;
+    rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
+    rbdi_wide trace, moment, all_mass,
+        subtree_mass;                     /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide scale, reach;               /* of the pivot; of the user's frames: see rbdi_draft_scale */
+    int parent, kind, type, body, iq, iv; /* parent: index among drafts */
+    int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
+} rbdi_draft;
+
+/* Where a body of the description sits while the model is built. */
+typedef struct rbdi_place {
+    rbdi_wide E[9], r[3]; /* x_body = E (x_link - r) */
+    int link;             /* draft, -1 = world */
+    int iq, iv;
+} rbdi_place;
+
+/* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
+enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
+
+/* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
+   can drop what a common form does not need (see RBDI_BY_FORM). */
+enum {
+    RBDI_BRANCH_TURN = 1,   /* the frame is turned about the parent's z before the twist */
+    RBDI_SHIFT_XYZ = 2,     /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_Z = 4,       /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,     /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16,     /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,         /* the parent is the world */
+    RBDI_SLIDES = 64,       /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128,    /* alpha = 90 degrees */
+    RBDI_TWIST_0 = 256,     /* alpha = 0 */
+    RBDI_TIED = 512,        /* the joint mimics or is mimicked, in a group that aba takes as one joint */
+    RBDI_TIED_FIRST = 1024, /* so, and no link of the group is before it */
+    RBDI_SHIFT_R = 2048,    /* the parent-side shift is not zero */
+    RBDI_APART = 4096 /* a block, or a link with a slot, or one that begins a branch: whose parent is not
+                               the link before it, or which has no Denavit-Hartenberg form */
+};
+
+typedef struct rbdi_c3 {
+    rbd_const x, y, z;
+} rbdi_c3;
+
+typedef struct rbdi_csym {
+    rbd_const xx, xy, xz, yy, yz, zz;
+} rbdi_csym;
+
+/* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
+   twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
+typedef struct rbdi_link {
+    int16_t parent;     /* an earlier link, -1 = world */
+    int16_t iq, iv;     /* first coordinate and degree of freedom */
+    int16_t block;      /* index into blocks, -1 = none */
+    int16_t slot;       /* where what a child that is not the next link needs is kept, -1 = no such child */
+    int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
+    int16_t kind, flags;
+    rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
+    rbd_const quarters, gamma; /* that angle: right angles, 0 to 3, and the rest, 45 degrees at most */
+    rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
+    rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
+    rbd_const d;               /* along the link's z */
+    rbd_const rho, kappa;      /* turn and slide per unit of q */
+    rbdi_csym Sigma;           /* regrouped second moment of mass about the origin, link axes */
+    rbdi_c3 h;                 /* regrouped first moment */
+    rbd_const mass;            /* regrouped mass */
+    rbd_const subtree_mass;    /* its sum over the subtree */
+} rbdi_link;
+
+/* A joint whose motion axes are unit spatial axes first .. first + n - 1 of the link frame. */
+typedef struct rbdi_block {
+    int16_t type;     /* rbd_joint_type: spherical, planar, translation or floating */
+    int16_t first, n; /* axes are counted omega_x .. omega_z, v_x .. v_z */
+    int16_t identity; /* E is the identity */
+    rbd_const E[9];   /* turns parent vectors into the joint frame, row-major */
+} rbdi_block;
+
+/* A degree of freedom; those that mimic others follow the nv that do not. */
+typedef struct rbdi_dof {
+    int16_t body;   /* index in the description */
+    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
+    int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
+    int16_t depth;  /* number of dofs before it towards the root; of mimic dofs these three mean nothing */
+    int16_t before, level; /* lambda and depth in the mechanism, of mimic dofs too */
+    rbd_const armature, damping, friction;
+    rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
+} rbdi_dof;
+
+/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
+   it, of level + 1 entries: the dof's own, or one behind them all. */
+typedef struct rbdi_order {
+    int16_t dof;
+    int32_t row;
+} rbdi_order;
+
+/* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
+typedef struct rbdi_mimic {
+    int16_t source_q, source_v;
+    rbd_const ratio, offset;
+} rbdi_mimic;
+
+/* A body of the description as seen by the user: its frame on a link, and its own inertia. */
+typedef struct rbdi_frame {
+    const char *name, *joint;
+    int16_t link;   /* that carries it, -1 = world */
+    int16_t parent; /* body, -1 = world */
+    int16_t type;   /* rbd_joint_type */
+    int16_t iq, nq, iv, nv;
+    rbd_const E[9]; /* turns link vectors into body vectors, row-major */
+    rbdi_c3 r;      /* origin in the link frame */
+    rbd_const mass;
+    rbdi_c3 com; /* body frame */
+    rbdi_csym I; /* about the centre of mass, body axes */
+    rbd_const lower, upper, velocity, effort;
+} rbdi_frame;
+
+#define RBDI_SHAPE 3 /* words */
+
+struct rbd_model {
+    int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
+    int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
+    int16_t nl, nblock, nslot, nmimic;
+    int32_t nh;              /* entries of the packed tree matrix */
+    int32_t nhx;             /* entries of the rows behind it, of mimic dofs and of those that they couple */
+    rbdi_c3 gravity;         /* world frame */
+    const rbdi_link *link;   /* nl, depth first */
+    const rbdi_block *block; /* nblock */
+    const rbdi_dof *dof;     /* nv + nmimic */
+    const rbdi_order *order; /* nv + nmimic */
+    const rbdi_mimic *mimic; /* nmimic */
+    const rbdi_frame *frame; /* nb, in the description's order */
+    uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
+};
+
+/* A built model as a table, which rbd-model writes: declared in every file, defined in one. */
+#define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
+#ifdef RBD_STATIC
+#define RBDI_TABLE static
+#define RBDI_TABLE_DECLARATION(name)
+#elif defined __cplusplus
+#define RBDI_TABLE
+#define RBDI_TABLE_DECLARATION(name) extern "C" const rbd_model name;
+#else
+#define RBDI_TABLE
+#define RBDI_TABLE_DECLARATION(name) extern const rbd_model name;
+#endif
+
+#endif

@@ -1,0 +1,164 @@
+#ifndef RBDI_MODEL_PAYLOAD_H
+#define RBDI_MODEL_PAYLOAD_H
+#include "api/build.h"
+#include "model/emit.h"
+
+#ifndef RBD_NO_BUILD
+
+#ifndef RBD_NO_PAYLOAD
+/* -- a payload -- */
+
+/* Own inertia of a body with a payload: masses, moments about the common centre c. */
+static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
+    const rbdi_wide mass[2] = {(rbdi_wide)u->mass, (rbdi_wide)load->mass}, sum = mass[0] + mass[1];
+    const rbdi_wide com[2][3] = {{(rbdi_wide)u->com.x, (rbdi_wide)u->com.y, (rbdi_wide)u->com.z},
+                                 {(rbdi_wide)load->com[0], (rbdi_wide)load->com[1], (rbdi_wide)load->com[2]}};
+    const rbdi_wide noise = 8 * (rbdi_wide)RBDI_EPS * (rbdi_w_abs(mass[0]) + rbdi_w_abs(mass[1]));
+    const rbdi_wide total = rbdi_w_abs(sum) > noise ? sum : 0;
+    rbdi_wide c[3], I[6] = {(rbdi_wide)u->I.xx, (rbdi_wide)u->I.xy, (rbdi_wide)u->I.xz,
+                            (rbdi_wide)u->I.yy, (rbdi_wide)u->I.yz, (rbdi_wide)u->I.zz};
+    double whole[6], size = 0;
+    if (total < 0) return RBD_ERR_MASS;
+    for (int k = 0; k < 3; ++k)
+        c[k] = total > 0 ? (mass[0] * com[0][k] + mass[1] * com[1][k]) / total : com[0][k];
+    for (int k = 0; k < 6; ++k) {
+        size += (double)(rbdi_w_abs(I[k]) + rbdi_w_abs((rbdi_wide)load->inertia[k]));
+        I[k] += (rbdi_wide)load->inertia[k];
+    }
+    for (int j = 0; j < 2; ++j) {
+        const rbdi_wide d[3] = {com[j][0] - c[0], com[j][1] - c[1], com[j][2] - c[2]}, dd = rbdi_w_dot(d, d);
+        for (int k = 0, a = 0; a < 3; ++a)
+            for (int b = a; b < 3; ++b, ++k) I[k] += mass[j] * ((a == b ? dd : 0) - d[a] * d[b]);
+        size += (double)(rbdi_w_abs(mass[j]) * dd);
+    }
+    for (int k = 0; k < 6; ++k) whole[k] = (double)I[k];
+    size *= 1 + 16 * (double)RBDI_EPS / RBDI_SEMIDEFINITE;
+    if (!rbdi_finite(whole, 6) || (size > 0 && !rbdi_semidefinite(whole, size))) return RBD_ERR_INERTIA;
+    u->mass = RBD_C(total);
+    u->com = rbdi_round3(c);
+    u->I = rbdi_round6(I);
+    return RBD_OK;
+}
+
+/* A draft of link i of a built model, without its mass; its parent, if it has one, is draft 0. */
+static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
+    const rbdi_link *l = &m->link[i];
+    rbdi_wide Z[9];
+    rbdi_draft out;
+    rbdi_draft_clear(&out);
+    out.parent = l->parent < 0 ? -1 : 0;
+    out.kind = l->kind;
+    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa, out.d = (rbdi_wide)l->d;
+    out.r[0] = (rbdi_wide)l->r.x, out.r[1] = (rbdi_wide)l->r.y, out.r[2] = (rbdi_wide)l->r.z;
+    if (l->kind == RBDI_BLOCK) {
+        out.type = m->block[l->block].type;
+        for (int k = 0; k < 9; ++k) out.E[k] = (rbdi_wide)m->block[l->block].E[k];
+        return out;
+    }
+    rbdi_w_turn_z((rbdi_wide)l->cg, (rbdi_wide)l->sg, out.E);
+    rbdi_w_turn_x((rbdi_wide)l->ca, (rbdi_wide)l->sa, Z);
+    rbdi_w_product(out.E, Z, out.E);
+    rbdi_w_turn_z((rbdi_wide)l->cb, (rbdi_wide)l->sb, Z);
+    rbdi_w_product(out.E, Z, out.E);
+    return out;
+}
+
+/* Draft 1 becomes link i with what draft 0 has collected, draft 0 an empty parent. */
+static void rbdi_draft_climb(const rbd_model *m, int i, rbdi_draft pair[2]) {
+    const rbdi_draft all = pair[0];
+    pair[1] = rbdi_draft_of(m, i);
+    for (int k = 0; k < 6; ++k) pair[1].Sigma[k] = all.Sigma[k];
+    for (int k = 0; k < 3; ++k) pair[1].h[k] = all.h[k];
+    pair[1].mass = all.mass;
+    pair[1].trace = all.trace, pair[1].moment = all.moment, pair[1].all_mass = all.all_mass;
+    pair[1].reach = all.reach;
+    rbdi_draft_clear(&pair[0]);
+}
+
+static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
+    d->scale = RBD_C((rbdi_wide)d->scale + x);
+    if (d->scale < d->armature + RBDI_LEAST_SCALE) d->scale = d->armature + RBDI_LEAST_SCALE;
+}
+
+/* Step 7, the bounds of pivots, for what is added (sign = 1) or taken off (-1). */
+static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
+    rbdi_dof *dof = (rbdi_dof *)m->dof;
+    const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
+    rbdi_draft pair[2];
+    load.mass *= sign;
+    for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
+    rbdi_draft_clear(&pair[0]);
+    rbdi_draft_mass(&load, place, pair);
+    for (; i >= 0; i = m->link[i].parent) {
+        const int iv = m->link[i].iv;
+        rbdi_draft_climb(m, i, pair);
+        for (int b = 0; b < m->nb; ++b) {
+            const rbdi_c3 at = m->frame[b].r;
+            const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
+            if (m->frame[b].link == i) rbdi_draft_reach(&pair[1], rbdi_w_length(r));
+        }
+        rbdi_draft_scale(pair, 1);
+        for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
+            const rbdi_wide x = (rbdi_wide)sign * rbdi_draft_dof_scale(&pair[1], k);
+            rbdi_payload_scale(&dof[iv + k], x);
+            if (iv >= m->nv) { /* which has one dof */
+                const rbdi_mimic *f = &m->mimic[iv - m->nv];
+                rbdi_payload_scale(&dof[f->source_v], (rbdi_wide)f->ratio * (rbdi_wide)f->ratio * x);
+            }
+        }
+    }
+}
+
+/* Step 8, regrouping, which is linear, for the payload alone: what stays on its link, and what goes on. */
+static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
+    rbdi_link *link = (rbdi_link *)m->link;
+    rbdi_draft pair[2];
+    rbdi_wide kept = 0;
+    rbdi_draft_clear(&pair[0]);
+    rbdi_draft_mass(load, place, pair);
+    for (; i >= 0; i = link[i].parent) {
+        rbdi_csym *S = &link[i].Sigma, x;
+        rbdi_draft_climb(m, i, pair);
+        rbdi_draft_regroup(pair, 1);
+        x = rbdi_round6(pair[1].Sigma);
+        S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
+        link[i].h.x += RBD_C(pair[1].h[0]);
+        link[i].h.y += RBD_C(pair[1].h[1]);
+        link[i].h.z += RBD_C(pair[1].h[2]);
+        link[i].mass += RBD_C(pair[1].mass);
+        kept += pair[1].mass;
+        link[i].subtree_mass += RBD_C(kept);
+    }
+}
+
+RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
+                                   const double inertia[6]) {
+    const rbd_model *m = memory ? (const rbd_model *)rbdi_aligned(memory) : NULL;
+    rbd_status status;
+    rbdi_frame *u;
+    rbd_body load;
+    rbdi_place place;
+    if (!m || !com) return RBD_ERR_NULL;
+    if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    load.mass = mass;
+    for (int k = 0; k < 3; ++k) load.com[k] = com[k];
+    for (int k = 0; k < 6; ++k) load.inertia[k] = inertia ? inertia[k] : 0;
+    if (!rbdi_finite(&load.mass, 1)) return RBD_ERR_MASS;
+    if (!rbdi_finite(load.com, 3)) return RBD_ERR_COM;
+    if (!rbdi_finite(load.inertia, 6)) return RBD_ERR_INERTIA;
+    u = (rbdi_frame *)&m->frame[body];
+    status = rbdi_payload_frame(u, &load);
+    if (status || u->link < 0) return status;
+    place.link = 0;
+    for (int k = 0; k < 9; ++k) place.E[k] = (rbdi_wide)u->E[k];
+    place.r[0] = (rbdi_wide)u->r.x, place.r[1] = (rbdi_wide)u->r.y, place.r[2] = (rbdi_wide)u->r.z;
+    rbdi_payload_links(m, u->link, &load, &place);
+    rbdi_payload_bounds(m, u->link, load, &place);
+    return RBD_OK;
+}
+#endif
+
+#endif /* RBD_NO_BUILD */
+
+#endif

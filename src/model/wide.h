@@ -1,0 +1,149 @@
+#ifndef RBDI_MODEL_WIDE_H
+#define RBDI_MODEL_WIDE_H
+#include "api/status.h"
+#include "base/tolerances.h"
+
+/* ---- descriptions [descriptions] ----
+   What reading a description takes, here and in the headers beside: checks, and algebra in the build's
+   arithmetic. And the way back, from the model to a row. */
+
+#if RBDI_KIND(RBD_CONST) == 3
+#define RBDI_WIDE_LIBM(name) name##q
+#else
+#define RBDI_WIDE_LIBM(name) name
+#endif
+
+static RBDI_UNUSED void rbdi_widen(const double *x, int n, rbdi_wide *y) {
+    for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
+}
+static RBDI_UNUSED void rbdi_w_identity(rbdi_wide A[9]) {
+    for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
+}
+static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide z[3];
+    for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+    for (int i = 0; i < 3; ++i) y[i] = z[i];
+}
+static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
+    for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
+}
+static RBDI_UNUSED void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide B[9];
+    rbdi_w_transpose(A, B);
+    rbdi_w_apply(B, x, y);
+}
+static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
+    rbdi_wide D[9];
+    for (int i = 0; i < 9; ++i)
+        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
+    for (int i = 0; i < 9; ++i) C[i] = D[i];
+}
+static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+    rbdi_w_identity(A);
+    A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
+}
+static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+    rbdi_w_identity(A);
+    A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
+}
+/* Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
+static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
+                                   rbdi_wide sb, rbdi_wide E[9]) {
+    rbdi_wide Z[9];
+    rbdi_w_turn_z(cg, sg, E);
+    rbdi_w_turn_x(ca, sa, Z);
+    rbdi_w_product(E, Z, E);
+    rbdi_w_turn_z(cb, sb, Z);
+    rbdi_w_product(E, Z, E);
+}
+static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static RBDI_UNUSED rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
+static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
+    return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
+}
+
+/* Finite, and in the model's scalar too. */
+static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
+    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
+        union {
+            double x;
+            uint64_t bits;
+        } u;
+        u.x = (double)RBD_C(x[k]);
+        if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
+    }
+    return 1;
+}
+static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
+    for (int k = 0; k < n; ++k)
+        if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
+    return 1;
+}
+static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
+    for (int k = 0; k < n; ++k)
+        if (x[k] < 0 || x[k] > 0) return 0;
+    return 1;
+}
+
+/* y = x scaled to unit length, whatever its length is. */
+static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
+    rbdi_wide largest = 0, n;
+    for (int k = 0; k < 3; ++k)
+        if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
+    for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
+    n = rbdi_w_length(y);
+    for (int k = 0; k < 3; ++k) y[k] /= n;
+}
+
+/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
+static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
+    rbdi_wide along;
+    rbdi_unit(&R[0], &R[0]);
+    along = rbdi_w_dot(&R[0], &R[3]);
+    for (int k = 0; k < 3; ++k) R[3 + k] -= along * R[k];
+    rbdi_unit(&R[3], &R[3]);
+    for (int k = 0; k < 3; ++k)
+        R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
+}
+
+static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
+    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
+                 R[2] * (R[3] * R[7] - R[4] * R[6]);
+    if (!rbdi_finite(R, 9)) return 0;
+    if (rbdi_all_zero(R, 9)) return 1;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
+            double off = dot - (i == j);
+            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
+        }
+    return det > 0;
+}
+
+/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
+   pivots. */
+static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
+    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
+           yz, c;
+    if (!(a > 0) || !(b > 0)) return 0;
+    yz = A[4] - l * A[2];
+    c = A[5] + e - k * A[2] - yz * yz / b;
+    return c > 0;
+}
+
+static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
+                                          const char *field) {
+    rbd_finding *f = &report->error;
+    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+    return status;
+}
+
+#ifdef RBD_NO_TEXT
+#define RBDI_TEXT(sentence) NULL
+#else
+#define RBDI_TEXT(sentence) sentence
+#endif
+
+#endif

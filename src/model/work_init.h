@@ -1,0 +1,77 @@
+#ifndef RBDI_MODEL_WORK_INIT_H
+#define RBDI_MODEL_WORK_INIT_H
+#include "api/work.h"
+#include "base/memory.h"
+
+/* ---- work [work code] ---- */
+
+RBD_API size_t rbd_work_size(const rbd_model *m) {
+    if (!m) return 0;
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
+                           m->nv, m->nh + m->nhx);
+}
+
+RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
+    unsigned char *p;
+    rbd_work *w;
+    int n, padded;
+    if (!m || !memory || !work) return RBD_ERR_NULL;
+    if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
+#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_ABA
+    if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
+#endif
+    if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
+    n = m->nv + m->nmimic;
+    padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
+    p = rbdi_aligned(memory);
+    w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
+    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k)
+        w->shape[k] = m->shape[k];
+    w->gravity = m->gravity;
+    w->singular = -1;
+    w->have_kinematics = 0;
+    w->angle = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
+    w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
+    w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
+    w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
+    w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
+    w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
+    w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
+    w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+    w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+    w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
+    w->F = (rbd_real *)rbdi_take(&p, 6 * RBDI_STRIDE(n), sizeof(rbd_real)) + RBDI_CHUNK;
+    w->H = (rbd_real *)rbdi_take(&p, m->nh + m->nhx, sizeof(rbd_real));
+    w->qx = w->vx = w->ax = w->tx = NULL;
+    if (m->nmimic) {
+        w->qx = (rbd_real *)rbdi_take(&p, m->nq + m->nmimic, sizeof(rbd_real));
+        w->vx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+        w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+        w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
+    }
+    RBDI_UNROLL for (int k = 0; k < n; ++k)
+        w->zero[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k)
+        w->F[k] = rbdi_zero();
+    RBDI_UNROLL for (int k = m->nl; k < padded; ++k)
+        w->angle[k] = w->quarters[k] = rbdi_zero();
+    *work = w;
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
+    if (!w || !gravity) return RBD_ERR_NULL;
+    w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
+    if (!w || !gravity) return RBD_ERR_NULL;
+    gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
+    return RBD_OK;
+}
+
+#endif

@@ -1,0 +1,292 @@
+#ifndef RBDI_MOTION_KINEMATICS_H
+#define RBDI_MOTION_KINEMATICS_H
+#include "api/kinematics.h"
+#include "base/memory.h"
+#include "dynamics/state.h"
+#include "motion/axes.h"
+
+#ifndef RBD_NO_KINEMATICS
+/* ---- kinematics [kinematics code] ---- */
+
+/* Velocity of what of the parent is at r, both in its axes. */
+RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
+    const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
+    return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
+}
+
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
+   origin of the parent, which become the link's. */
+RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+                               int moving, rbdi_axes *x) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    rbdi_kin *k = &w->kin[i];
+    rbdi_axes_step(l, form & ~RBDI_ROOT, t, x);
+    rbdi_store_axes(&k->X, x);
+    if (!moving) return;
+    k->v = rbdi_down(l, form, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
+    if (form & RBDI_SHIFT_Z) {
+        k->v.x = k->v.x + t.d * k->state.omega.y;
+        k->v.y = k->v.y - t.d * k->state.omega.x;
+    }
+    if (form & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+}
+RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
+                                rbdi_axes *x) {
+    const rbdi_link *l = &m->link[i];
+    const rbdi_pose *X = &w->block[l->block].X;
+    rbdi_kin *k = &w->kin[i];
+    rbdi_axes_block(X, 0, x);
+    rbdi_store_axes(&k->X, x);
+    if (moving)
+        k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
+                        rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
+}
+
+/* The same of the links first .. end - 1. */
+static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                           int moving) {
+    rbdi_axes x;
+    rbdi_world_axes(&x);
+    for (int i = first; i < end; ++i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->parent < 0)
+            rbdi_world_axes(&x);
+        else if (l->parent != i - 1 || i == first)
+            rbdi_load_axes(&x, &w->kin[l->parent].X);
+        if (l->kind == RBDI_BLOCK)
+            rbdi_kin_block(m, w, i, v, moving, &x);
+        else
+            RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+    }
+}
+
+RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                  const rbd_real *a) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbdi_state world = rbdi_world_state(none);
+    rbdi_state s = world;
+    const rbd_status status = rbdi_check(m, w, q != NULL);
+    if (status) return status;
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    for (int i = 0; i < m->nl; ++i) {
+        s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
+        w->kin[i].state = s;
+    }
+    rbdi_kin_links(m, w, 0, m->nl, v, 1);
+    *w->rotors = rbdi_zero();
+    for (int k = 0; k < m->nv + m->nmimic; ++k)
+        *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
+    w->have_kinematics = 1;
+    return RBD_OK;
+}
+
+/* Of the point x, link axes: its place in the world; its velocity and acceleration, link axes. */
+RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->X.r, rbdi_mul_t(k->X.E, x));
+}
+RBDI_INLINE rbdi_v3 rbdi_point_v(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->v, rbdi_cross(k->state.omega, x));
+}
+RBDI_INLINE rbdi_v3 rbdi_point_acc(const rbdi_kin *k, rbdi_v3 x) {
+    return rbdi_add(k->state.acc, rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x));
+}
+
+/* Pose and state of a body of the description, in its own frame. */
+static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_mat E = rbdi_mat_c(u->E);
+    const rbdi_v3 r = rbdi_vec_c(u->r);
+    rbdi_kin k;
+    if (u->link < 0) {
+        k.X.E = E;
+        k.X.r = r;
+        k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
+        return k;
+    }
+    k = w->kin[u->link];
+    k.X.r = rbdi_point_p(&k, r);
+    k.X.E = rbdi_mul_mat(E, k.X.E);
+    k.v = rbdi_mul(E, rbdi_point_v(&k, r));
+    k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
+    k.state.omega = rbdi_mul(E, k.state.omega);
+    k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
+    return k;
+}
+
+static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body) {
+    const rbd_status status = rbdi_check(m, w, 1);
+    if (status) return status;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
+}
+
+RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+                                 rbd_real p[3]) {
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    k = rbdi_body_kin(m, w, body);
+    if (R) {
+        rbdi_store(rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx), R);
+        rbdi_store(rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy), R + 3);
+        rbdi_store(rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz), R + 6);
+    }
+    if (p) rbdi_store(k.X.r, p);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!velocity) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.omega, velocity);
+    rbdi_store(k.v, velocity + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                         rbd_real acceleration[6]) {
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!acceleration) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.omega_dot, acceleration);
+    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.omega, k.v)), acceleration + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                   rbd_real acceleration[6]) {
+    rbd_status status = rbdi_check_body_call(m, w, body);
+    rbdi_kin k;
+    if (status) return status;
+    if (!acceleration) return RBD_ERR_NULL;
+    k = rbdi_body_kin(m, w, body);
+    rbdi_store(k.state.omega_dot, acceleration);
+    rbdi_store(k.state.acc, acceleration + 3);
+    return RBD_OK;
+}
+
+RBD_API rbd_const rbd_mass(const rbd_model *m) {
+    rbd_const mass = RBD_C(0);
+    for (int b = 0; m && b < m->nb; ++b)
+        if (m->frame[b].link >= 0) mass += m->frame[b].mass;
+    return mass;
+}
+
+RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                           rbd_real acceleration[3]) {
+    rbd_status status = rbdi_check_body_call(m, w, 0);
+    rbdi_v3 p = rbdi_vec0(), v = p, a = p;
+    rbd_const mass = rbd_mass(m);
+    rbd_real inverse = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
+    if (status) return status;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_kin k;
+        rbdi_v3 c;
+        rbd_real share;
+        if (u->link < 0) continue;
+        k = rbdi_body_kin(m, w, b);
+        c = rbdi_vec_c(u->com);
+        share = rbdi_set(u->mass);
+        p = rbdi_add(p, rbdi_scale(share, rbdi_point_p(&k, c)));
+        v = rbdi_add(v, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_v(&k, c))));
+        a = rbdi_add(a, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_acc(&k, c))));
+    }
+    if (position) rbdi_store(rbdi_scale(inverse, p), position);
+    if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
+    if (acceleration) rbdi_store(rbdi_scale(inverse, a), acceleration);
+    return RBD_OK;
+}
+
+#ifndef RBD_NO_WRENCH
+/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
+   c. */
+static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_kin k = rbdi_body_kin(m, w, body);
+    const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
+    const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
+    const rbdi_sym I = rbdi_sym_c(u->I);
+    const rbdi_v3 g = rbdi_mul(k.X.E, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
+    rbdi_force F;
+    F.f = rbdi_sub(acc, g);
+    F.f = rbdi_scale(rbdi_set(u->mass), F.f);
+    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, h));
+    F.n = rbdi_add(F.n, rbdi_cross(c, F.f));
+    return F;
+}
+
+/* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
+static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
+                                        rbdi_force F) {
+    const rbdi_frame *up = &m->frame[u->parent];
+    const rbdi_mat E = rbdi_mat_c(up->E);
+    rbdi_pose X;
+    X.E = rbdi_mat_c(u->E), X.r = rbdi_vec_c(u->r);
+    F = rbdi_force_up_block(&X, F);
+    for (int i = u->link; i != up->link; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        if (l->kind == RBDI_BLOCK)
+            F = rbdi_force_up_block(&w->block[l->block].X, F);
+        else
+            F = rbdi_force_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), F);
+    }
+    F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(up->r), F.f)));
+    F.f = rbdi_mul(E, F.f);
+    return F;
+}
+
+RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
+    const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
+    if (status) return status;
+    for (int b = 0; b < m->nb; ++b) {
+        rbdi_force F = rbdi_body_wrench(m, w, b);
+        if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * b, 1));
+        rbdi_store_force(wrench + 6 * b, 1, F);
+    }
+    for (int b = m->nb - 1; b >= 0; --b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real *up;
+        rbdi_force F;
+        if (u->parent < 0) continue;
+        up = wrench + 6 * u->parent;
+        F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1));
+        rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
+    }
+    return RBD_OK;
+}
+#endif
+
+RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential) {
+    rbd_status status = rbdi_check_body_call(m, w, 0);
+    rbd_real T, V = rbdi_zero();
+    if (status) return status;
+    T = *w->rotors;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_kin k;
+        rbdi_v3 c, v;
+        if (u->link < 0) continue;
+        k = rbdi_body_kin(m, w, b);
+        c = rbdi_vec_c(u->com);
+        v = rbdi_point_v(&k, c);
+        T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
+        T = T + rbdi_dot(k.state.omega, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.omega)) * RBD_C(0.5);
+        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_point_p(&k, c)) * u->mass;
+    }
+    if (kinetic) *kinetic = T;
+    if (potential) *potential = V;
+    return RBD_OK;
+}
+#endif
+
+#endif

@@ -1,0 +1,317 @@
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.1.0.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
+
+   Inverse dynamics (RNEA), mass matrix (CRBA) and forward dynamics (ABA, or Cholesky) of any
+   tree of bodies, without allocation, dependency, global or NaN. In ONE file of the program:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd.h"
+
+   and plain #include "rbd.h" everywhere else. Quick start, a pendulum:
+
+       static const rbd_body bodies[1] = {{.name = "rod", .joint = "hinge", .parent = -1,
+           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5}}};
+       unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
+       const rbd_model *m; rbd_work *w;
+       rbd_model_build(bodies, 1, model_memory, sizeof model_memory, &m, NULL);
+       rbd_work_init(m, work_memory, sizeof work_memory, &w);
+       double q[1] = {0.5}, v[1] = {0}, tau[1] = {0}, a[1];
+       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -g sin(q) / 0.5
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [guarantees] [limits]
+     [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup] [batch]
+     --- stop here if you only use it ---
+     [layout]
+     [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
+     [rnea] [crba] [aba] [hybrid] [cholesky] [pivots] [forward dynamics code]
+     [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
+     [descriptions] [model build] [batch code]
+     [licence]
+
+   [conventions]
+     units             SI: m, kg, s, rad, N, N m
+     spatial vectors   Featherstone's: angular first; motion (omega; v), force (moment; force)
+     frames            a body's quantities are in its own link frame (the user's, as in a URDF),
+                       at that frame's origin
+     order of q, v     the order of the bodies in the description
+     matrices          row-major
+     gravity           a vector in the world frame, (0, 0, -9.81) unless rbd_set_gravity is called
+     f_ext             nb x 6: the wrench (moment; force) acting ON each body, in its axes, at its
+                       origin; NULL = none
+     joint             q                             v
+     revolute          angle                         its rate
+     continuous        angle, unbounded              its rate
+     continuous_cs     (cos, sin)                    rate of the angle
+     prismatic         length                        its rate
+     helical           angle; length = pitch angle   its rate
+     cylindrical       (angle, length)               their rates
+     universal         2 angles: axis, then axis2    their rates
+     spherical         (qx, qy, qz, qw)              omega, body axes
+     euler_zyx etc.    3 angles in the order named   their rates
+     planar            (x, y, angle)                 (omega, vx, vy), body axes
+     translation       (x, y, z)                     their rates, joint axes
+     floating          (x, y, z, qx, qy, qz, qw)     (omega; v), body axes
+     Quaternions turn body vectors into the joint frame. They need not be of unit length (only
+     their direction counts); one shorter than 1e-15 is read as the identity.
+     a = dv/dt component by component (floating: the spatial acceleration in body axes).
+
+   [configuration] Define before including; the same in every file that includes. Files that differ in the
+   scalar do not link: the symbols carry it (rbd_rnea is rbd_rnea_double to the linker), and with GCC on ELF
+   systems (Linux, firmware) the linker compares all files that include this header: see RBD_CHECK_SCALAR.
+     RBD_REAL         scalar of states and results, one of these words: double (default), float,
+                      __float128
+     RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
+     RBD_REAL_CUSTOM  RBD_REAL is a C++ class with + - * / unary -, < and a constructor from
+                      RBD_CONST; sin, cos, sqrt are found by argument-dependent lookup
+     RBD_MASK         what < of such a class gives, if not bool (a class that records): with ! | & and a
+                      conversion to int, whether any holds; select(mask, a, b) is found like sin
+     RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
+     RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
+     RBD_STATIC       every function is static
+     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
+                      other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
+                      ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
+                      scalar differs on purpose; 1 with clang, where it does no link-time optimisation
+     RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
+                      straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
+                      64 bytes the memory of a work must then have
+     RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
+     RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
+                      models from generated tables only; and likewise, for linkers that keep all functions
+                      of a file:
+     RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
+     RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
+     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, joint, dof_body, describe
+     RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
+     RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
+     RBD_NO_POINTS    section [points]; goes with kinematics
+     RBD_NO_HYBRID    hybrid; goes with aba
+     RBD_NO_OBSERVER  generalized_momentum
+     RBD_NO_PAYLOAD   add_payload; goes with build
+     RBD_NO_WRENCH    joint_wrench; goes with kinematics
+                      fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
+                      mimic joints then: rbd_work_init refuses them, RBD_ERR_LEFT_OUT
+
+   [guarantees]
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
+     lies in the caller's rbd_work. No call writes to the model but rbd_add_payload; it may be const
+     data in flash. Finite input gives finite output, as long as nothing overflows: a singular
+     system is an error that names the degree of freedom. Input is not searched for NaN: one that
+     reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
+     it, with RBD_OK. From libm only sin, cos, sqrt. The same input gives the same bits on every call
+     of one build; between builds, contraction to FMA changes last bits.
+
+   [limits]
+     Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one
+     step on the configuration manifold (stages of Runge-Kutta need a correction there to keep an
+     order above 2: examples/integrator.c). Damping and friction are described but no algorithm
+     applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
+*/
+/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
+   else there may be) come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBD_H
+#define RBD_H
+
+#include "api/configuration.h"
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#define RBDI_EXTERN_C_END }
+#else
+#define RBDI_EXTERN_C_END
+#endif
+
+#include "api/symbols.h"
+#include "api/parts.h"
+#include "api/types.h"
+#include "api/status.h"
+#include "api/build.h"
+#include "api/work.h"
+#include "api/dynamics.h"
+#include "api/kinematics.h"
+#include "api/points.h"
+#include "api/manifold.h"
+#include "api/lookup.h"
+#include "api/batch.h"
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+#include "model/layout.h"
+#include "algebra/types.h"
+#include "model/work.h"
+#include "model/sizes.h"
+
+RBDI_EXTERN_C_END
+
+#endif /* RBD_H */
+
+/* rbd_spatial.h wants what goes before [common] in files without the implementation too. */
+#if defined RBD_IMPLEMENTATION || defined RBDI_WITH_ALGEBRA
+#ifndef RBDI_ALGEBRA
+#define RBDI_ALGEBRA
+
+/* ---- design [design] ----
+   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables
+   5.1, 6.2, 6.3 and 7.1; what differs is the form of the constants that they run on. The build works it out
+   once:
+
+   Frames. Every link of a one-axis joint has its axis on z. Its frame may still be turned about z and
+   shifted along z without any result knowing; that freedom brings the way from the parent to the form of
+   Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
+   by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
+   four multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
+   about its z. Children that cannot have it (all but one of a link with several; those of the world, under a
+   block, or nearly parallel) keep a general shift r and a turn by beta about the parent's z before the twist.
+   A body of the description, the user's frame, is a
+   constant pose on its link (rbdi_frame): poses, wrenches and results are converted there and nowhere else.
+
+   Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
+   m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
+   Sigma than in I.
+
+   Regrouping (Khalil and Gautier 1990; Gautier 1990). What does not depend on a joint's motion is moved to
+   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m; seven constants of ten remain), of a
+   sliding one all of Sigma (four remain); others: rbdi_draft_regroup. M, c and tau stay, exactly. After it a
+   link's numbers are no body's any more: m and Sigma may be zero or below.
+
+   Classical accelerations. A link's state is omega, its rate, and the acceleration of the frame's origin as
+   a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
+   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is f = Omega h + m acc, n = axial part
+   of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
+   that is in Omega. Where a spatial acceleration is meant, rbd_body_acceleration takes omega x v away; of
+   floating and planar joints, whose v is in body axes, c adds it (rbdi_joint_product).
+
+   Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
+   the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
+
+   Order. Links stand depth first, behind each the child with the largest subtree (under a one-axis link a
+   one-axis child before blocks), so that on most steps the parent is link i - 1, and what goes between the
+   two stays in registers: up the wrench F, IA and pA, or the composite C (`carried` in rnea and crba), down
+   the state s, y or omega. For its other children a link has a slot, which keeps state and y and sums IA and
+   C; wrenches are added to the parent's scratch.f:
+
+             0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
+             |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
+             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 in registers, 4, 3 added
+
+   The dofs of a subtree are thus contiguous in the solver's order, order[]: link.first .. end - 1.
+
+   Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
+   has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
+   and Euler joints are chains of one-axis links without mass between. "down" takes a vector from the
+   parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
+   (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
+
+   Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory
+   of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
+   [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
+   rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
+   rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
+   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of, rbdi_judge_state and
+   rbdi_verdict;
+   [axes]; rbdi_kin, rbdi_kin_links, rbdi_body_kin and rbdi_column; [descriptions].
+
+   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
+   rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
+
+     the book               here
+     i, lambda(i)           i, link[i].parent
+     S_i                    z; of a screw rho, kappa; of a block axes first .. first + n - 1
+     iX_lambda(i)           rbdi_down (vectors), rbdi_pose; transposed: rbdi_force_up, _rbi_up, _abi_up
+     v_i, a_i               rbdi_state: omega, omega_dot, acc (no linear v); aba's pass 3: y
+     I_i, I^c_i             Sigma, h, mass of rbdi_link; rbdi_rbi and subtree_mass
+     I^A_i, p^A_i           IA = [I H; H' M] (rbdi_abi), pA
+     U_i, D_i, u_i          U, D, u; kept as U_D = U/D, u_D = u/D
+     c_i (7.1), f_i, tau_i  scratch.c, scratch.f (aba: pA_i), tau
+     H, L, D (chapter 6)    packed rows: dof[k].row, by the path to the root
+     lambda(k) (6.5)        dof[k].lambda
+
+   In IA = [I H; H' M], H and M are blocks; elsewhere M is the mass matrix and H its packed rows. A prime is
+   the transpose. */
+
+#include "base/compiler.h"
+
+RBDI_CODE_BEGIN
+
+#include "base/tolerances.h"
+#include "base/scalar.h"
+#include "base/simd.h"
+#include "base/sincos.h"
+#include "algebra/vectors.h"
+#include "algebra/spatial.h"
+#include "algebra/rotations.h"
+
+RBDI_CODE_END
+#endif
+#endif
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_IMPLEMENTED
+#define RBDI_IMPLEMENTED
+RBDI_CODE_BEGIN
+
+#include "base/memory.h"
+#include "model/joints.h"
+#include "dynamics/state.h"
+#include "dynamics/rnea.h"
+#include "dynamics/crba.h"
+#include "dynamics/aba.h"
+#include "dynamics/hybrid.h"
+#include "dynamics/packed.h"
+#include "dynamics/gather.h"
+#include "dynamics/pivots.h"
+#include "dynamics/forward.h"
+#include "dynamics/cholesky.h"
+#include "motion/axes.h"
+#include "motion/kinematics.h"
+#include "motion/points.h"
+#include "motion/manifold.h"
+#include "model/work_init.h"
+#include "model/lookup.h"
+#include "model/text.h"
+
+RBDI_CODE_END
+
+#include "model/wide.h"
+#include "model/describe.h"
+#include "model/check.h"
+#include "model/draft.h"
+#include "model/regroup.h"
+#include "model/emit.h"
+#include "model/build.h"
+#include "model/payload.h"
+#include "batch/batch.h"
+
+#endif /* RBD_IMPLEMENTATION */
+
+#include "base/letters_end.h"
+
+/* ---- licence [licence] ----
+
+   MIT License
+
+   Copyright (c) 2026 the rbd authors
+
+   Permission is hereby granted, free of charge, to any person obtaining a copy
+   of this software and associated documentation files (the "Software"), to deal
+   in the Software without restriction, including without limitation the rights
+   to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
+   copies of the Software, and to permit persons to whom the Software is
+   furnished to do so, subject to the following conditions:
+
+   The above copyright notice and this permission notice shall be included in all
+   copies or substantial portions of the Software.
+
+   THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+   IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+   FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+   OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+   SOFTWARE.
+*/

@@ -1,0 +1,148 @@
+/* rbd_constraints.h - contacts, closed loops and impacts, on rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   A set of constraints is a few rows, checked once; then a call gives accelerations and constraint forces,
+   another what an impact does. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A foot
+   that stands:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_constraints.h"
+
+       const double foot[3] = {0.33, 0, 0};
+       rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), foot, NULL)};
+       unsigned char memory[RBD_CONSTRAINTS_SIZE(NV, 3)];
+       rbd_constraints *c;
+       rbd_constraints_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
+       rbd_constrained_fd(m, c, q, v, tau, NULL, a, lambda);
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [limits]
+     [description] [set] [calls] [derivatives] [batch]
+     --- stop here if you only use it ---
+     [layout]
+     [design] [tolerances] [kinematics] [rows] [solution] [rank]
+     [articulated] [limbs] [passes]
+     [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
+
+   [conventions] Beyond those of rbd.h:
+     frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
+                  are the orientation and origin of frame 1 in the world, its angular velocity and that of its
+                  origin; E = R_2' turns world vectors into the axes of frame 2; s = p_1 - p_2
+     position     R = E R_1, r = E s: frame 1 seen from frame 2
+     velocity     (E (w_1 - w_2); dr/dt), dr/dt = E (v_1 - v_2 - w_2 x s)
+     rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
+                  after constraint: J v
+     gamma        dJ/dt v: J a + gamma is the time derivative of J v, on the constraint and off it
+     e            the position error: of linear rows r, whose rate is J v. Of three angular axes log R, of two
+                  z x (R z), z the unit vector of the free axis; their rate is J v where e = 0. Of a single
+                  angular axis its component of log R, which is of use for small turns only
+     lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
+                  1, the held components; the opposite acts on body 2, at the same place: J' lambda
+
+   [configuration] That of rbd.h. It needs rbd.h's parts RNEA, CRBA, ABA, CHOLESKY, KINEMATICS and
+                   MANIFOLD.
+
+   [limits]
+     A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
+     and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
+     not described. M must be regular, also where the constraints would make up for it.
+*/
+#include "rbd.h"
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBD_CONSTRAINTS_H
+#define RBD_CONSTRAINTS_H
+
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 4
+#error "rbd: rbd_constraints.h is of another version than rbd.h"
+#endif
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#include "api/constraints.h"
+
+#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS
+#define RBDI_CONSTRAINED_DERIVATIVES
+
+#include "api/constrained_derivatives.h"
+
+#endif
+
+#include "api/constraints_batch.h"
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+#include "constraints/layout.h"
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+}
+#endif
+
+#endif /* RBD_CONSTRAINTS_H */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#define RBDI_CONSTRAINTS_IMPLEMENTED
+
+/* ---- design [design] ----
+   Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
+   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
+   well, and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and
+   for each state in which a pivot of the other way is in doubt. HyQ on four points and Atlas on two flat
+   feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
+
+                               HyQ     Atlas
+       rbd_aba                8587     17713
+       articulated bodies    17335     27865
+       factor of M           28606     46615
+
+   By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
+   z = D^-1 L^-T (tau - c):
+
+       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be
+       L a = z + D^-1 Y lambda
+
+   Row k of Y stands for dof k, its columns for the rows of the constraints, so that what goes with one dof is
+   contiguous and the sweep is that of a vector, on lanes of rows. Only rows of constraints that hold a body
+   behind the dof are not zero there: its span. */
+
+RBDI_CODE_BEGIN
+
+#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_ABA || defined RBD_NO_CHOLESKY || \
+    defined RBD_NO_KINEMATICS || defined RBD_NO_MANIFOLD
+#error "rbd: rbd_constraints.h needs RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA, RBD_NO_CHOLESKY, \
+RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
+#endif
+
+#include "constraints/tolerances.h"
+#include "constraints/kinematics.h"
+#include "constraints/rows.h"
+#include "constraints/solution.h"
+#include "constraints/rank.h"
+#include "constraints/articulated.h"
+#include "constraints/limbs.h"
+#include "constraints/passes.h"
+#include "constraints/calls.h"
+#include "constraints/weights.h"
+#include "constraints/assembly.h"
+
+#ifdef RBDI_CONSTRAINED_DERIVATIVES
+
+#include "constraints/derivatives.h"
+
+#endif
+
+#include "constraints/set.h"
+#include "constraints/batch.h"
+
+RBDI_CODE_END
+
+#endif /* RBD_IMPLEMENTATION */
+
+#include "base/letters_end.h"

@@ -1,0 +1,78 @@
+/* rbd_derivatives.h - momentum and Coriolis matrix and first derivatives of a robot's dynamics, for rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   For every joint type, external wrenches, rotors, mimic joints and several roots. As rbd.h: in ONE file
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_derivatives.h"
+
+   and plain #include "rbd_derivatives.h" everywhere else; it includes rbd.h. [conventions], [configuration]
+   and [guarantees] are those of rbd.h. Derivatives of the inverse dynamics at a state:
+
+       unsigned char memory[RBD_DERIVATIVES_SIZE(NB, NV)];
+       rbd_derivatives *d;
+       rbd_derivatives_init(m, w, memory, sizeof memory, &d);
+       rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
+
+   CONTENTS (search for the tag)
+     [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
+     [steps] [batch]
+     --- stop here if you only use it ---
+     [layout]
+     [common frame] [entries] [memory code] [momentum code] [coriolis code] [free base code]
+     [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
+
+   The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
+   composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
+*/
+/* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBD_DERIVATIVES_H
+#define RBD_DERIVATIVES_H
+
+#include "rbd.h"
+
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 4
+#error "rbd_derivatives.h: belongs to another version of rbd.h"
+#endif
+
+#include "api/derivatives_parts.h"
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#include "api/derivatives.h"
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+#include "derivatives/layout.h"
+
+RBDI_EXTERN_C_END
+
+#endif /* RBD_DERIVATIVES_H */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
+#define RBDI_DERIVATIVES_IMPLEMENTED
+
+#include "derivatives/common_frame.h"
+#include "derivatives/subtrees.h"
+#include "derivatives/entries.h"
+#include "derivatives/memory.h"
+#include "derivatives/momentum.h"
+#include "derivatives/free_base.h"
+#include "derivatives/inverse_dynamics.h"
+#include "derivatives/forward_dynamics.h"
+#include "derivatives/regressors.h"
+#include "derivatives/steps.h"
+#include "derivatives/batch.h"
+
+RBDI_CODE_END
+
+#endif /* RBD_IMPLEMENTATION */
+
+#include "base/letters_end.h"

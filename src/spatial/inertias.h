@@ -1,0 +1,97 @@
+#ifndef RBDI_SPATIAL_INERTIAS_H
+#define RBDI_SPATIAL_INERTIAS_H
+#include "spatial/placements.h"
+
+/* ---- inertias [inertias] ---- */
+
+/* From ten parameters, in which the inertia is linear, those of regressors: mass; mass times centre of mass;
+   xx, xy, xz, yy, yz, zz about the origin. */
+RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
+    rbd_inertia i;
+    i.mass = p[0];
+    i.h = rbdi_vec(rbdi_set(p[1]), rbdi_set(p[2]), rbdi_set(p[3]));
+    i.rotational.xx = rbdi_set(p[4]), i.rotational.xy = rbdi_set(p[5]), i.rotational.xz = rbdi_set(p[6]);
+    i.rotational.yy = rbdi_set(p[7]), i.rotational.yz = rbdi_set(p[8]), i.rotational.zz = rbdi_set(p[9]);
+    (void)frame;
+    RBDI_FRAMES(i.frame = frame;)
+    return i;
+}
+RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
+    const rbd_sym3 a = i.rotational;
+    p[0] = rbdi_set(i.mass);
+    rbdi_store(i.h, p + 1);
+    rbdi_store(rbdi_vec(a.xx, a.xy, a.xz), p + 4);
+    rbdi_store(rbdi_vec(a.yy, a.yz, a.zz), p + 7);
+}
+
+/* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the
+   second moment of the rotational inertia; see [design] of rbd.h. */
+RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real t, rbd_sym3 a) {
+    rbd_sym3 b;
+    b.xx = t - a.xx, b.yy = t - a.yy, b.zz = t - a.zz;
+    b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
+    return b;
+}
+
+/* An inertia moved by a constant shift: rbd.h's rule for second moments. */
+RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 second, rbd_inertia i) {
+    rbdi_rbi c;
+    c.Sigma = second;
+    c.h = i.h;
+    c = rbdi_rbi_shift(shift, i.mass, c);
+    i.h = c.h;
+    i.rotational = rbdi_trace_less(c.Sigma.xx + c.Sigma.yy + c.Sigma.zz, c.Sigma);
+    return i;
+}
+RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 a) {
+    return rbdi_trace_less(RBD_C(0.5) * (a.xx + a.yy + a.zz), a);
+}
+
+/* As a body is described: mass; centre of mass; inertia about it xx, xy, xz, yy, yz, zz. */
+RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], const rbd_const inertia[6],
+                                       int frame) {
+    rbd_const p[10];
+    rbd_inertia i;
+    p[0] = mass, p[1] = p[2] = p[3] = RBD_C(0);
+    for (int k = 0; k < 6; ++k) p[4 + k] = inertia[k];
+    i = rbd_inertia_from_parameters(p, frame);
+    return rbdi_inertia_shift(rbdi_vec(rbdi_set(com[0]), rbdi_set(com[1]), rbdi_set(com[2])),
+                              rbdi_second_moment(i.rotational), i);
+}
+
+/* Of two bodies that are one. */
+RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
+    RBDI_MATCH("rbd_inertia_add", b.frame, a.frame);
+    a.mass = a.mass + b.mass;
+    a.h = rbdi_add(a.h, b.h);
+    a.rotational = rbdi_sym_add(a.rotational, b.rotational);
+    return a;
+}
+
+/* An inertia of frame `of` in frame `in`; (2.66). */
+RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
+    RBDI_MATCH("rbd_inertia_up", i.frame, x.of);
+    i.h = rbdi_mul(x.rotation, i.h);
+    i = rbdi_inertia_shift(x.position,
+                           rbdi_sym_up(rbdi_transpose(x.rotation), rbdi_second_moment(i.rotational)), i);
+    RBDI_FRAMES(i.frame = x.in;)
+    return i;
+}
+/* An inertia of frame `in` in frame `of`. */
+RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
+    RBDI_MATCH("rbd_inertia_down", i.frame, x.in);
+    RBDI_FRAMES(i.frame = x.in;) /* said once */
+    return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
+}
+
+/* i m: of a velocity the momentum, of an acceleration the force that it takes; (2.63). */
+RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
+    rbd_force f;
+    RBDI_MATCH("rbd_inertia_times", m.frame, i.frame);
+    f.moment = rbdi_add(rbdi_mul_sym(i.rotational, m.angular), rbdi_cross(i.h, m.linear));
+    f.force = rbdi_sub(rbdi_scale(rbdi_set(i.mass), m.linear), rbdi_cross(i.h, m.angular));
+    RBDI_FRAMES(f.frame = m.frame;)
+    return f;
+}
+
+#endif
