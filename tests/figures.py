@@ -59,7 +59,7 @@ def sentences():
     def mpc(program, figure):
         return EXAMPLES[M7, "mpc_" + program, figure]
     rates = [mpc(p, "rate") for p in ("cart_pole", "iiwa")]
-    yield "README.md", (
+    yield "docs/firmware.md", (
         f"cart and pole takes {thousands(mpc('cart_pole', 'worst'))} instructions at worst, one of the iiwa "
         f"{thousands(mpc('iiwa', 'worst'))}; at 480 MHz and 1.5 cycles per instruction, an estimate, that is "
         f"{rates[0] / 1000:.1f} kHz and {rates[1]} Hz, with {mpc('cart_pole', 'ram') / 1000:.0f} and "
@@ -67,7 +67,7 @@ def sentences():
         "flash at most.")
     yield "examples/firmware/README.md", (
         f"Of the backward pass of the iiwa a knot takes {thousands(mpc('iiwa', 'backward') / 20)} instructions.")
-    yield "README.md", (
+    yield "docs/firmware.md", (
         "At 100 MHz and 1.5 cycles per instruction a Cortex-M4F would thus do inverse dynamics of the iiwa "
         f"{thousands(100e6 / 1.5 / m4f('instructions', 'iiwa', 'id'))} times a second (an estimate).")
     code, count = (ratios(figure, ("float", "s"), ("float", "2")) for figure in ("code", "instructions"))
@@ -99,12 +99,11 @@ def sentences():
                  "constrained"}
     for title, algorithm in calls.items():
         cells = [INSTRUCTIONS.get((robot, algorithm), "–") for robot in ("iiwa", "hyq", "atlas")]
-        yield "README.md", f"| {title} | " + " | ".join(map(str, cells)) + " |"
+        yield "docs/performance.md", f"| {title} | " + " | ".join(map(str, cells)) + " |"
 
 
 # What has units but was not measured, and is held by another test or by its own program.
 EXCUSED = {
-    "README.md": ["[1 kHz]", "[`iiwa.c`](examples/mpc/iiwa.c) at 1 kHz"],
     "docs/porting.md": [],
     "examples/firmware/README.md": [  # what the examples are set to
         "predictive control at 1 kHz", "a whole arm at 125 Hz", "1 ms with an FPU, 8 ms without, 16 ms on the M0"],
@@ -112,7 +111,7 @@ EXCUSED = {
 # Tables that stand there for themselves, by what their first line begins with; and those between '<!-- ... -->' and
 # '<!-- end -->' are held by the test of what the comment names.
 TABLES = {
-    "README.md": ["| instructions | iiwa | HyQ | Atlas |"],  # sentences, above
+    "docs/performance.md": ["| instructions | iiwa | HyQ | Atlas |"],  # sentences, above
     "docs/accuracy.md": ["| class | scalar | algorithm |", "| singularity |",  # build/tests/pivots, minutes
                          "| R in m |"],  # an illustration of the bound above it; no kept program prints it
 }

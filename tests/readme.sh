@@ -1,5 +1,6 @@
 #!/bin/sh
-# The quick start of README.md compiles as shown and prints what is shown.
+# The quick start of README.md compiles as shown and prints what is shown; by every compiler that is there, in each
+# standard of C and C++. README.md is short.
 # usage: readme.sh DIRECTORY_OF_RBD_H
 set -eu
 
@@ -20,10 +21,31 @@ test -s "$scratch/program.c" || { echo "README.md has no block of C"; exit 1; }
 test -s "$scratch/expected" || { echo "README.md does not show what the program prints"; exit 1; }
 
 lines=$(wc -l <"$scratch/program.c")
-[ "$lines" -le 25 ] || { echo "the program has $lines lines, more than 25"; exit 1; }
+[ "$lines" -le 13 ] || { echo "the program has $lines lines, more than 13"; exit 1; }
+[ "$(wc -l <"$root/README.md")" -le 250 ] || { echo "README.md has more than 250 lines"; exit 1; }
 
 # In a third of the time without forced inlining.
 # shellcheck disable=SC2086 # CC may be "ccache cc"
 ${CC:-cc} -std=c99 -Dalways_inline=unused -Wall -Wextra -pedantic -Werror -I"$root" "$scratch/program.c" -o "$scratch/program" -lm
 "$scratch/program" >"$scratch/printed"
 diff "$scratch/expected" "$scratch/printed"
+
+cp "$scratch/program.c" "$scratch/program.cpp"
+compiled=0
+# each COMPILER ENDING STANDARD...: compiles the program in each standard
+each() {
+    compiler=$1 ending=$2
+    shift 2
+    command -v "$compiler" >"$scratch/path" || return 0
+    for standard; do
+        "$compiler" "-std=$standard" -O0 -Dalways_inline=unused -I"$root" -c "$scratch/program.$ending" -o "$scratch/program.o" ||
+            { echo "$compiler -std=$standard does not compile the program"; exit 1; }
+        compiled=$((compiled + 1))
+    done
+}
+each gcc c c99 c11 c17
+each clang-19 c c99 c11 c17
+each tcc c c99 c11
+each g++ cpp c++11 c++14 c++17 c++20
+each clang++-19 cpp c++11 c++14 c++17 c++20
+echo "compiled $compiled times"

@@ -408,8 +408,8 @@ def table(rows, robots):
     return "\n".join(lines)
 
 
-def readme_table(rows):
-    """The README's: a line per target, float at -O2; and what each robot needs, which hardly depends on it."""
+def calls_table(rows):
+    """Of docs/firmware.md: a line per target, float at -O2; and what each robot needs, which hardly depends on it."""
     some = {(r["target"], r["robot"], r["algorithm"]): r for r in rows if r["scalar"] == "float" and r["level"] == "2"}
     lines = ["| float, -O2 | RNEA: code | stack | iiwa | HyQ | Atlas | ABA: code | stack | iiwa | HyQ | Atlas |",
              "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"]
@@ -491,7 +491,7 @@ def alone_table(some, _):
 # In which document each stands, between <!-- firmware NAME --> and <!-- end -->.
 BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
-          "calls": ("README.md", lambda _, __: readme_table(read_accepted()).split("\n"))}
+          "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
 
 
 def documents(write):
@@ -534,7 +534,7 @@ def options():
     parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
                         "firmware gives its own")
     parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
-    parser.add_argument("--documents", action="store_true", help="only write the accepted figures into README.md, docs and "
+    parser.add_argument("--documents", action="store_true", help="only write the accepted figures into docs/ and "
                         "examples, as --accept does too")
     parser.add_argument("--check", action="store_true", help="only check that budgets are sharp and that the documents have "
                         "the accepted figures")
@@ -556,7 +556,7 @@ def do_target(target, directory, scalars, proofs, codegen):
 
 
 def check_accepted():
-    """Budgets refuse what exceeds them by more than the slack and nothing else; README.md has the table."""
+    """Budgets refuse what exceeds them by more than the slack and nothing else; docs/firmware.md has the table."""
     rows = read_accepted()
     for factor, refused in ((1, False), (1 + SLACK - 0.01, False), (1 + SLACK + 0.01, True)):
         for figure in BUDGETS:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tables and figures of README.md, from a report that is kept in bench/results.
+"""Tables and figures of README.md and docs/performance.md, from a report that is kept in bench/results.
 
 A table stands between '<!-- NAME of FOLDER -->' and '<!-- end -->'; NAME: a function of TABLES.
 
@@ -15,6 +15,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from data import OURS, PEERS, ROBOTS, RUN_TIME, Bar, Data  # noqa: E402
 
+DOCUMENTS = ("README.md", "docs/performance.md")
 MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 # A row: its title, rbd's algorithm, and that of Pinocchio, whose mass matrix is one triangle.
@@ -133,7 +134,7 @@ def machine(data):
     facts = facts_of(data.folder)
     return paragraph("""Times per state in double, the least of short chunks, on one core of a virtual machine (%s), by
         [this report](%s/report.md) of %s. rbd is compiled by %s with `%s`; %s.""" % (
-            facts["machine"].split(",")[0], os.path.relpath(data.folder, ROOT), facts["date"].split()[0],
+            facts["machine"].split(",")[0], data.link, facts["date"].split()[0],
             facts["compilers"].split(";")[0], facts["flags"].split(";")[0], facts["flags of others"]))
 
 
@@ -152,8 +153,8 @@ def accuracy(data):
 TABLES = {"machine": machine, "run-time": run_time, "other": other, "accuracy": accuracy}
 
 
-def rewritten(text, report=None, root=ROOT):
-    """The text with its tables made anew, from another report if one is named."""
+def rewritten(text, report=None, root=ROOT, document="README.md"):
+    """The text of a document with its tables made anew, from another report if one is named."""
     def one(found):
         folder = report or found[3]
         compiler = sorted(os.listdir(os.path.join(root, folder)))
@@ -161,13 +162,14 @@ def rewritten(text, report=None, root=ROOT):
         compiler.sort(key=lambda c: c != "gcc")
         data = Data(os.path.join(root, folder), compiler)
         data.folder = os.path.join(root, folder)
+        data.link = os.path.relpath(folder, os.path.dirname(document))
         return "<!-- %s of %s -->\n%s%s" % (found[2], folder, TABLES[found[2]](data), found[4])
     return MARK.sub(one, text)
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("files", nargs="*", default=[os.path.join(ROOT, "README.md")])
+    p.add_argument("files", nargs="*", default=[os.path.join(ROOT, d) for d in DOCUMENTS])
     p.add_argument("--write", action="store_true", help="write the tables into the files (default: say whether they differ)")
     p.add_argument("--report", metavar="FOLDER", help="with --write: take this one of bench/results, as from the project's folder")
     o = p.parse_args()
@@ -175,7 +177,7 @@ def main():
     for path in o.files:
         with open(path) as f:
             text = f.read()
-        new = rewritten(text, o.report)
+        new = rewritten(text, o.report, document=os.path.relpath(path, ROOT))
         if new == text:
             continue
         if o.write:
