@@ -122,8 +122,8 @@ static void check_inverse(const robot *r, const state *s, int number) {
 START_TEST(minverse_is_the_inverse_on_random_trees) { for_random_trees(400, check_inverse); }
 END_TEST
 
-/* A trunk with leaves at its end: more degrees of freedom than go in one piece, and longer paths in all than
-   there is memory for. Armatures keep the condition small. */
+/* A trunk with leaves at its end: more degrees of freedom than columns of a row stay in registers. Armatures
+   keep the condition small. */
 static void check_large_inverse(int trunk, int leaves) {
     rbd_body bodies[MAX_V] = {{0}};
     double q[MAX_V], M[MAX_M], inverse[MAX_M], error = 0;

@@ -38,8 +38,7 @@ def programs():
     something that those before it do not. What is named after a suite runs this one alone."""
     out = [("suites", ["rbd.c"], suite_sources(), QUICK, [])]
     if " avx2 " in Path("/proc/cpuinfo").read_text():  # batches of four
-        for suite in "cholesky", "constraints":
-            out.append((suite, ["rbd.c"], suite_sources(), [*QUICK, *AVX2], []))
+        out.append(("constraints", ["rbd.c"], suite_sources(), [*QUICK, *AVX2], []))
     out.append(("scalar lanes", ["scalars.c"], ["reference.c", "control.c"], [*QUICK, "-DRBD_LANES=4"], []))
     for name, flags in {"double": [], "scalars": ["-U__SSE2__"]}.items():
         out.append(("sincos " + name, ["test_sincos.c"], [], [*QUICK, *flags], ["-lquadmath"]))
