@@ -181,7 +181,7 @@
 
 #define RBD_VERSION "0.1.0"
 #define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
-#define RBD_MODEL_VERSION 4    /* layout of the built model; generated tables check it */
+#define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
 
@@ -680,9 +680,7 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
 #ifndef RBD_NO_ABA
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
-   RBD_ERR_SINGULAR. A joint and those that mimic it count as one where all are on one parent, or behind one
-   another without a joint between; a model with other mimic joints goes by rbd_fd_cholesky, at twice the
-   time, and so it does on machines of 32 bits. */
+   RBD_ERR_SINGULAR. Models with mimic joints are solved by rbd_fd_cholesky. */
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
@@ -1028,19 +1026,17 @@ enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 /* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
    can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BRANCH_TURN = 1,   /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,     /* so, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,       /* the shift along the link's z is not zero throughout */
-    RBDI_MASS_KEPT = 8,     /* Sigma_zz, h_z or m were not regrouped away */
-    RBDI_ARMATURE = 16,     /* some degree of freedom of the joint has armature */
-    RBDI_ROOT = 32,         /* the parent is the world */
-    RBDI_SLIDES = 64,       /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128,    /* alpha = 90 degrees */
-    RBDI_TWIST_0 = 256,     /* alpha = 0 */
-    RBDI_TIED = 512,        /* the joint mimics or is mimicked, in a group that aba takes as one joint */
-    RBDI_TIED_FIRST = 1024, /* so, and no link of the group is before it */
-    RBDI_SHIFT_R = 2048,    /* the parent-side shift is not zero */
-    RBDI_APART = 4096 /* a block, or a link with a slot, or one that begins a branch: whose parent is not
+    RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
+    RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,       /* the parent is the world */
+    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128,  /* alpha = 90 degrees */
+    RBDI_TWIST_0 = 256,   /* alpha = 0 */
+    RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
+    RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
                                the link before it, or which has no Denavit-Hartenberg form */
 };
 
@@ -1411,9 +1407,6 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_HARD_FLOAT 1
 #endif
-
-/* Whether aba does mimic joints itself: not where these are rare and its 4 kB count. */
-#define RBDI_TIES (UINTPTR_MAX > UINT32_MAX)
 
 /* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
    ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
@@ -2637,7 +2630,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 /* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
    a branch; the link's form without it. */
 RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
-    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TIED)) == RBDI_SHIFT_XYZ &&
+    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT)) == RBDI_SHIFT_XYZ &&
            l->kind != RBDI_BLOCK;
 }
 RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {
@@ -3612,73 +3605,6 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const r
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
         rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
-/* -- mimic joints --
-   A joint and those that mimic it are one joint with several links, where the parent of each is another of
-   them or P, the same for all others: rbdi_emit_ties. On the way to P none of them lets go. The group's
-   acceleration x, whose force is tau, takes a wrench F:
-
-       f = IA a + pA + F x,   tau = F' a + p + D x
-
-   A link with the share k of x adds k U to F. In P's frame the group lets go: IA -= F F'/D, pA += F u/D with
-   u = tau - p; in pass 3 x = (u - F' y)/D. What F has of the links behind a link waits in its U_D, what it
-   has for P in w->F at the leader's place, as F/D later; D in w->pivot, p and later u/D in w->bias. */
-
-RBDI_COLD void rbdi_tie_clear(const rbd_model *m, rbd_work *w) {
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
-        const int g = rbdi_source(m, m->link[i].iv);
-        if (!(m->link[i].flags & RBDI_TIED)) continue;
-        w->scratch[i].U_D = rbdi_force0();
-        rbdi_store_force(&w->F[g], rbdi_stride(m), rbdi_force0());
-        w->pivot[g] = w->bias[g] = rbdi_zero();
-    }
-}
-
-/* A group lets go. */
-RBDI_INLINE void rbdi_tie_release(const rbd_model *m, rbd_work *w, int g, rbd_real tau, rbdi_abi *IA,
-                                  rbdi_force *pA, rbdi_mask *doubt) {
-    const rbd_real inverse = rbdi_pivot_inverse(w->pivot[g], m->dof[g].scale, doubt);
-    rbd_real A[6][6], P[6], *U = &w->F[g];
-    w->bias[g] = (tau - w->bias[g]) * inverse;
-    rbdi_abi_to_array(*IA, A);
-    rbdi_store_force(P, 1, *pA);
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-        const rbd_real U_D = U[j * rbdi_stride(m)] * inverse;
-        P[j] = P[j] + U[j * rbdi_stride(m)] * w->bias[g];
-        RBDI_UNROLL_SIX for (int k = j; k < 6; ++k)
-            A[j][k] = A[j][k] - U[k * rbdi_stride(m)] * U_D;
-        U[j * rbdi_stride(m)] = U_D;
-    }
-    *IA = rbdi_abi_from_array(A);
-    *pA = rbdi_load_force(P, 1);
-}
-
-/* Pass 2, tied link: as rbdi_aba_up. */
-RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
-                           rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const int form = l->flags, g = rbdi_source(m, l->iv), up = l->parent < 0 ? i : l->parent;
-    const rbdi_link *parent = &m->link[up];
-    const rbd_real k = rbdi_ratio(m, l->iv), armature = rbdi_set(m->dof[l->iv].armature);
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    const rbdi_motion c = w->scratch[i].c;
-    rbdi_force F = w->scratch[i].U_D, U = rbdi_abi_axis(l, form, IA);
-    U.n = rbdi_scale(k, U.n), U.f = rbdi_scale(k, U.f);
-    *pA = rbdi_force_add(*pA, rbdi_abi_times(IA, c));
-    w->bias[g] = w->bias[g] + k * rbdi_along_axis(l, form, *pA) + rbdi_dot(F.n, c.omega) + rbdi_dot(F.f, c.v);
-    w->pivot[g] = w->pivot[g] + k * (rbdi_along_axis(l, form, F) + k * armature);
-    F = rbdi_force_add(F, U);
-    w->pivot[g] = w->pivot[g] + k * rbdi_along_axis(l, form, F);
-    F = rbdi_force_up(l, form, t, F);
-    *pA = rbdi_force_up(l, form, t, *pA);
-    *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
-    if (!(form & RBDI_ROOT) && (parent->flags & RBDI_TIED) && rbdi_source(m, parent->iv) == g) {
-        w->scratch[up].U_D = rbdi_force_add(w->scratch[up].U_D, F);
-        return;
-    }
-    F = rbdi_force_add(rbdi_load_force(&w->F[g], rbdi_stride(m)), F);
-    rbdi_store_force(&w->F[g], rbdi_stride(m), F);
-    if (form & RBDI_TIED_FIRST) rbdi_tie_release(m, w, g, tau[g], IA, pA, doubt);
-}
 
 /* What link i hands on goes to its parent's slot, unless that is link i - 1. */
 RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
@@ -3724,14 +3650,6 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, c
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     *IA = rbdi_abi_add_link(l, form, *IA);
-    if (RBDI_TIES && (form & RBDI_TIED)) { /* copies, so that the other forms keep theirs in registers */
-        rbdi_abi copy_IA = *IA;
-        rbdi_force copy_pA = *pA;
-        rbdi_mask copy_doubt = *doubt;
-        rbdi_tie_up(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
-        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
-        return;
-    }
     rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
     if (form & RBDI_ROOT) return;
     *IA = rbdi_abi_up(l, form, t, *IA);
@@ -3819,27 +3737,12 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-RBDI_COLD rbdi_motion rbdi_tie_down(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
-                                    rbd_real *a) {
-    const rbdi_link *l = &m->link[i];
-    const int g = rbdi_source(m, l->iv);
-    const rbdi_force U_D = rbdi_load_force(&w->F[g], rbdi_stride(m));
-    rbd_real qdd;
-    if (l->flags & RBDI_TIED_FIRST) a[g] = w->bias[g] - rbdi_dot(U_D.n, y.omega) - rbdi_dot(U_D.f, y.v);
-    qdd = a[g] * rbdi_ratio(m, l->iv);
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, l->flags, y), w->scratch[i].c);
-    y.omega.z = y.omega.z + qdd * l->rho;
-    y.v.z = y.v.z + qdd * l->kappa;
-    return y;
-}
-
 /* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbd_real x, qdd;
-    if (RBDI_TIES && (form & RBDI_TIED)) return rbdi_tie_down(m, w, i, y, a);
     y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
     if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
@@ -4021,7 +3924,7 @@ RBDI_INLINE rbdi_motion rbdi_hybrid_down(const rbd_model *m, const rbd_work *w, 
                                          const rbdi_given *given, rbdi_motion y, rbd_real *a, rbd_real *tau) {
     const int iv = m->link[i].iv;
     const rbdi_force U = w->scratch[i].U_D;
-    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form & ~RBDI_TIED, y, a);
+    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form, y, a);
     y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), w->scratch[i].c);
     tau[iv] = w->scratch[i].u_D + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
     return y;
@@ -4765,17 +4668,14 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    int ties;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
-    ties = RBDI_TIES && m->nmimic && (m->link[m->frame[m->dof[m->nv].body].link].flags & RBDI_TIED);
 #ifndef RBDI_NO_FD_CHOLESKY
-    if (m->nmimic && !ties) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
+    if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
-    rbdi_joints(m, w, ties ? rbdi_expand_q(m, w, q) : q);
-    rbdi_aba_pass1(m, w, ties ? rbdi_expand_v(m, v, w->vx) : v);
+    rbdi_joints(m, w, q);
+    rbdi_aba_pass1(m, w, v);
     rbdi_external(m, w, f_ext);
-    if (ties) rbdi_tie_clear(m, w);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
@@ -7155,22 +7055,6 @@ static void rbdi_emit_order(const rbdi_build *b) {
     }
 }
 
-/* Marks the links of mimic joints if the parent of each is in its group, or that of its group's first. */
-static void rbdi_emit_ties(const rbdi_build *b) {
-    const rbd_model *m = b->m;
-    for (int mark = 0; mark < 2; ++mark)
-        for (int p = 0; p < m->nl; ++p) {
-            const int g = rbdi_source(m, m->link[p].iv), up = m->link[p].parent;
-            int first = 0;
-            while (rbdi_source(m, m->link[first].iv) != g) ++first;
-            if (first == p) continue;
-            if (mark)
-                b->link[first].flags |= RBDI_TIED | RBDI_TIED_FIRST, b->link[p].flags |= RBDI_TIED;
-            else if (up != m->link[first].parent && (up < 0 || rbdi_source(m, m->link[up].iv) != g))
-                return;
-        }
-}
-
 static void rbdi_emit(const rbdi_build *b) {
     rbd_model *m = b->m;
     m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
@@ -7183,7 +7067,6 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_emit_frames(b);
     rbdi_emit_tree(m, b->mimic, b->dof);
     rbdi_emit_order(b);
-    if (RBDI_TIES) rbdi_emit_ties(b);
     rbdi_shape(m, m->shape);
 }
 

@@ -110,7 +110,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 4
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 

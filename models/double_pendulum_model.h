@@ -8,7 +8,7 @@
 
 #ifndef RBD_H
 #error "include rbd.h before double_pendulum_model.h"
-#elif RBD_MODEL_VERSION != 4
+#elif RBD_MODEL_VERSION != 5
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
 #endif
 

@@ -34,7 +34,7 @@
 
 #include "rbd.h"
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 4
+#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 

@@ -60,8 +60,6 @@ static void write_flags(int flags) {
                  {RBDI_SLIDES, "RBDI_SLIDES"},
                  {RBDI_TWIST_90, "RBDI_TWIST_90"},
                  {RBDI_TWIST_0, "RBDI_TWIST_0"},
-                 {RBDI_TIED, "RBDI_TIED"},
-                 {RBDI_TIED_FIRST, "RBDI_TIED_FIRST"},
                  {RBDI_SHIFT_R, "RBDI_SHIFT_R"},
                  {RBDI_APART, "RBDI_APART"}};
     const char *between = "";

@@ -57,9 +57,7 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
 #ifndef RBD_NO_ABA
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
-   RBD_ERR_SINGULAR. A joint and those that mimic it count as one where all are on one parent, or behind one
-   another without a joint between; a model with other mimic joints goes by rbd_fd_cholesky, at twice the
-   time, and so it does on machines of 32 bits. */
+   RBD_ERR_SINGULAR. Models with mimic joints are solved by rbd_fd_cholesky. */
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif

@@ -35,9 +35,6 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HARD_FLOAT 1
 #endif
 
-/* Whether aba does mimic joints itself: not where these are rare and its 4 kB count. */
-#define RBDI_TIES (UINTPTR_MAX > UINT32_MAX)
-
 /* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
    ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
    RBD_LANES. */

@@ -230,73 +230,6 @@ RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const r
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
         rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
-/* -- mimic joints --
-   A joint and those that mimic it are one joint with several links, where the parent of each is another of
-   them or P, the same for all others: rbdi_emit_ties. On the way to P none of them lets go. The group's
-   acceleration x, whose force is tau, takes a wrench F:
-
-       f = IA a + pA + F x,   tau = F' a + p + D x
-
-   A link with the share k of x adds k U to F. In P's frame the group lets go: IA -= F F'/D, pA += F u/D with
-   u = tau - p; in pass 3 x = (u - F' y)/D. What F has of the links behind a link waits in its U_D, what it
-   has for P in w->F at the leader's place, as F/D later; D in w->pivot, p and later u/D in w->bias. */
-
-RBDI_COLD void rbdi_tie_clear(const rbd_model *m, rbd_work *w) {
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
-        const int g = rbdi_source(m, m->link[i].iv);
-        if (!(m->link[i].flags & RBDI_TIED)) continue;
-        w->scratch[i].U_D = rbdi_force0();
-        rbdi_store_force(&w->F[g], rbdi_stride(m), rbdi_force0());
-        w->pivot[g] = w->bias[g] = rbdi_zero();
-    }
-}
-
-/* A group lets go. */
-RBDI_INLINE void rbdi_tie_release(const rbd_model *m, rbd_work *w, int g, rbd_real tau, rbdi_abi *IA,
-                                  rbdi_force *pA, rbdi_mask *doubt) {
-    const rbd_real inverse = rbdi_pivot_inverse(w->pivot[g], m->dof[g].scale, doubt);
-    rbd_real A[6][6], P[6], *U = &w->F[g];
-    w->bias[g] = (tau - w->bias[g]) * inverse;
-    rbdi_abi_to_array(*IA, A);
-    rbdi_store_force(P, 1, *pA);
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-        const rbd_real U_D = U[j * rbdi_stride(m)] * inverse;
-        P[j] = P[j] + U[j * rbdi_stride(m)] * w->bias[g];
-        RBDI_UNROLL_SIX for (int k = j; k < 6; ++k)
-            A[j][k] = A[j][k] - U[k * rbdi_stride(m)] * U_D;
-        U[j * rbdi_stride(m)] = U_D;
-    }
-    *IA = rbdi_abi_from_array(A);
-    *pA = rbdi_load_force(P, 1);
-}
-
-/* Pass 2, tied link: as rbdi_aba_up. */
-RBDI_COLD void rbdi_tie_up(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
-                           rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const int form = l->flags, g = rbdi_source(m, l->iv), up = l->parent < 0 ? i : l->parent;
-    const rbdi_link *parent = &m->link[up];
-    const rbd_real k = rbdi_ratio(m, l->iv), armature = rbdi_set(m->dof[l->iv].armature);
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    const rbdi_motion c = w->scratch[i].c;
-    rbdi_force F = w->scratch[i].U_D, U = rbdi_abi_axis(l, form, IA);
-    U.n = rbdi_scale(k, U.n), U.f = rbdi_scale(k, U.f);
-    *pA = rbdi_force_add(*pA, rbdi_abi_times(IA, c));
-    w->bias[g] = w->bias[g] + k * rbdi_along_axis(l, form, *pA) + rbdi_dot(F.n, c.omega) + rbdi_dot(F.f, c.v);
-    w->pivot[g] = w->pivot[g] + k * (rbdi_along_axis(l, form, F) + k * armature);
-    F = rbdi_force_add(F, U);
-    w->pivot[g] = w->pivot[g] + k * rbdi_along_axis(l, form, F);
-    F = rbdi_force_up(l, form, t, F);
-    *pA = rbdi_force_up(l, form, t, *pA);
-    *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
-    if (!(form & RBDI_ROOT) && (parent->flags & RBDI_TIED) && rbdi_source(m, parent->iv) == g) {
-        w->scratch[up].U_D = rbdi_force_add(w->scratch[up].U_D, F);
-        return;
-    }
-    F = rbdi_force_add(rbdi_load_force(&w->F[g], rbdi_stride(m)), F);
-    rbdi_store_force(&w->F[g], rbdi_stride(m), F);
-    if (form & RBDI_TIED_FIRST) rbdi_tie_release(m, w, g, tau[g], IA, pA, doubt);
-}
 
 /* What link i hands on goes to its parent's slot, unless that is link i - 1. */
 RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
@@ -342,14 +275,6 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, c
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     *IA = rbdi_abi_add_link(l, form, *IA);
-    if (RBDI_TIES && (form & RBDI_TIED)) { /* copies, so that the other forms keep theirs in registers */
-        rbdi_abi copy_IA = *IA;
-        rbdi_force copy_pA = *pA;
-        rbdi_mask copy_doubt = *doubt;
-        rbdi_tie_up(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
-        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
-        return;
-    }
     rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
     if (form & RBDI_ROOT) return;
     *IA = rbdi_abi_up(l, form, t, *IA);
@@ -437,27 +362,12 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-RBDI_COLD rbdi_motion rbdi_tie_down(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
-                                    rbd_real *a) {
-    const rbdi_link *l = &m->link[i];
-    const int g = rbdi_source(m, l->iv);
-    const rbdi_force U_D = rbdi_load_force(&w->F[g], rbdi_stride(m));
-    rbd_real qdd;
-    if (l->flags & RBDI_TIED_FIRST) a[g] = w->bias[g] - rbdi_dot(U_D.n, y.omega) - rbdi_dot(U_D.f, y.v);
-    qdd = a[g] * rbdi_ratio(m, l->iv);
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, l->flags, y), w->scratch[i].c);
-    y.omega.z = y.omega.z + qdd * l->rho;
-    y.v.z = y.v.z + qdd * l->kappa;
-    return y;
-}
-
 /* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbd_real x, qdd;
-    if (RBDI_TIES && (form & RBDI_TIED)) return rbdi_tie_down(m, w, i, y, a);
     y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
     if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {

@@ -10,17 +10,14 @@
 RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    int ties;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
-    ties = RBDI_TIES && m->nmimic && (m->link[m->frame[m->dof[m->nv].body].link].flags & RBDI_TIED);
 #ifndef RBDI_NO_FD_CHOLESKY
-    if (m->nmimic && !ties) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
+    if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
-    rbdi_joints(m, w, ties ? rbdi_expand_q(m, w, q) : q);
-    rbdi_aba_pass1(m, w, ties ? rbdi_expand_v(m, v, w->vx) : v);
+    rbdi_joints(m, w, q);
+    rbdi_aba_pass1(m, w, v);
     rbdi_external(m, w, f_ext);
-    if (ties) rbdi_tie_clear(m, w);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);

@@ -107,7 +107,7 @@ RBDI_INLINE rbdi_motion rbdi_hybrid_down(const rbd_model *m, const rbd_work *w, 
                                          const rbdi_given *given, rbdi_motion y, rbd_real *a, rbd_real *tau) {
     const int iv = m->link[i].iv;
     const rbdi_force U = w->scratch[i].U_D;
-    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form & ~RBDI_TIED, y, a);
+    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form, y, a);
     y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), w->scratch[i].c);
     tau[iv] = w->scratch[i].u_D + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
     return y;

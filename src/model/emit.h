@@ -291,22 +291,6 @@ static void rbdi_emit_order(const rbdi_build *b) {
     }
 }
 
-/* Marks the links of mimic joints if the parent of each is in its group, or that of its group's first. */
-static void rbdi_emit_ties(const rbdi_build *b) {
-    const rbd_model *m = b->m;
-    for (int mark = 0; mark < 2; ++mark)
-        for (int p = 0; p < m->nl; ++p) {
-            const int g = rbdi_source(m, m->link[p].iv), up = m->link[p].parent;
-            int first = 0;
-            while (rbdi_source(m, m->link[first].iv) != g) ++first;
-            if (first == p) continue;
-            if (mark)
-                b->link[first].flags |= RBDI_TIED | RBDI_TIED_FIRST, b->link[p].flags |= RBDI_TIED;
-            else if (up != m->link[first].parent && (up < 0 || rbdi_source(m, m->link[up].iv) != g))
-                return;
-        }
-}
-
 static void rbdi_emit(const rbdi_build *b) {
     rbd_model *m = b->m;
     m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
@@ -319,7 +303,6 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_emit_frames(b);
     rbdi_emit_tree(m, b->mimic, b->dof);
     rbdi_emit_order(b);
-    if (RBDI_TIES) rbdi_emit_ties(b);
     rbdi_shape(m, m->shape);
 }
 

@@ -171,7 +171,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 /* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
    a branch; the link's form without it. */
 RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
-    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TIED)) == RBDI_SHIFT_XYZ &&
+    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT)) == RBDI_SHIFT_XYZ &&
            l->kind != RBDI_BLOCK;
 }
 RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {

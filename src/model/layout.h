@@ -40,19 +40,17 @@ enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 /* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
    can drop what a common form does not need (see RBDI_BY_FORM). */
 enum {
-    RBDI_BRANCH_TURN = 1,   /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,     /* so, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,       /* the shift along the link's z is not zero throughout */
-    RBDI_MASS_KEPT = 8,     /* Sigma_zz, h_z or m were not regrouped away */
-    RBDI_ARMATURE = 16,     /* some degree of freedom of the joint has armature */
-    RBDI_ROOT = 32,         /* the parent is the world */
-    RBDI_SLIDES = 64,       /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128,    /* alpha = 90 degrees */
-    RBDI_TWIST_0 = 256,     /* alpha = 0 */
-    RBDI_TIED = 512,        /* the joint mimics or is mimicked, in a group that aba takes as one joint */
-    RBDI_TIED_FIRST = 1024, /* so, and no link of the group is before it */
-    RBDI_SHIFT_R = 2048,    /* the parent-side shift is not zero */
-    RBDI_APART = 4096 /* a block, or a link with a slot, or one that begins a branch: whose parent is not
+    RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
+    RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
+    RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
+    RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
+    RBDI_ROOT = 32,       /* the parent is the world */
+    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW */
+    RBDI_TWIST_90 = 128,  /* alpha = 90 degrees */
+    RBDI_TWIST_0 = 256,   /* alpha = 0 */
+    RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
+    RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
                                the link before it, or which has no Denavit-Hartenberg form */
 };
 
