@@ -109,64 +109,7 @@
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
-/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
-   else there may be) come back at the end. */
 
-/* ==== src/base/letters_begin.h ==== */
-#pragma push_macro("A")
-#undef A
-#pragma push_macro("B")
-#undef B
-#pragma push_macro("C")
-#undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("E")
-#undef E
-#pragma push_macro("F")
-#undef F
-#pragma push_macro("G")
-#undef G
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("I")
-#undef I
-#pragma push_macro("J")
-#undef J
-#pragma push_macro("K")
-#undef K
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("M")
-#undef M
-#pragma push_macro("N")
-#undef N
-#pragma push_macro("O")
-#undef O
-#pragma push_macro("P")
-#undef P
-#pragma push_macro("Q")
-#undef Q
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("S")
-#undef S
-#pragma push_macro("T")
-#undef T
-#pragma push_macro("U")
-#undef U
-#pragma push_macro("V")
-#undef V
-#pragma push_macro("W")
-#undef W
-#pragma push_macro("X")
-#undef X
-#pragma push_macro("Y")
-#undef Y
-#pragma push_macro("Z")
-#undef Z
-
-/* ==== src/rbd.h ==== */
 #ifndef RBD_H
 #define RBD_H
 
@@ -664,12 +607,12 @@ RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, con
 
 #ifndef RBD_NO_CRBA
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
-   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. Where joints mimic
+   are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
    others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 #endif
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
@@ -705,22 +648,23 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
 
 #ifndef RBD_NO_CHOLESKY
 /* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
-   M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
-   L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
-   L may be M. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L);
+   mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
+   factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
+   Both may be the same array. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
+                                       rbd_real *factor);
 
 /* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H);
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
 
-/* Solves M x = b with the factor L. b, x: nv; may be the same. */
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
-                                      rbd_real *x);
+/* Solves M x = b with the factor. b, x: nv; may be the same. */
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
+                                      const rbd_real *b, rbd_real *x);
 
-/* Solves M X = B for n right-hand sides, which are the columns of B. B, X: nv x n; may be the same. With n <=
-   0 nothing is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
-                                           const rbd_real *B, rbd_real *X);
+/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
+   is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
+                                           const rbd_real *b, rbd_real *x);
 #endif
 
 #ifndef RBDI_NO_MINVERSE
@@ -746,9 +690,9 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *a);
 
-/* Pose of a body: R 3 x 3 turns link vectors into world vectors, p is the link origin in the world.
-   R or p may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+/* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
+   Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                  rbd_real p[3]);
 
 /* Spatial velocity (omega; v of the link origin), link axes. */
@@ -799,12 +743,13 @@ typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
 /* Jacobian of a point, 6 x nv: its motion is J v. Columns of dofs that do not move the body are zero.
    Siciliano, Sciavicco, Villani and Oriolo, Robotics (2009), section 3.1. */
 RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                rbd_axes axes, rbd_real *J);
+                                rbd_axes axes, rbd_real *jacobian);
 
 /* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
    motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
 RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J);
+                                         const rbd_real point[3], int reference, rbd_axes axes,
+                                         rbd_real *jacobian);
 
 /* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
 RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
@@ -915,7 +860,7 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 
    All other files include rbd.h as ever. In every call n states stand one after the other (unless
    rbd_batch_set_layout says otherwise): q is n x nq, v, a, tau n x nv, f_ext n x nb x 6 or NULL,
-   M n x nv x nv, H n x rbd_packed_size(m); n may be any number, and with n <= 0 nothing is done.
+   mass_matrix n x nv x nv, packed n x rbd_packed_size(m). With n <= 0 nothing is done.
    Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
    states' results stand, and rbd_batch_singular names the first that is singular. */
 
@@ -953,9 +898,9 @@ RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n,
 RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
 RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *M);
+                                        RBD_REAL *mass_matrix);
 RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *H);
+                                               RBD_REAL *packed);
 RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                        RBD_REAL *a);
@@ -969,10 +914,11 @@ RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, in
 #endif
 
 #ifndef RBD_NO_POINTS
-/* rbd_kinematics and what follows it: of the same body and point in all states, J n x 6 x nv; h, h_dot n x 6,
-   each may be NULL, and v, a as there. */
+/* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
+   n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */
 RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J);
+                                            int body, const RBD_REAL point[3], rbd_axes axes,
+                                            RBD_REAL *jacobian);
 RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                             RBD_REAL *h_dot);
@@ -983,9 +929,74 @@ RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd.h ==== */
+RBDI_EXTERN_C_END
+
+#endif /* RBD_H */
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
+
+/* Below, names of one letter are those of the formulas. The caller's macros of these names (I of complex.h, F
+   of Arduino) come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
+
+/* ==== src/rbd.h ==== */
+#ifndef RBDI_LAYOUT
+#define RBDI_LAYOUT
 
 /* ==== src/model/layout.h ==== */
 /* ---- layout [layout] ----
@@ -1286,9 +1297,7 @@ struct rbd_work {
      RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 /* ==== src/rbd.h ==== */
-RBDI_EXTERN_C_END
-
-#endif /* RBD_H */
+#endif /* RBDI_LAYOUT */
 
 /* rbd_spatial.h wants what goes before [common] in files without the implementation too. */
 #if defined RBD_IMPLEMENTATION || defined RBDI_WITH_ALGEBRA

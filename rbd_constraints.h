@@ -18,7 +18,7 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [description] [set] [calls] [derivatives] [batch]
+     [description] [set] [calls] [batch] [derivatives]
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [solution] [rank]
@@ -49,64 +49,10 @@
      not described. M must be regular, also where the constraints would make up for it.
 */
 #include "rbd.h"
+#ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
+#include "rbd_derivatives.h"
+#endif
 
-/* As in rbd.h: the caller's macros of these names come back at the end. */
-
-/* ==== src/base/letters_begin.h ==== */
-#pragma push_macro("A")
-#undef A
-#pragma push_macro("B")
-#undef B
-#pragma push_macro("C")
-#undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("E")
-#undef E
-#pragma push_macro("F")
-#undef F
-#pragma push_macro("G")
-#undef G
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("I")
-#undef I
-#pragma push_macro("J")
-#undef J
-#pragma push_macro("K")
-#undef K
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("M")
-#undef M
-#pragma push_macro("N")
-#undef N
-#pragma push_macro("O")
-#undef O
-#pragma push_macro("P")
-#undef P
-#pragma push_macro("Q")
-#undef Q
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("S")
-#undef S
-#pragma push_macro("T")
-#undef T
-#pragma push_macro("U")
-#undef U
-#pragma push_macro("V")
-#undef V
-#pragma push_macro("W")
-#undef W
-#pragma push_macro("X")
-#undef X
-#pragma push_macro("Y")
-#undef Y
-#pragma push_macro("Z")
-#undef Z
-
-/* ==== src/rbd_constraints.h ==== */
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
@@ -214,7 +160,8 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
 RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e);
+                                           const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
+                                           rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
@@ -265,9 +212,41 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
 
+/* ---- batches [batch] ----
+   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
+   constraints the same for all. */
+
+typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
+
+RBDI_EXTERN_C_BEGIN
+/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
+   batch b of the model instead of a work. */
+RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
+                                                    const rbd_constraint *list, int n, void *memory,
+                                                    size_t size, rbd_batch_constraints **c,
+                                                    rbd_report *report);
+
+/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
+   rows, and none after it is singular. */
+RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
+                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
+RBDI_EXTERN_C_CLOSE
+
 /* ==== src/rbd_constraints.h ==== */
-#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+}
+#endif
+
+#endif /* RBD_CONSTRAINTS_H */
+
+#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS && \
+    !defined RBDI_CONSTRAINED_DERIVATIVES
 #define RBDI_CONSTRAINED_DERIVATIVES
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
 
 /* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
@@ -292,35 +271,74 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
                                                rbd_real *dlambda_dtau);
 
 /* ==== src/rbd_constraints.h ==== */
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+}
+#endif
 #endif
 
-/* ==== src/api/constraints_batch.h ==== */
-/* ---- batches [batch] ----
-   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
-   constraints the same for all. */
-
-typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
-
-RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
-   batch b of the model instead of a work. */
-RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
-RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
-                                                    const rbd_constraint *list, int n, void *memory,
-                                                    size_t size, rbd_batch_constraints **c,
-                                                    rbd_report *report);
-
-/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
-   rows, and none after it is singular. */
-RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
-RBDI_EXTERN_C_CLOSE
-
-/* ==== src/rbd_constraints.h ==== */
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
+
+/* ==== src/rbd_constraints.h ==== */
+#ifndef RBDI_CONSTRAINTS_LAYOUT
+#define RBDI_CONSTRAINTS_LAYOUT
 
 /* ==== src/constraints/layout.h ==== */
 /* ---- layout [layout] ---- */
@@ -446,11 +464,7 @@ struct rbd_constraints {
 #define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
 
 /* ==== src/rbd_constraints.h ==== */
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-}
-#endif
-
-#endif /* RBD_CONSTRAINTS_H */
+#endif /* RBDI_CONSTRAINTS_LAYOUT */
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
 #define RBDI_CONSTRAINTS_IMPLEMENTED

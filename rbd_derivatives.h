@@ -26,67 +26,10 @@
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
 */
-/* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
+#include "rbd.h"
 
-/* ==== src/base/letters_begin.h ==== */
-#pragma push_macro("A")
-#undef A
-#pragma push_macro("B")
-#undef B
-#pragma push_macro("C")
-#undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("E")
-#undef E
-#pragma push_macro("F")
-#undef F
-#pragma push_macro("G")
-#undef G
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("I")
-#undef I
-#pragma push_macro("J")
-#undef J
-#pragma push_macro("K")
-#undef K
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("M")
-#undef M
-#pragma push_macro("N")
-#undef N
-#pragma push_macro("O")
-#undef O
-#pragma push_macro("P")
-#undef P
-#pragma push_macro("Q")
-#undef Q
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("S")
-#undef S
-#pragma push_macro("T")
-#undef T
-#pragma push_macro("U")
-#undef U
-#pragma push_macro("V")
-#undef V
-#pragma push_macro("W")
-#undef W
-#pragma push_macro("X")
-#undef X
-#pragma push_macro("Y")
-#undef Y
-#pragma push_macro("Z")
-#undef Z
-
-/* ==== src/rbd_derivatives.h ==== */
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
-
-#include "rbd.h"
 
 #if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
@@ -165,11 +108,12 @@ RBD_API size_t rbd_derivatives_size(const rbd_model *m);
    the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]);
+                                       const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
 /* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
    no mass. */
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J);
+RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                    rbd_real *jacobian);
 #endif
 
 /* ---- Coriolis matrix [coriolis] ---- */
@@ -180,7 +124,7 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
    the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
    where v are rates of q. Echeandia and Wensing (2021). */
 RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *C);
+                                rbd_real *matrix);
 #endif
 
 /* ---- inverse dynamics with a free base [free base] ---- */
@@ -209,7 +153,7 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
    Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
 RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M);
+                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
 
 /* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -243,7 +187,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 /* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
    one after the other. Columns of bodies that no joint moves are zero. */
 RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *Y);
+                                 const rbd_real *a, rbd_real *regressor);
 
 /* Energy regressors, 10 nb each, for rbd_energy's figures: kinetic = Y_kinetic pi + sum of armature v^2 / 2,
    potential = Y_potential pi. Either may be NULL; v may be NULL if Y_kinetic is. */
@@ -295,18 +239,18 @@ RBD_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batc
                                                     size_t size, rbd_batch_derivatives **d);
 #ifndef RBD_NO_MOMENTUM
 RBD_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
+                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
                                                    RBD_REAL *A_dot_v);
 #endif
 #ifndef RBD_NO_CORIOLIS
 RBD_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C);
+                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
 #endif
 #ifndef RBD_NO_DERIVATIVES
 RBD_BATCH_API rbd_status rbd_batch_rnea_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                     const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                                     const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                    RBD_REAL *dtau_dv, RBD_REAL *M);
+                                                    RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
 #endif
 #ifndef RBDI_NO_FD_DERIVATIVES
 RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
@@ -317,14 +261,78 @@ RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_
 #ifndef RBD_NO_REGRESSOR
 RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                             RBD_REAL *Y);
+                                             RBD_REAL *regressor);
 #endif
 RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd_derivatives.h ==== */
+RBDI_EXTERN_C_END
+
+#endif /* RBD_DERIVATIVES_H */
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("B")
+#undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("F")
+#undef F
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("I")
+#undef I
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("M")
+#undef M
+#pragma push_macro("N")
+#undef N
+#pragma push_macro("O")
+#undef O
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("Q")
+#undef Q
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("T")
+#undef T
+#pragma push_macro("U")
+#undef U
+#pragma push_macro("V")
+#undef V
+#pragma push_macro("W")
+#undef W
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
+
+/* ==== src/rbd_derivatives.h ==== */
+#ifndef RBDI_DERIVATIVES_LAYOUT
+#define RBDI_DERIVATIVES_LAYOUT
 
 /* ==== src/derivatives/layout.h ==== */
 /* ---- layout [layout] ----
@@ -384,8 +392,8 @@ struct rbd_derivatives {
     rbd_const mass;      /* of all bodies that a joint moves */
 };
 
-#define RBDI_COLUMN 110  /* scalars of a dof in rbdi_columns */
-#define RBDI_CONSTANT 17 /* in rbdi_constants */
+#define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
+#define RBDI_CONSTANT 17     /* in rbdi_constants */
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
 #define RBDI_KIN(n, padded) 0
@@ -398,7 +406,7 @@ struct rbd_derivatives {
 /* Bytes for nl links and n dofs, padded. */
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
-     (size_t)(padded) * (RBDI_COLUMN * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
+     (size_t)(padded) * (RBDI_COLUMN_SIZE * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
      (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
      (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)) + RBDI_KIN(n, padded))
 
@@ -409,9 +417,7 @@ struct rbd_derivatives {
     RBDI_DERIVATIVES_BYTES(RBDI_LINKS(nb, nv), (nb) + (nv), (nb) + (nv) + RBDI_SURPLUS)
 
 /* ==== src/rbd_derivatives.h ==== */
-RBDI_EXTERN_C_END
-
-#endif /* RBD_DERIVATIVES_H */
+#endif /* RBDI_DERIVATIVES_LAYOUT */
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
@@ -507,7 +513,8 @@ struct rbdi_constants {
     rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* of the bodies as described, no mass moved between links */
 };
 
-typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
+typedef char
+    rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN_SIZE * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
 typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
@@ -704,8 +711,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
-    out += d->behind * RBDI_COLUMN * RBDI_BATCH;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
+    out += d->behind * RBDI_COLUMN_SIZE * RBDI_BATCH;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
         *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
     for (; k < n; ++k) *out++ = v[k];
 }
@@ -1273,7 +1280,7 @@ RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F,
     const ptrdiff_t nv = d->model->nv;
     out += d->base;
     for (int b = d->batches - 1; b >= d->behind; --b) {
-        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN;
+        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN_SIZE;
         rbd_real *to = out + (b - d->behind) * RBDI_BATCH;
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
             *(rbdi_batch *)(to + k * nv) = in[k];
@@ -1599,7 +1606,7 @@ RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
         d->entry[e->source].laid = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
-        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
+        e->at = e->batch * RBDI_COLUMN_SIZE * RBDI_BATCH + e->lane;
     }
 }
 
@@ -1683,7 +1690,7 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
-    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN * padded); /* surplus lanes stay finite */
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
     for (int i = 0; i < m->nl; ++i) {
         d->origin[i] = -1;
@@ -1921,11 +1928,11 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
 
 /* Adds n components, from x on, of the links behind the base to its own. */
 RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
-    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN;
+    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN_SIZE;
     rbd_real *to = x + d->entry[d->base - 1].at;
     rbdi_batch sum[9];
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_zero_batch();
-    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN) {
+    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN_SIZE) {
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
     }
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =

@@ -79,6 +79,8 @@ def shipped(header, src=SRC):
     out = []
     for room, text in read_header(header, src):
         out += ["", marker(room or header), *text] if out else [text[0], MADE.format(header), *text[1:]]
+    if any(line.startswith("<<<<<<< ") for line in out):
+        raise SystemExit(f"src/{header} or a file that it includes has a conflict of git's")
     return "\n".join(out) + "\n"
 
 

@@ -108,10 +108,6 @@
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
      applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
 */
-/* The letters are the book's here; the caller's macros of these names (I of complex.h, F of Arduino, and what
-   else there may be) come back at the end. */
-
-#include "base/letters_begin.h"
 
 #ifndef RBD_H
 #define RBD_H
@@ -138,18 +134,28 @@ extern "C" {
 #include "api/lookup.h"
 #include "api/batch.h"
 
+RBDI_EXTERN_C_END
+
+#endif /* RBD_H */
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
+
+/* Below, names of one letter are those of the formulas. The caller's macros of these names (I of complex.h, F
+   of Arduino) come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBDI_LAYOUT
+#define RBDI_LAYOUT
 
 #include "model/layout.h"
 #include "algebra/types.h"
 #include "model/work.h"
 #include "model/sizes.h"
 
-RBDI_EXTERN_C_END
-
-#endif /* RBD_H */
+#endif /* RBDI_LAYOUT */
 
 /* rbd_spatial.h wants what goes before [common] in files without the implementation too. */
 #if defined RBD_IMPLEMENTATION || defined RBDI_WITH_ALGEBRA

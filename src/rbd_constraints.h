@@ -17,7 +17,7 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [description] [set] [calls] [derivatives] [batch]
+     [description] [set] [calls] [batch] [derivatives]
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [solution] [rank]
@@ -48,10 +48,9 @@
      not described. M must be regular, also where the constraints would make up for it.
 */
 #include "rbd.h"
-
-/* As in rbd.h: the caller's macros of these names come back at the end. */
-
-#include "base/letters_begin.h"
+#ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
+#include "rbd_derivatives.h"
+#endif
 
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
@@ -66,26 +65,40 @@ extern "C" {
 
 #include "api/constraints.h"
 
-#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS
-#define RBDI_CONSTRAINED_DERIVATIVES
-
-#include "api/constrained_derivatives.h"
-
-#endif
-
-#include "api/constraints_batch.h"
-
-/* ====================================================================================================
-   Stop here if you only use it.
-   ================================================================================================= */
-
-#include "constraints/layout.h"
-
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 }
 #endif
 
 #endif /* RBD_CONSTRAINTS_H */
+
+#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS && \
+    !defined RBDI_CONSTRAINED_DERIVATIVES
+#define RBDI_CONSTRAINED_DERIVATIVES
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#include "api/constrained_derivatives.h"
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+}
+#endif
+#endif
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBDI_CONSTRAINTS_LAYOUT
+#define RBDI_CONSTRAINTS_LAYOUT
+
+#include "constraints/layout.h"
+
+#endif /* RBDI_CONSTRAINTS_LAYOUT */
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
 #define RBDI_CONSTRAINTS_IMPLEMENTED

@@ -25,14 +25,10 @@
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
 */
-/* As in rbd.h: letters are the book's, and the caller's macros of these names come back at the end. */
-
-#include "base/letters_begin.h"
+#include "rbd.h"
 
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
-
-#include "rbd.h"
 
 #if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
@@ -46,15 +42,24 @@ extern "C" {
 
 #include "api/derivatives.h"
 
+RBDI_EXTERN_C_END
+
+#endif /* RBD_DERIVATIVES_H */
+
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
 
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBDI_DERIVATIVES_LAYOUT
+#define RBDI_DERIVATIVES_LAYOUT
+
 #include "derivatives/layout.h"
 
-RBDI_EXTERN_C_END
-
-#endif /* RBD_DERIVATIVES_H */
+#endif /* RBDI_DERIVATIVES_LAYOUT */
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED

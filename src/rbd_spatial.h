@@ -36,11 +36,11 @@
    the call, and the two frames. The structs are larger then: all files that hand them to each other need the
    same setting. rbd_vec3 and rbd_rotation are bare numbers and carry no frame.
 */
-#ifndef RBD_SPATIAL_H
-#define RBD_SPATIAL_H
-
 #define RBDI_WITH_ALGEBRA
 #include "rbd.h"
+
+#ifndef RBD_SPATIAL_H
+#define RBD_SPATIAL_H
 
 #if RBD_VERSION_NUMBER < 100
 #error "rbd_spatial.h: needs a newer rbd.h"

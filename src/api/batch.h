@@ -12,7 +12,7 @@
 
    All other files include rbd.h as ever. In every call n states stand one after the other (unless
    rbd_batch_set_layout says otherwise): q is n x nq, v, a, tau n x nv, f_ext n x nb x 6 or NULL,
-   M n x nv x nv, H n x rbd_packed_size(m); n may be any number, and with n <= 0 nothing is done.
+   mass_matrix n x nv x nv, packed n x rbd_packed_size(m). With n <= 0 nothing is done.
    Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
    states' results stand, and rbd_batch_singular names the first that is singular. */
 
@@ -50,9 +50,9 @@ RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n,
 RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
 RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *M);
+                                        RBD_REAL *mass_matrix);
 RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *H);
+                                               RBD_REAL *packed);
 RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                        RBD_REAL *a);
@@ -66,10 +66,11 @@ RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, in
 #endif
 
 #ifndef RBD_NO_POINTS
-/* rbd_kinematics and what follows it: of the same body and point in all states, J n x 6 x nv; h, h_dot n x 6,
-   each may be NULL, and v, a as there. */
+/* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
+   n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */
 RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J);
+                                            int body, const RBD_REAL point[3], rbd_axes axes,
+                                            RBD_REAL *jacobian);
 RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                             RBD_REAL *h_dot);

@@ -1,7 +1,6 @@
 #ifndef RBDI_API_CONSTRAINTS_H
 #define RBDI_API_CONSTRAINTS_H
-#include "api/types.h"
-#include "api/status.h"
+#include "api/batch.h"
 
 #define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
 #define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
@@ -98,7 +97,8 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
 RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e);
+                                           const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
+                                           rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
@@ -148,5 +148,27 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
                                 const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
+
+/* ---- batches [batch] ----
+   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
+   constraints the same for all. */
+
+typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
+
+RBDI_EXTERN_C_BEGIN
+/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
+   batch b of the model instead of a work. */
+RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
+                                                    const rbd_constraint *list, int n, void *memory,
+                                                    size_t size, rbd_batch_constraints **c,
+                                                    rbd_report *report);
+
+/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
+   rows, and none after it is singular. */
+RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
+                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
+RBDI_EXTERN_C_CLOSE
 
 #endif

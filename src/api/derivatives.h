@@ -36,11 +36,12 @@ RBD_API size_t rbd_derivatives_size(const rbd_model *m);
    the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]);
+                                       const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
 /* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
    no mass. */
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J);
+RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                    rbd_real *jacobian);
 #endif
 
 /* ---- Coriolis matrix [coriolis] ---- */
@@ -51,7 +52,7 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
    the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
    where v are rates of q. Echeandia and Wensing (2021). */
 RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *C);
+                                rbd_real *matrix);
 #endif
 
 /* ---- inverse dynamics with a free base [free base] ---- */
@@ -80,7 +81,7 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
    Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
 RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M);
+                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
 
 /* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
 RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -114,7 +115,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 /* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
    one after the other. Columns of bodies that no joint moves are zero. */
 RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *Y);
+                                 const rbd_real *a, rbd_real *regressor);
 
 /* Energy regressors, 10 nb each, for rbd_energy's figures: kinetic = Y_kinetic pi + sum of armature v^2 / 2,
    potential = Y_potential pi. Either may be NULL; v may be NULL if Y_kinetic is. */
@@ -166,18 +167,18 @@ RBD_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batc
                                                     size_t size, rbd_batch_derivatives **d);
 #ifndef RBD_NO_MOMENTUM
 RBD_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
+                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
                                                    RBD_REAL *A_dot_v);
 #endif
 #ifndef RBD_NO_CORIOLIS
 RBD_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C);
+                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
 #endif
 #ifndef RBD_NO_DERIVATIVES
 RBD_BATCH_API rbd_status rbd_batch_rnea_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                     const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                                     const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                    RBD_REAL *dtau_dv, RBD_REAL *M);
+                                                    RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
 #endif
 #ifndef RBDI_NO_FD_DERIVATIVES
 RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
@@ -188,7 +189,7 @@ RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_
 #ifndef RBD_NO_REGRESSOR
 RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                             RBD_REAL *Y);
+                                             RBD_REAL *regressor);
 #endif
 RBDI_EXTERN_C_CLOSE
 

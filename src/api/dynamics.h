@@ -41,12 +41,12 @@ RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, con
 
 #ifndef RBD_NO_CRBA
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M);
+RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
-   are i and its ancestors, root first; row after row. H: rbd_packed_size(m) entries. Where joints mimic
+   are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
    others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H);
+RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 #endif
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
@@ -82,22 +82,23 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
 
 #ifndef RBD_NO_CHOLESKY
 /* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
-   M   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
-   L   packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
-   L may be M. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L);
+   mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
+   factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
+   Both may be the same array. Also RBD_ERR_SINGULAR. */
+RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
+                                       rbd_real *factor);
 
 /* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H);
+RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
 
-/* Solves M x = b with the factor L. b, x: nv; may be the same. */
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
-                                      rbd_real *x);
+/* Solves M x = b with the factor. b, x: nv; may be the same. */
+RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
+                                      const rbd_real *b, rbd_real *x);
 
-/* Solves M X = B for n right-hand sides, which are the columns of B. B, X: nv x n; may be the same. With n <=
-   0 nothing is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
-                                           const rbd_real *B, rbd_real *X);
+/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
+   is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
+                                           const rbd_real *b, rbd_real *x);
 #endif
 
 #ifndef RBDI_NO_MINVERSE

@@ -13,9 +13,9 @@
 RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *a);
 
-/* Pose of a body: R 3 x 3 turns link vectors into world vectors, p is the link origin in the world.
-   R or p may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+/* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
+   Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                  rbd_real p[3]);
 
 /* Spatial velocity (omega; v of the link origin), link axes. */

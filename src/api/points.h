@@ -15,12 +15,13 @@ typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
 /* Jacobian of a point, 6 x nv: its motion is J v. Columns of dofs that do not move the body are zero.
    Siciliano, Sciavicco, Villani and Oriolo, Robotics (2009), section 3.1. */
 RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                rbd_axes axes, rbd_real *J);
+                                rbd_axes axes, rbd_real *jacobian);
 
 /* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
    motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
 RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J);
+                                         const rbd_real point[3], int reference, rbd_axes axes,
+                                         rbd_real *jacobian);
 
 /* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
 RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,

@@ -93,7 +93,8 @@ struct rbdi_constants {
     rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* of the bodies as described, no mass moved between links */
 };
 
-typedef char rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
+typedef char
+    rbdi_columns_check[sizeof(rbdi_columns) == RBDI_COLUMN_SIZE * RBDI_BATCH * sizeof(rbd_real) ? 1 : -1];
 typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
@@ -290,8 +291,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
-    out += d->behind * RBDI_COLUMN * RBDI_BATCH;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN * RBDI_BATCH)
+    out += d->behind * RBDI_COLUMN_SIZE * RBDI_BATCH;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
         *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
     for (; k < n; ++k) *out++ = v[k];
 }

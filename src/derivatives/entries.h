@@ -229,7 +229,7 @@ RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F,
     const ptrdiff_t nv = d->model->nv;
     out += d->base;
     for (int b = d->batches - 1; b >= d->behind; --b) {
-        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN;
+        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN_SIZE;
         rbd_real *to = out + (b - d->behind) * RBDI_BATCH;
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
             *(rbdi_batch *)(to + k * nv) = in[k];

@@ -60,8 +60,8 @@ struct rbd_derivatives {
     rbd_const mass;      /* of all bodies that a joint moves */
 };
 
-#define RBDI_COLUMN 110  /* scalars of a dof in rbdi_columns */
-#define RBDI_CONSTANT 17 /* in rbdi_constants */
+#define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
+#define RBDI_CONSTANT 17     /* in rbdi_constants */
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
 #define RBDI_KIN(n, padded) 0
@@ -74,7 +74,7 @@ struct rbd_derivatives {
 /* Bytes for nl links and n dofs, padded. */
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
-     (size_t)(padded) * (RBDI_COLUMN * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
+     (size_t)(padded) * (RBDI_COLUMN_SIZE * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
      (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
      (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)) + RBDI_KIN(n, padded))
 

@@ -103,7 +103,7 @@ RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
         d->entry[e->source].laid = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
-        e->at = e->batch * RBDI_COLUMN * RBDI_BATCH + e->lane;
+        e->at = e->batch * RBDI_COLUMN_SIZE * RBDI_BATCH + e->lane;
     }
 }
 
@@ -187,7 +187,7 @@ RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *m
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
-    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN * padded); /* surplus lanes stay finite */
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
     for (int i = 0; i < m->nl; ++i) {
         d->origin[i] = -1;

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_WIDE_H
 #include "api/status.h"
 #include "base/tolerances.h"
+#include "base/scalar.h"
 
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's

@@ -1,0 +1,81 @@
+#!/bin/sh
+# The headers may be included in any order and as often as one likes, before the line that defines RBD_IMPLEMENTATION
+# and behind it; each that stands behind it is implemented.
+# usage: orders.sh DIRECTORY_OF_RBD_H
+set -u
+
+root=${1:?usage: orders.sh DIRECTORY_OF_RBD_H}
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+checks=0
+failures=0
+
+# name LETTER: the header
+name() {
+    case $1 in
+    r) echo rbd ;;
+    d) echo rbd_derivatives ;;
+    c) echo rbd_constraints ;;
+    s) echo rbd_spatial ;;
+    esac
+}
+
+# file BEFORE BEHIND: letters of the headers that stand before and behind the definition
+file() {
+    for letter in $(echo "$1" | sed 's/./& /g'); do echo "#include \"$(name "$letter").h\""; done
+    [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
+    for letter in $(echo "$2" | sed 's/./& /g'); do echo "#include \"$(name "$letter").h\""; done
+    [ -n "$2" ] && echo "#define EXPECTED"
+    case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
+    case $2 in *c*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
+    case $1$2 in *d*c*) echo "#define EXPECTED_BOTH" ;; esac
+    cat <<'END'
+#if defined EXPECTED != defined RBDI_IMPLEMENTED
+#error "rbd.h is not implemented"
+#endif
+#if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
+#error "rbd_derivatives.h is not implemented"
+#endif
+#if defined EXPECTED_CONSTRAINTS && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#error "rbd_constraints.h is not implemented"
+#endif
+#if defined EXPECTED_BOTH
+void use(void);
+void use(void) { (void)rbd_constrained_derivatives; }
+#endif
+END
+}
+
+# compile BEFORE BEHIND COMPILER FLAG...
+compile() {
+    before=$1
+    behind=$2
+    shift 2
+    checks=$((checks + 1))
+    file "$before" "$behind" >"$scratch/file.c"
+    "$@" -I"$root" "$scratch/file.c" >"$scratch/messages" 2>&1 && return
+    failures=$((failures + 1))
+    echo "FAILED: $*: before: $before, behind: $behind"
+    sed -n '1,5p' "$scratch/messages"
+}
+
+singles="r d c s"
+pairs=
+for a in $singles; do
+    for b in $singles; do pairs="$pairs $a$b"; done
+done
+orders=$(for a in $singles; do for b in $singles; do for c in $singles; do for d in $singles; do echo "$a $b $c $d"; done; done; done; done |
+    awk '$1 != $2 && $1 != $3 && $1 != $4 && $2 != $3 && $2 != $4 && $3 != $4 { print $1 $2 $3 $4 }')
+
+# All orders of two, and of all four, on both sides. tcc takes no more than a moment for each.
+if command -v tcc >/dev/null 2>&1; then
+    for before in "" $singles $pairs; do
+        for behind in "" $singles $pairs; do compile "$before" "$behind" tcc -std=c99 -c -o "$scratch/file.o"; done
+    done
+    for order in $orders; do compile "$order" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
+fi
+for order in $orders; do compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only; done
+for order in $orders; do compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only; done
+
+echo "$checks checks, $failures failed"
+[ "$checks" -ge 48 ] && [ "$failures" -eq 0 ]
