@@ -74,9 +74,6 @@
                       other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
-     RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
-                      straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
-                      64 bytes the memory of a work must then have
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
      RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
                       models from generated tables only; and likewise, for linkers that keep all functions
@@ -179,11 +176,7 @@
 #endif
 
 #ifdef RBD_STATIC
-#ifdef RBD_SPECIALISE
-#define RBD_API static inline __attribute__((always_inline, unused))
-#else
 #define RBD_API static RBDI_UNUSED
-#endif
 #else
 #define RBD_API extern
 #endif
@@ -533,29 +526,6 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
 
 /* Bytes that rbd_work_init needs for this model. */
 RBD_API size_t rbd_work_size(const rbd_model *m);
-
-/* A work on the stack of a function: for straight-line code of one robot, in a file of its own, built with
-   -O3 -fno-signed-zeros -ffinite-math-only (both: else x + 0 and x * 0 must be computed) and the
-   machine's -march; GCC gains by it in crba and Cholesky, clang in all (README, Measured):
-
-       #define RBD_STATIC
-       #define RBD_SPECIALISE
-       #define RBD_IMPLEMENTATION
-       #include "rbd.h"
-       #include "models/iiwa_model.h"
-       rbd_status iiwa_rnea(const double *q, const double *v, const double *a, double *tau)
-       {
-           RBD_LOCAL_WORK(w, iiwa_model, IIWA_WORK_SIZE);
-           return rbd_rnea(&iiwa_model, w, q, v, a, NULL, tau);
-       }
-   */
-#define RBD_LOCAL_WORK(w, model, size) \
-    union { \
-        double align; \
-        unsigned char bytes[size]; \
-    } w##_memory __attribute__((aligned(64))); \
-    rbd_work *w; \
-    rbd_work_init(&(model), w##_memory.bytes, sizeof w##_memory.bytes, &w)
 
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
@@ -1256,7 +1226,7 @@ struct rbd_work {
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
-#if (defined __x86_64__ || defined __aarch64__) && !defined RBD_SPECIALISE && RBDI_REAL_KIND % 3
+#if (defined __x86_64__ || defined __aarch64__) && RBDI_REAL_KIND % 3
 #define RBDI_FIXED_STRIDE 80
 #else
 #define RBDI_FIXED_STRIDE 0
@@ -1467,25 +1437,15 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_INLINE static inline RBDI_UNUSED
 #define RBDI_COLD static RBDI_UNUSED
 #endif
-#ifdef RBD_SPECIALISE
-#define RBDI_PART RBDI_INLINE
-#if RBDI_CLANG
-#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define RBDI_UNROLL _Pragma("GCC unroll 64")
-#endif
-#else
-#define RBDI_PART static RBDI_UNUSED
-#define RBDI_UNROLL
-#endif
+#define RBDI_PART static RBDI_UNUSED /* a function that a build may leave unused */
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
 #define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
 #define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
 #else
-#define RBDI_UNROLL_SIX RBDI_UNROLL
-#define RBDI_UNROLL_ROW RBDI_UNROLL
+#define RBDI_UNROLL_SIX
+#define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
 /* Before columns of a row are read or written one by one: or each gets an index of its own. */
@@ -1828,7 +1788,7 @@ RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, 
     rbdi_bit any = 0;
     if (n <= 0) return 1;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
-    RBDI_UNROLL for (int i = 0; i * RBDI_BATCH < n; ++i) {
+    for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
         rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
     }
@@ -2451,9 +2411,6 @@ RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
 }
 
 RBDI_PART unsigned char *rbdi_aligned(void *memory) {
-#ifdef RBD_SPECIALISE
-    return (unsigned char *)memory;
-#endif
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 
@@ -2537,7 +2494,7 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    where the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (l->kind == RBDI_REVOLUTE) {
@@ -2552,10 +2509,10 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
-    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c)) RBDI_UNROLL
+    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c))
         for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
     if (plain) return;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
@@ -2589,7 +2546,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         const int form = known; \
         call; \
     } break;
-#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0 || defined RBD_SPECIALISE
+#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
 #define RBDI_SERIAL_FORMS 0
 #define RBDI_SERIAL_CASES(form, call)
 #define RBDI_BRANCH_CASES(form, call)
@@ -2732,10 +2689,8 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
     if (b->n == 6) return rbdi_motion_from_array(v);
-    RBDI_UNROLL for (int k = 0; k < 6; ++k)
-        a[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
-        a[b->first + k] = v[k];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
 }
 
@@ -2910,7 +2865,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    RBDI_UNROLL for (int b = 0; b < bodies; ++b) {
+    for (int b = 0; b < bodies; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_pose X;
         if (u->link < 0) continue;
@@ -2941,12 +2896,12 @@ RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
-    if (l->flags & RBDI_ARMATURE) RBDI_UNROLL
+    if (l->flags & RBDI_ARMATURE)
         for (int k = 0; k < b->n; ++k)
             all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (b->n == 6) RBDI_UNROLL_SIX
         for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
-    else RBDI_UNROLL
+    else
         for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
@@ -2968,7 +2923,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 /* Torques from the wrenches that move the links. */
 RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+    for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
 }
 
@@ -2977,8 +2932,7 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
     rbdi_state s = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }
@@ -3138,11 +3092,6 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-#ifdef RBD_SPECIALISE
-#define RBDI_LOOP_BATCH 1
-#else
-#define RBDI_LOOP_BATCH RBDI_BATCH
-#endif
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
    not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
    last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
@@ -3151,7 +3100,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     rbd_real F[6];
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
@@ -3172,19 +3121,13 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         }
     }
 #else
-#ifdef RBD_SPECIALISE /* the same wait, where the compiler makes batches of the loop */
-    const int first = l->first + 1;
-    rbdi_store_force(&w->F[l->first], stride, rbdi_force_up(l, form, t, own));
-#else
-    const int first = l->first;
-    rbdi_store_force(&w->F[first], stride, own);
-#endif
-    RBDI_UNROLL for (int k = first; k < l->end; ++k)
+    rbdi_store_force(&w->F[l->first], stride, own);
+    for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
+    for (int k = 0; k < n; ++k)
         rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
 }
 
@@ -3229,7 +3172,7 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
-    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
+    for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
         for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
@@ -3242,7 +3185,7 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i,
     rbd_real D = rbdi_along_axis(l, form, own);
     if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
-    RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
+    for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
         if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(e, j, x);
@@ -3300,15 +3243,14 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m);
     rbdi_rbi carried = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
-        w->slot[i].C = rbdi_rbi_zero();
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
     if (RBDI_FIXED_STRIDE &&
         stride != RBDI_FIXED_STRIDE) { /* the size alone: one copy for all forms will do */
         for (int i = m->nl - 1; i >= 0; --i)
             carried = rbdi_crba_step(&model, &work, i, model.link[i].flags, stride, carried, H, M);
         return;
     }
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+    for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_BRANCH_FORM(form, &model.link[i],
                             carried = rbdi_crba_step(&model, &work, i, form,
                                                      RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried,
@@ -3500,7 +3442,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 /* keep: each link's omega, in its kin. */
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
@@ -3706,7 +3648,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_abi IA = *carried_IA;
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
-    RBDI_UNROLL for (int i = end - 1; i >= first; --i) {
+    for (int i = end - 1; i >= first; --i) {
         const rbdi_link *l = &m->link[i];
         const int branch = rbdi_begins_branch(l);
         if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
@@ -3786,7 +3728,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_motion_from_array(all);
     }
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
+    for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
@@ -3816,7 +3758,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
 /* Pass 3 of the links first .. end - 1; y: of the link before them, comes back as that of the last. */
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
                                              rbdi_motion world, rbdi_motion y, rbd_real *a) {
-    RBDI_UNROLL for (int i = first; i < end; ++i)
+    for (int i = first; i < end; ++i)
         RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
     return y;
 }
@@ -3915,7 +3857,7 @@ RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbd
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+    for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
         pA = rbdi_force_add(pA, w->scratch[i].f);
@@ -3967,7 +3909,7 @@ RBDI_PART void rbdi_hybrid_pass3(const rbd_model *m, rbd_work *w, const rbdi_giv
     rbdi_motion world = rbdi_motion0(), y;
     world.v = rbdi_world_state(w->gravity).acc;
     y = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
             y = world;
@@ -4050,9 +3992,8 @@ RBDI_PART rbdi_mask rbdi_rigid_up_all(const rbd_model *m, rbd_work *w, const rbd
                                       const rbd_real *tau0, rbd_real *a, rbd_real *tau) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_rbi C = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
-        w->slot[i].C = C;
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = C;
+    for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         C = rbdi_rbi_add_link(l, C);
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
@@ -4088,7 +4029,7 @@ RBDI_INLINE rbdi_motion rbdi_rigid_down(const rbd_model *m, const rbd_work *w, i
 }
 RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_real *tau0, rbd_real *tau) {
     rbdi_motion y = rbdi_motion0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent >= 0 && l->parent != i - 1) y = w->slot[m->link[l->parent].slot].y;
         if (l->parent < 0) {
@@ -4115,7 +4056,7 @@ RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_re
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
     int j = 0;
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * k;
 #endif
     for (; j < n; ++j) y[j] = y[j] * k;
@@ -4124,25 +4065,24 @@ RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
 /* y -= k x, a batch at a time. */
 RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
     int j = 0;
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
         *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
 #endif
-    RBDI_UNROLL for (; j < n; ++j)
-        y[j] = y[j] - k * x[j];
+    for (; j < n; ++j) y[j] = y[j] - k * x[j];
 }
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         rbd_real *hk = &H[m->dof[k].row];
         int d = m->dof[k].depth, i = m->dof[k].lambda;
         rbd_real inverse = rbdi_pivot_inverse(hk[d], m->dof[k].scale, &doubt);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
-        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
+        for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
             const rbd_real x = hk[t] * inverse;
             rbdi_subtract(&H[m->dof[i].row], x, hk, t + 1);
             hk[t] = x;
@@ -4153,18 +4093,16 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
 RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row], y = x[k];
         int d = m->dof[k].depth;
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            x[i] = x[i] - l[t] * y;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x[i] = x[i] - l[t] * y;
     }
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         int d = m->dof[k].depth;
         rbd_real y = x[k] * l[d];
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            y = y - l[t] * x[i];
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) y = y - l[t] * x[i];
         x[k] = y;
     }
 }
@@ -4226,23 +4164,21 @@ RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t 
    sum L_ki Z_ik. */
 RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) {
     const ptrdiff_t n = m->nv;
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
         rbd_real *row = &Z[k * n], z = l[d];
         rbdi_clear(row, k);
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             rbdi_subtract(row, l[t], &Z[i * n], k);
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            z = z - l[t] * row[i];
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) z = z - l[t] * row[i];
         row[k] = z;
-        RBDI_UNROLL for (int j = 0; j < k; ++j)
-            Z[j * n + k] = row[j];
+        for (int j = 0; j < k; ++j) Z[j * n + k] = row[j];
     }
 }
 
 /* ==== src/dynamics/gather.h ==== */
-#if (RBDI_BATCH > 1 || defined RBD_LANES) && !defined RBD_SPECIALISE
+#if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_GATHER
 /* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
    a sum of rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of
@@ -4568,15 +4504,14 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask sound = rbdi_less(o, half), number = sound;
     w->singular = -1;
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
         sound = rbdi_and(sound, ok);
         if (w->singular >= 0 || !rbdi_any(rbdi_not(ok))) continue;
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
-        x[k] = rbdi_select(sound, x[k], o);
+    for (int k = 0; k < n; ++k) x[k] = rbdi_select(sound, x[k], o);
     if (w->singular < 0) return RBD_OK;
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
@@ -4786,8 +4721,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     doubt = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k)
-        a[k] = tau[k] - w->bias[k];
+    for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w->H, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
@@ -5734,8 +5668,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
-    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k)
-        w->shape[k] = m->shape[k];
+    for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -5761,12 +5694,9 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
         w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
-        w->zero[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k)
-        w->F[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = m->nl; k < padded; ++k)
-        w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
+    for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
+    for (int k = m->nl; k < padded; ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
     *work = w;
     return RBD_OK;
 }

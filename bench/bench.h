@@ -52,10 +52,7 @@ enum {
     DOUBLE,
     FLOAT,
     SCALARS,
-    IIWA = SCALARS, /* known at compile time */
-    HYQ,
-    ATLAS,
-    IIWA_CODE, /* rbd-codegen's */
+    IIWA_CODE = SCALARS, /* rbd-codegen's */
     HYQ_CODE,
     ATLAS_CODE,
     LANES_DOUBLE,

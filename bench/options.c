@@ -17,7 +17,7 @@ static const char help[] =
     "                     constrained_hand or all (default all);\n"
     "                     rnea, crba and aba are other names of id, mm and fd\n"
     "  --scalar NAME      double, float or all (default double)\n"
-    "  --variant NAME     run-time, compile-time, generated, lanes, blocks, generated-lanes,\n"
+    "  --variant NAME     run-time, generated, lanes, blocks, generated-lanes,\n"
     "                     generated-blocks, threads or all (default all)\n"
     "  --library NAME     rbd, mujoco, kdl or all (default all that this build has)\n"
     "  --samples N        random states per robot, a different one each call (default 100000)\n"

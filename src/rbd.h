@@ -73,9 +73,6 @@
                       other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
-     RBD_SPECIALISE   with a model that is a constant table, the compiler unrolls each call into
-                      straight-line code for that robot: see RBD_LOCAL_WORK, whose alignment of
-                      64 bytes the memory of a work must then have
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
      RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
                       models from generated tables only; and likewise, for linkers that keep all functions

@@ -64,9 +64,8 @@ cat >"$scratch/behind.h" <<'END'
 static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2) + RBD_DERIVATIVES_SIZE(2, 2)];
 rbd_status use(void);
 rbd_status use(void) {
-    RBD_LOCAL_WORK(w, iiwa_model, IIWA_WORK_SIZE);
     bytes[0] = 1;
-    return rbd_set_gravity(w, NULL);
+    return rbd_set_gravity(NULL, NULL);
 }
 END
 cat >"$scratch/hostile.c" <<'END'

@@ -1,14 +1,11 @@
 /* The library for one scalar and variant, as a table. This file is compiled once for each (see meson.build):
    LIBRARY names the table; RBD_REAL and RBD_CONST choose the scalar; RBD_LANES makes its calls batches;
-   ROBOT, with ROBOT_MODEL and the like, makes them calls for that robot alone, CODE those of code generated
-   for one. The one with nothing but LIBRARY is the library as a program has it; the others are RBD_STATIC,
+   CODE makes them calls of code generated for one robot. The one with nothing but LIBRARY is the library as a program has it; the others are RBD_STATIC,
    since a program can have the names of rbd.h only once. SPDX-License-Identifier: MIT */
 #if defined CODE
 #include "generated.h"
 #elif defined RBD_LANES
 #include "lanes.h"
-#elif defined ROBOT
-#include "compile_time.h"
 #else
 #include "run_time.h"
 #endif
@@ -25,7 +22,6 @@ extern const struct library LIBRARY;
 extern const struct library BLOCKS_LIBRARY;
 #endif
 
-#ifndef ROBOT
 static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t size, const void **model,
                               char *text) {
     const rbd_model *m = NULL;
@@ -37,7 +33,6 @@ static rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size
 }
 
 static size_t model_size(const rbd_body *bodies, int nb) { return rbd_model_size(bodies, nb); }
-#endif
 
 /* ---- numbers ---- */
 
@@ -51,10 +46,6 @@ static void to_double(const void *x, size_t n, double *out) {
     for (size_t i = 0; i < n; i++) out[i] = (double)y[i];
 }
 
-#ifdef ROBOT /* compiled for finite numbers only: no judge of errors */
-#define RELATIVE_ERROR NULL
-#else
-#define RELATIVE_ERROR relative_error
 static number magnitude(number x) { return x < 0 ? -x : x; }
 
 static number larger(number a, number b) { return a < b ? b : a; }
@@ -69,7 +60,6 @@ static double relative_error(const double *x, const void *expected, int n) {
     }
     return (double)(difference / largest);
 }
-#endif
 
 #define TABLE(variant_, blocks_, work_init_) \
     { \
@@ -92,7 +82,7 @@ static double relative_error(const double *x, const void *expected, int n) {
         .can = CAN, \
         .from_double = from_double, \
         .to_double = to_double, \
-        .relative_error = RELATIVE_ERROR, \
+        .relative_error = relative_error, \
     }
 const struct library LIBRARY = TABLE(VARIANT, false, work_init);
 #ifdef BLOCKS_LIBRARY

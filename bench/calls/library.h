@@ -35,7 +35,6 @@ enum {
 /* How a library is called; a batch is BATCH states. THREADS is no library: it is LANES on several threads. */
 enum {
     RUN_TIME,
-    COMPILE_TIME,
     GENERATED,
     LANES,
     BLOCKS, /* this and GENERATED_BLOCKS: the lanes, on states that stand lane by lane */

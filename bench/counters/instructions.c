@@ -68,24 +68,16 @@ static rbd_status open_robot(struct counted_robot *r) {
 /* ---- the calls, by the tables of calls/library.c ---- */
 
 extern const struct library PLAIN_LIBRARY, LANES_LIBRARY;
-#ifdef COMPILE_TIME_LIBRARIES
-extern const struct library library_iiwa, library_hyq, library_atlas;
-#endif
 #ifdef GENERATED_LIBRARIES
 extern const struct library library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes,
     library_hyq_code_lanes, library_atlas_code_lanes;
 #endif
 
 static const struct library *const variants[] = {
-    &PLAIN_LIBRARY,          &LANES_LIBRARY,
-#ifdef COMPILE_TIME_LIBRARIES
-    &library_iiwa,           &library_hyq,
-    &library_atlas,
-#endif
+    &PLAIN_LIBRARY,           &LANES_LIBRARY,
 #ifdef GENERATED_LIBRARIES
-    &library_iiwa_code,      &library_hyq_code,
-    &library_atlas_code,     &library_iiwa_code_lanes,
-    &library_hyq_code_lanes, &library_atlas_code_lanes,
+    &library_iiwa_code,       &library_hyq_code,       &library_atlas_code,
+    &library_iiwa_code_lanes, &library_hyq_code_lanes, &library_atlas_code_lanes,
 #endif
 };
 
@@ -139,7 +131,6 @@ static rbd_status run(const struct cell *c) {
 /* "ROBOT,ALGORITHM,CALLS,VARIANT", which callgrind writes down with the counts. */
 static void describe(const struct cell *c, char *text, size_t size) {
     static const char *const names[VARIANTS] = {[RUN_TIME] = "run-time",
-                                                [COMPILE_TIME] = "compile-time",
                                                 [GENERATED] = "generated",
                                                 [LANES] = "lanes",
                                                 [BLOCKS] = "blocks",

@@ -112,23 +112,11 @@ compile() { # COMPILER SCALAR ARGUMENT...
         -I"$work" "$@"
 }
 
-# The tables of library.c for the compile-time models, as objects; sets $special to them.
-compile_special() { # COMPILER
-    special=-DCOMPILE_TIME_LIBRARIES
-    for robot in iiwa hyq atlas; do
-        progress "$1: compiling the straight-line calls of $robot"
-        upper=$(echo "$robot" | tr '[:lower:]' '[:upper:]')
-        compile "$1" double -fno-signed-zeros -ffinite-math-only -DLIBRARY=library_$robot -DROBOT="\"$robot\"" \
-            -DROBOT_HEADER="\"../../models/${robot}_model.h\"" -DROBOT_MODEL=${robot}_model \
-            -DROBOT_WORK_SIZE="${upper}_WORK_SIZE" -c "$bench/calls/library.c" -o "$work/$robot.o"
-        special="$special $work/$robot.o"
-    done
-}
-
-# The same for what rbd-codegen writes: without, if it has not been built.
+# The tables of library.c for what rbd-codegen writes, as objects; sets $special to them.
+# Without rbd-codegen there are none.
 compile_generated() { # COMPILER
     [ -x "$codegen" ] || return 0
-    special="$special -DGENERATED_LIBRARIES"
+    special=-DGENERATED_LIBRARIES
     for robot in iiwa hyq atlas; do
         for lanes in 1 4; do
             progress "$1: compiling the generated code of $robot"
@@ -152,7 +140,7 @@ compile_generated() { # COMPILER
 count() {
     case $2 in double) lanes=4 ;; float) lanes=8 ;; esac # of AVX2
     special=
-    [ "$2" = float ] || { compile_special "$1"; compile_generated "$1"; }
+    [ "$2" = float ] || compile_generated "$1"
     progress "$1, $2: compiling"
     compile "$1" "$2" -DLIBRARY=library_lanes -DRBD_LANES="$lanes" -c "$bench/calls/library.c" -o "$work/lanes.o"
     compile "$1" "$2" -DLIBRARY=library_plain -c "$bench/calls/library.c" -o "$work/plain.o"

@@ -181,7 +181,7 @@ const conventions others = make_conventions();
 
 library make_library() {
     library l = plain_library("RobCoGen", "code");
-    l.variant = COMPILE_TIME;
+    l.variant = GENERATED;
     l.robot = TEXT(ROBOT);
     l.model_build = model_build;
     l.model_size = model_size;

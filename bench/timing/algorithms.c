@@ -5,19 +5,16 @@
 #include <string.h>
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
-    library_lanes_double_4, library_lanes_float, library_blocks_double, library_blocks_float, library_iiwa,
-    library_hyq, library_atlas, library_iiwa_code, library_hyq_code, library_atlas_code,
-    library_iiwa_code_lanes, library_hyq_code_lanes, library_atlas_code_lanes, library_iiwa_code_blocks,
-    library_hyq_code_blocks, library_atlas_code_blocks, library_mujoco, library_kdl, library_pinocchio,
-    library_pinocchio_pv, library_pinocchio_avx512f, library_pinocchio_pv_avx512f, library_rbdl,
-    library_dynibo, library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
+    library_lanes_double_4, library_lanes_float, library_blocks_double, library_blocks_float,
+    library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes, library_hyq_code_lanes,
+    library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks, library_atlas_code_blocks,
+    library_mujoco, library_kdl, library_pinocchio, library_pinocchio_pv, library_pinocchio_avx512f,
+    library_pinocchio_pv_avx512f, library_rbdl, library_dynibo, library_robcogen_iiwa, library_robcogen_hyq,
+    library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
     [FLOAT] = &library_float,
-    [IIWA] = &library_iiwa,
-    [HYQ] = &library_hyq,
-    [ATLAS] = &library_atlas,
     [LANES_DOUBLE] = &library_lanes_double,
 #ifdef BENCH_LANES_4
     [LANES_DOUBLE_4] = &library_lanes_double_4,
@@ -93,7 +90,6 @@ const struct algorithm algorithms[ALGORITHMS] = {
 const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};
 
 const char *const variant_names[] = {[RUN_TIME] = "run-time",
-                                     [COMPILE_TIME] = "compile-time",
                                      [GENERATED] = "generated",
                                      [LANES] = "lanes",
                                      [BLOCKS] = "blocks",

@@ -26,12 +26,12 @@ class Bar:
 
 
 RUN_TIME = Bar("run-time", "rbd with a run-time model", "rbd", "run-time")
-OURS = [RUN_TIME, Bar("compile-time", "rbd with a compile-time model", "rbd", "compile-time"),
-        Bar("generated", "rbd's generated code", "rbd", "generated"), Bar("lanes", "rbd by lanes", "rbd", "lanes")]
+OURS = [RUN_TIME, Bar("generated", "rbd's generated code", "rbd", "generated"),
+        Bar("lanes", "rbd by lanes", "rbd", "lanes")]
 GENERATED_LANES = Bar("generated lanes", "rbd's generated code by lanes", "rbd", "generated-lanes")
 PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time"),
          Bar("RBDL", "RBDL", "RBDL", "run-time"), Bar("Pinocchio", "Pinocchio", "Pinocchio", "run-time"),
-         Bar("RobCoGen", "RobCoGen", "RobCoGen", "compile-time"), Bar("dynibo", "dynibo", "dynibo", "run-time"),
+         Bar("RobCoGen", "RobCoGen", "RobCoGen", "generated"), Bar("dynibo", "dynibo", "dynibo", "run-time"),
          Bar("RBD.jl", "RigidBodyDynamics.jl", "RigidBodyDynamics.jl", "run-time")]
 
 

@@ -112,8 +112,8 @@ def other(data):
     wide = sorted((v for v in variants if v.split()[0] in ("lanes", "generated-blocks")),
                   key=lambda v: (v.split()[0] != "lanes", int(v.split()[1])))
     bars = present(data, [Bar(v, v, "rbd", v) for v in wide if v.startswith("lanes")] + [
-        b for b in OURS if b.variant in ("compile-time", "generated")] + [
-        Bar(v, v, "rbd", v) for v in wide if not v.startswith("lanes")] + [b for b in PEERS if b.variant == "compile-time"])
+        b for b in OURS if b.variant == "generated"] + [
+        Bar(v, v, "rbd", v) for v in wide if not v.startswith("lanes")] + [b for b in PEERS if b.variant == "generated"])
     return table(["ns: " + " / ".join(t for _, t in ROBOTS)] + [title(data, b) for b in bars],
                  [[row[0]] + [time_cell(data, b, row) for b in bars] for row in ROWS])
 

@@ -343,8 +343,7 @@ def facts(o, data):
         ("machine", cpu()), ("system", "%s %s" % (platform.system(), platform.release())),
         ("libraries", ", ".join("%s %s" % item for item in versions.items())),
         ("compilers", "; ".join(first_line([c, "--version"]) for c in o.compilers)),
-        ("flags", "-O3 -march=native -ffp-contract=fast; compile-time models also -fno-signed-zeros "
-         "-ffinite-math-only; generated code -O3 -march=native; under valgrind -march=haswell, which has no AVX-512"),
+        ("flags", "-O3 -march=native -ffp-contract=fast; generated code -O3 -march=native; under valgrind -march=haswell, which has no AVX-512"),
         ("flags of others", "; ".join("%s: %s" % (", ".join(names), build) for build, names in builds.items()) or "–"),
         ("lanes", ", ".join(lanes) + " (double and float); under valgrind those of AVX2" if lanes else "–"),
         ("tools", "%s; %s" % (first_line(["valgrind", "--version"]), first_line(["gnuplot", "--version"]))),

@@ -66,11 +66,7 @@
 #endif
 
 #ifdef RBD_STATIC
-#ifdef RBD_SPECIALISE
-#define RBD_API static inline __attribute__((always_inline, unused))
-#else
 #define RBD_API static RBDI_UNUSED
-#endif
 #else
 #define RBD_API extern
 #endif

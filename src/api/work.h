@@ -17,29 +17,6 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
 /* Bytes that rbd_work_init needs for this model. */
 RBD_API size_t rbd_work_size(const rbd_model *m);
 
-/* A work on the stack of a function: for straight-line code of one robot, in a file of its own, built with
-   -O3 -fno-signed-zeros -ffinite-math-only (both: else x + 0 and x * 0 must be computed) and the
-   machine's -march; GCC gains by it in crba and Cholesky, clang in all (README, Measured):
-
-       #define RBD_STATIC
-       #define RBD_SPECIALISE
-       #define RBD_IMPLEMENTATION
-       #include "rbd.h"
-       #include "models/iiwa_model.h"
-       rbd_status iiwa_rnea(const double *q, const double *v, const double *a, double *tau)
-       {
-           RBD_LOCAL_WORK(w, iiwa_model, IIWA_WORK_SIZE);
-           return rbd_rnea(&iiwa_model, w, q, v, a, NULL, tau);
-       }
-   */
-#define RBD_LOCAL_WORK(w, model, size) \
-    union { \
-        double align; \
-        unsigned char bytes[size]; \
-    } w##_memory __attribute__((aligned(64))); \
-    rbd_work *w; \
-    rbd_work_init(&(model), w##_memory.bytes, sizeof w##_memory.bytes, &w)
-
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 

@@ -85,25 +85,15 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_INLINE static inline RBDI_UNUSED
 #define RBDI_COLD static RBDI_UNUSED
 #endif
-#ifdef RBD_SPECIALISE
-#define RBDI_PART RBDI_INLINE
-#if RBDI_CLANG
-#define RBDI_UNROLL _Pragma("clang loop unroll(full)")
-#else
-#define RBDI_UNROLL _Pragma("GCC unroll 64")
-#endif
-#else
-#define RBDI_PART static RBDI_UNUSED
-#define RBDI_UNROLL
-#endif
+#define RBDI_PART static RBDI_UNUSED /* a function that a build may leave unused */
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
 #define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
 #define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
 #else
-#define RBDI_UNROLL_SIX RBDI_UNROLL
-#define RBDI_UNROLL_ROW RBDI_UNROLL
+#define RBDI_UNROLL_SIX
+#define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
 /* Before columns of a row are read or written one by one: or each gets an index of its own. */

@@ -37,9 +37,6 @@ RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
 }
 
 RBDI_PART unsigned char *rbdi_aligned(void *memory) {
-#ifdef RBD_SPECIALISE
-    return (unsigned char *)memory;
-#endif
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 

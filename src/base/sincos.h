@@ -96,7 +96,7 @@ RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, 
     rbdi_bit any = 0;
     if (n <= 0) return 1;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
-    RBDI_UNROLL for (int i = 0; i * RBDI_BATCH < n; ++i) {
+    for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
         rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
     }

@@ -116,7 +116,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 /* keep: each link's omega, in its kin. */
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
@@ -322,7 +322,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_abi IA = *carried_IA;
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
-    RBDI_UNROLL for (int i = end - 1; i >= first; --i) {
+    for (int i = end - 1; i >= first; --i) {
         const rbdi_link *l = &m->link[i];
         const int branch = rbdi_begins_branch(l);
         if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
@@ -402,7 +402,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_motion_from_array(all);
     }
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k) {
+    for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
@@ -432,7 +432,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
 /* Pass 3 of the links first .. end - 1; y: of the link before them, comes back as that of the last. */
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
                                              rbdi_motion world, rbdi_motion y, rbd_real *a) {
-    RBDI_UNROLL for (int i = first; i < end; ++i)
+    for (int i = first; i < end; ++i)
         RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
     return y;
 }

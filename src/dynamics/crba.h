@@ -69,11 +69,6 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-#ifdef RBD_SPECIALISE
-#define RBDI_LOOP_BATCH 1
-#else
-#define RBDI_LOOP_BATCH RBDI_BATCH
-#endif
 /* Moves the wrenches of the dofs of link i's subtree to the parent's frame, and that of its own dof, which is
    not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
    last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
@@ -82,7 +77,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     rbd_real F[6];
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
@@ -103,19 +98,13 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         }
     }
 #else
-#ifdef RBD_SPECIALISE /* the same wait, where the compiler makes batches of the loop */
-    const int first = l->first + 1;
-    rbdi_store_force(&w->F[l->first], stride, rbdi_force_up(l, form, t, own));
-#else
-    const int first = l->first;
-    rbdi_store_force(&w->F[first], stride, own);
-#endif
-    RBDI_UNROLL for (int k = first; k < l->end; ++k)
+    rbdi_store_force(&w->F[l->first], stride, own);
+    for (int k = l->first; k < l->end; ++k)
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
+    for (int k = 0; k < n; ++k)
         rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
 }
 
@@ -160,7 +149,7 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
-    RBDI_UNROLL for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
+    for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
         for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
@@ -173,7 +162,7 @@ RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i,
     rbd_real D = rbdi_along_axis(l, form, own);
     if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
-    RBDI_UNROLL for (int j = l->first + 1; j < l->end; ++j) {
+    for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
         if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(e, j, x);
@@ -231,15 +220,14 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m);
     rbdi_rbi carried = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
-        w->slot[i].C = rbdi_rbi_zero();
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
     if (RBDI_FIXED_STRIDE &&
         stride != RBDI_FIXED_STRIDE) { /* the size alone: one copy for all forms will do */
         for (int i = m->nl - 1; i >= 0; --i)
             carried = rbdi_crba_step(&model, &work, i, model.link[i].flags, stride, carried, H, M);
         return;
     }
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+    for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_BRANCH_FORM(form, &model.link[i],
                             carried = rbdi_crba_step(&model, &work, i, form,
                                                      RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried,

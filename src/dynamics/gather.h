@@ -2,7 +2,7 @@
 #define RBDI_DYNAMICS_GATHER_H
 #include "dynamics/packed.h"
 
-#if (RBDI_BATCH > 1 || defined RBD_LANES) && !defined RBD_SPECIALISE
+#if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_GATHER
 /* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
    a sum of rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of

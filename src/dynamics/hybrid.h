@@ -89,7 +89,7 @@ RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbd
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+    for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
         pA = rbdi_force_add(pA, w->scratch[i].f);
@@ -141,7 +141,7 @@ RBDI_PART void rbdi_hybrid_pass3(const rbd_model *m, rbd_work *w, const rbdi_giv
     rbdi_motion world = rbdi_motion0(), y;
     world.v = rbdi_world_state(w->gravity).acc;
     y = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
             y = world;
@@ -224,9 +224,8 @@ RBDI_PART rbdi_mask rbdi_rigid_up_all(const rbd_model *m, rbd_work *w, const rbd
                                       const rbd_real *tau0, rbd_real *a, rbd_real *tau) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_rbi C = rbdi_rbi_zero();
-    RBDI_UNROLL for (int i = 0; i < m->nslot; ++i)
-        w->slot[i].C = C;
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i) {
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = C;
+    for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         C = rbdi_rbi_add_link(l, C);
         if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
@@ -262,7 +261,7 @@ RBDI_INLINE rbdi_motion rbdi_rigid_down(const rbd_model *m, const rbd_work *w, i
 }
 RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_real *tau0, rbd_real *tau) {
     rbdi_motion y = rbdi_motion0();
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent >= 0 && l->parent != i - 1) y = w->slot[m->link[l->parent].slot].y;
         if (l->parent < 0) {

@@ -10,7 +10,7 @@
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
     int j = 0;
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * k;
 #endif
     for (; j < n; ++j) y[j] = y[j] * k;
@@ -19,25 +19,24 @@ RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
 /* y -= k x, a batch at a time. */
 RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
     int j = 0;
-#if RBDI_LOOP_BATCH > 1
+#if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
         *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
 #endif
-    RBDI_UNROLL for (; j < n; ++j)
-        y[j] = y[j] - k * x[j];
+    for (; j < n; ++j) y[j] = y[j] - k * x[j];
 }
 
 /* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
    the same first t + 1 columns, so that the update is a multiple of one row on another. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         rbd_real *hk = &H[m->dof[k].row];
         int d = m->dof[k].depth, i = m->dof[k].lambda;
         rbd_real inverse = rbdi_pivot_inverse(hk[d], m->dof[k].scale, &doubt);
         w->pivot[k] = hk[d];
         hk[d] = inverse;
-        RBDI_UNROLL for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
+        for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
             const rbd_real x = hk[t] * inverse;
             rbdi_subtract(&H[m->dof[i].row], x, hk, t + 1);
             hk[t] = x;
@@ -48,18 +47,16 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 
 /* x = M^-1 x by L' y = x, z = y / D, L x = z. */
 RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row], y = x[k];
         int d = m->dof[k].depth;
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            x[i] = x[i] - l[t] * y;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x[i] = x[i] - l[t] * y;
     }
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         int d = m->dof[k].depth;
         rbd_real y = x[k] * l[d];
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            y = y - l[t] * x[i];
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) y = y - l[t] * x[i];
         x[k] = y;
     }
 }
@@ -121,18 +118,16 @@ RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t 
    sum L_ki Z_ik. */
 RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) {
     const ptrdiff_t n = m->nv;
-    RBDI_UNROLL for (int k = 0; k < m->nv; ++k) {
+    for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
         rbd_real *row = &Z[k * n], z = l[d];
         rbdi_clear(row, k);
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             rbdi_subtract(row, l[t], &Z[i * n], k);
-        RBDI_UNROLL for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            z = z - l[t] * row[i];
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) z = z - l[t] * row[i];
         row[k] = z;
-        RBDI_UNROLL for (int j = 0; j < k; ++j)
-            Z[j * n + k] = row[j];
+        for (int j = 0; j < k; ++j) Z[j * n + k] = row[j];
     }
 }
 

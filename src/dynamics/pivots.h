@@ -42,15 +42,14 @@ RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, 
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask sound = rbdi_less(o, half), number = sound;
     w->singular = -1;
-    RBDI_UNROLL for (int k = m->nv - 1; k >= 0; --k) {
+    for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
         sound = rbdi_and(sound, ok);
         if (w->singular >= 0 || !rbdi_any(rbdi_not(ok))) continue;
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
-        x[k] = rbdi_select(sound, x[k], o);
+    for (int k = 0; k < n; ++k) x[k] = rbdi_select(sound, x[k], o);
     if (w->singular < 0) return RBD_OK;
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }

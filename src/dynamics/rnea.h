@@ -23,12 +23,12 @@ RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, F);
-    if (l->flags & RBDI_ARMATURE) RBDI_UNROLL
+    if (l->flags & RBDI_ARMATURE)
         for (int k = 0; k < b->n; ++k)
             all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (b->n == 6) RBDI_UNROLL_SIX
         for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
-    else RBDI_UNROLL
+    else
         for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
     return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
 }
@@ -50,7 +50,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 /* Torques from the wrenches that move the links. */
 RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
-    RBDI_UNROLL for (int i = m->nl - 1; i >= 0; --i)
+    for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
 }
 
@@ -59,8 +59,7 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
     rbdi_state s = world;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i)
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }

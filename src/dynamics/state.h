@@ -172,7 +172,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    RBDI_UNROLL for (int b = 0; b < bodies; ++b) {
+    for (int b = 0; b < bodies; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_pose X;
         if (u->link < 0) continue;

@@ -69,7 +69,7 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    where the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (l->kind == RBDI_REVOLUTE) {
@@ -84,10 +84,10 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
-    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c)) RBDI_UNROLL
+    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c))
         for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
     if (plain) return;
-    RBDI_UNROLL for (int i = 0; i < m->nl; ++i) {
+    for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->kind == RBDI_REVOLUTE_CS) {
             rbd_real c, s;
@@ -121,7 +121,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         const int form = known; \
         call; \
     } break;
-#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0 || defined RBD_SPECIALISE
+#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
 #define RBDI_SERIAL_FORMS 0
 #define RBDI_SERIAL_CASES(form, call)
 #define RBDI_BRANCH_CASES(form, call)
@@ -264,10 +264,8 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
     if (b->n == 6) return rbdi_motion_from_array(v);
-    RBDI_UNROLL for (int k = 0; k < 6; ++k)
-        a[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = 0; k < b->n; ++k)
-        a[b->first + k] = v[k];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
 }
 

@@ -25,8 +25,7 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
-    RBDI_UNROLL for (int k = 0; k < RBDI_SHAPE; ++k)
-        w->shape[k] = m->shape[k];
+    for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
@@ -52,12 +51,9 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
         w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
         w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
     }
-    RBDI_UNROLL for (int k = 0; k < n; ++k)
-        w->zero[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k)
-        w->F[k] = rbdi_zero();
-    RBDI_UNROLL for (int k = m->nl; k < padded; ++k)
-        w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
+    for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
+    for (int k = m->nl; k < padded; ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
     *work = w;
     return RBD_OK;
 }

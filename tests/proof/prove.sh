@@ -11,16 +11,17 @@ command -v frama-c >/dev/null 2>&1 || { echo "left out: no frama-c"; exit 77; }
 mkdir -p "$folder" || exit 1
 failures=0
 
-# rbd.h with an array per object (arrays.h), and without pragmas, which Frama-C's parser does not take. Of
-# RBD_SPECIALISE only the aligned memory is wanted: Eva does not follow a pointer through an integer.
+# rbd.h with an array per object (arrays.h), without pragmas, which Frama-C's parser does not take, and with memory
+# taken as it is: the harness aligns it, and Eva does not follow a pointer through an integer.
 sed -e 's/^RBDI_PART void \*rbdi_take(/RBDI_PART void *rbdi_take_unused(/' -e 's/_Pragma("[^"]*")//' \
-    -e 's/^#define RBD_API static inline __attribute__.*/#define RBD_API static/' \
+    -e 's/^    return (unsigned char \*)(((uintptr_t)memory + .*/    return (unsigned char *)memory;/' \
     "$here/../../rbd.h" >"$folder/rbd_arrays.h" || exit 1
 grep -q '^RBDI_PART void \*rbdi_take_unused(' "$folder/rbd_arrays.h" || { echo "FAILED: rbd.h has no rbdi_take"; exit 1; }
+grep -q '^    return (unsigned char \*)memory;' "$folder/rbd_arrays.h" || { echo "FAILED: rbd.h aligns memory in another way"; exit 1; }
 
 # The build's symbol, which may carry the scalar.
 build=$(printf '#define RBD_STATIC\n#include "rbd_arrays.h"\nsymbol rbd_model_build\n' |
-    cc -E -P -U__GNUC__ -DRBD_SPECIALISE -I"$folder" - | sed -n 's/^symbol //p')
+    cc -E -P -U__GNUC__ -I"$folder" - | sed -n 's/^symbol //p')
 
 # analyse NAME HARNESS DEFINE...: runs Eva; whether it proved all; cases: how many came to the end of the harness
 analyse() {
@@ -29,7 +30,7 @@ analyse() {
     log=$folder/$(echo "$name" | tr -c 'a-z0-9\n' _).txt
     # All loops are unrolled and the states of a function joined at its end, but for the build's error returns: so
     # indices and sizes stay exact, and all that is computed from numbers becomes an interval.
-    frama-c -eva -machdep x86_64 -cpp-extra-args="-I$folder -U__GNUC__ -DRBD_SPECIALISE $*" \
+    frama-c -eva -machdep x86_64 -cpp-extra-args="-I$folder -U__GNUC__ $*" \
         -warn-special-float none -warn-invalid-pointer -warn-signed-overflow -warn-signed-downcast \
         -eva-slevel 0 -eva-min-loop-unroll 160 -eva-auto-loop-unroll 3000 \
         -eva-slevel-function "$build:200" -eva-slevel-function prove_one:200 -eva-slevel-function rbdi_append_number:50 \
