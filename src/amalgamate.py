@@ -74,14 +74,38 @@ def read_header(header, src=SRC):
     return pieces + [(None, trim(own))] if trim(own) else pieces
 
 
+def lines_of(header, src=SRC):
+    """The lines of a shipped header, each with the file of src/ and the line there that it is from, or None."""
+    at = {}
+    for room, text in read_header(header, src):
+        name = room or header
+        lines = (src / name).read_text(encoding="utf-8").split("\n")
+        first = next(i for i in range(at.get(name, 0), len(lines)) if lines[i:i + len(text)] == text)
+        at[name] = first + len(text)
+        if at == {header: len(text)}:
+            yield text[0], (name, 1)
+            yield MADE.format(header), None
+            yield from ((line, (name, i)) for i, line in enumerate(text[1:], 2))
+            continue
+        yield "", None
+        yield marker(name), None
+        yield from ((line, (name, first + i)) for i, line in enumerate(text, 1))
+
+
 def shipped(header, src=SRC):
     """The text of a shipped header."""
-    out = []
-    for room, text in read_header(header, src):
-        out += ["", marker(room or header), *text] if out else [text[0], MADE.format(header), *text[1:]]
-    if any(line.startswith("<<<<<<< ") for line in out):
+    lines = [line for line, _ in lines_of(header, src)]
+    if any(line.startswith("<<<<<<< ") for line in lines):
         raise SystemExit(f"src/{header} or a file that it includes has a conflict of git's")
-    return "\n".join(out) + "\n"
+    return "\n".join(lines) + "\n"
+
+
+def places(header, src=SRC):
+    """places(header)[n]: the file of src/ and the line there that line n of the shipped header is from."""
+    out = [(header, 1)]
+    for _, place in lines_of(header, src):
+        out.append(place or out[-1])
+    return out
 
 
 def main(arguments):

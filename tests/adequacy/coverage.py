@@ -206,7 +206,7 @@ def report(source, counts, missed, excuses, every):
         reason = excuses.find(key)
         bad += reason is None
         if reason is None or every:
-            print(f"{source.name}:{place[0]}:{place[1]}\n" + "\n".join(f"  {f}: {t}" for f, t in zip(FIELDS, key)))
+            print(f"{source.place(place[0])}:{place[1]}\n" + "\n".join(f"  {f}: {t}" for f, t in zip(FIELDS, key)))
             if reason:
                 print("   ", reason)
     whole = sum(1 for p in counts.regions if p[0] > source.first)

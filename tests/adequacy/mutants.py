@@ -468,7 +468,7 @@ class Results:
             file.write(json.dumps({"key": key, "verdict": verdict, "header": self.header, "tests": self.tests}) + "\n")
 
 
-def report(header, counted):
+def report(source, counted):
     """The score; whether none survives but those that are listed."""
     excused = [m for m, verdict in counted if verdict == "equivalent"]
     alive = [m for m, verdict in counted if verdict in ("survives", "same")]
@@ -477,11 +477,11 @@ def report(header, counted):
     for _, verdict in counted:
         by_stage[verdict] = by_stage.get(verdict, 0) + 1
     for m in alive:
-        print(f"SURVIVES {header}:{m.line}\n  function: {m.function}\n  text: {m.text}\n  mutated: {m.mutated}")
+        print(f"SURVIVES {source.place(m.line)}\n  function: {m.function}\n  text: {m.text}\n  mutated: {m.mutated}")
     for name, number in sorted(by_stage.items(), key=lambda row: -row[1]):
         print(f"{number:5}  {name}")
     whole = len(counted) - len(excused)
-    print(f"{header}: {len(counted)} mutants, {len(excused)} equivalent, {killed} of {whole} killed: "
+    print(f"{source.name}: {len(counted)} mutants, {len(excused)} equivalent, {killed} of {whole} killed: "
           f"{100 * killed / max(whole, 1):.1f} %")
     return not alive
 
@@ -527,7 +527,7 @@ def main():
             continue
         results = Results(options.folder / f"{name}.jsonl", ROOT / name, options.fresh)
         counted = run(sources[name], mutants, count, options, results, equivalents)
-        well &= report(name, counted)
+        well &= report(sources[name], counted)
     return 0 if well else 1
 
 
@@ -553,7 +553,7 @@ def run(source, mutants, count, options, results, equivalents):
         with bench.lock:
             free.append(place)
             results.add(m.key, verdict)
-        print(f"{time.monotonic() - started:6.0f} s  {source.name}:{m.line} {m.function}: {verdict}", file=sys.stderr,
+        print(f"{time.monotonic() - started:6.0f} s  {source.place(m.line)} {m.function}: {verdict}", file=sys.stderr,
               flush=True)
         if listed and verdict not in ("survives", "same"):
             print("equivalent.txt has what is seen: " + " | ".join(m.key))

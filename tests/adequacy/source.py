@@ -1,10 +1,13 @@
 """What coverage.py and mutants.py know of a header's text: where code is, whose it is; and the lists of exceptions."""
 import difflib
 import re
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h"]
+sys.path.insert(0, str(ROOT / "src"))
+import amalgamate  # noqa: E402
+HEADERS = amalgamate.HEADERS
 
 # Comments, strings and characters; what else begins with a quote does not occur in C.
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
@@ -33,9 +36,14 @@ class Source:
         self.function = [""] * len(clean)
         self.code = [""] * len(clean)
         self.clean = clean
+        self.places = amalgamate.places(self.name)
         i = self.first
         while i < len(clean):
             i = self._macro(i) if clean[i].startswith("#") else self._definition(i)
+
+    def place(self, line):
+        """The file of src/ that a line is from, and its line there."""
+        return "src/{}:{}".format(*self.places[line])
 
     def _macro(self, i):
         """Of a macro the lines after the first are code: the name and its parameters stand in the first."""
