@@ -13,7 +13,7 @@ shift
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-quick="-O0 -Dalways_inline=unused"
+quick="-O0"
 failures=0
 combinations=0
 

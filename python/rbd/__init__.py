@@ -207,7 +207,7 @@ def _run(command):
 
 
 # For code that computes no dynamics: without forced inlining the headers compile in a third of the time.
-_QUICK = ["-O0", "-Dalways_inline=unused"]
+_QUICK = ["-O0"]
 
 
 def _c_compiler():

@@ -8,7 +8,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).res
 import rbd  # noqa: E402
 
 # Compiled in seconds: what is tested here is rbd.py; what the optimiser makes of the headers, elsewhere.
-FLAGS = "-O0 -march=native -Dalways_inline=unused"
+FLAGS = "-O0 -march=native"
 
 
 @pytest.fixture(scope="session", params=["double", "float"])

@@ -76,16 +76,20 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CODE_END
 #endif
 
-/* The small functions are inlined always: vectors passed in memory would cost ten times as much at -Os,
-   to save a fifth of the code. */
-#if RBDI_GNU
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each form of a link. It is inlined
+   always where the compiler optimises: vectors that are passed in memory would cost ten times as much at -Os,
+   to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+#if RBDI_GNU && defined __OPTIMIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
-#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* what is hardly ever called */
 #else
 #define RBDI_INLINE static inline RBDI_UNUSED
+#endif
+#if RBDI_GNU
+#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
+#else
 #define RBDI_COLD static RBDI_UNUSED
 #endif
-#define RBDI_PART static RBDI_UNUSED /* a function that a build may leave unused */
+#define RBDI_PART static RBDI_UNUSED
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
