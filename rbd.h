@@ -25,7 +25,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
-     [rnea] [crba] [aba] [hybrid] [cholesky] [pivots] [forward dynamics code]
+     [rnea] [crba] [aba] [cholesky] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
@@ -84,7 +84,7 @@
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
      RBD_NO_POINTS    section [points]; goes with kinematics
-     RBD_NO_HYBRID    hybrid; goes with aba
+     RBD_NO_HYBRID    hybrid; goes with rnea, crba and cholesky too
      RBD_NO_OBSERVER  generalized_momentum
      RBD_NO_PAYLOAD   add_payload; goes with build
      RBD_NO_WRENCH    joint_wrench; goes with kinematics
@@ -337,6 +337,9 @@ extern "C" {
 /* ==== src/api/parts.h ==== */
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
+#endif
+#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_HYBRID
+#define RBD_NO_HYBRID
 #endif
 #if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_MINVERSE
@@ -598,11 +601,10 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
-   wanted; M a + c = tau + sum J' f_ext. Articulated bodies, RBDA section 9.2; any dofs, also some of a
-   joint. All joints but a floating base given is the inverse dynamics of a robot that stands on nothing (its
-   base's torque the wrench that it feels, 0 in flight) and goes by composite bodies.
+   wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
+   Where all but a floating base is given rbd_rnea_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -2138,13 +2140,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     return X;
 }
 
-/* IA c; and IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
-RBDI_INLINE rbdi_force rbdi_abi_times(const rbdi_abi *IA, rbdi_motion c) {
-    rbdi_force F;
-    F.n = rbdi_add(rbdi_mul_sym(IA->I, c.omega), rbdi_mul(IA->H, c.v));
-    F.f = rbdi_add(rbdi_mul_t(IA->H, c.omega), rbdi_mul_sym(IA->M, c.v));
-    return F;
-}
+/* IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
 RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
     rbdi_abi IA = rbdi_abi_zero();
@@ -3773,284 +3769,6 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
     (void)rbdi_aba_pass3_links(m, w, 0, m->nl, world, world, a);
 }
 
-/* ==== src/dynamics/hybrid.h ==== */
-/* ---- hybrid dynamics [hybrid] ----
-   RBDA section 9.2. Where a joint's acceleration is given it is held: it transmits all. Like [aba], but for
-   such joints in pass 2 Ia = IA, pa = pA + IA (c + S qdd), and in pass 3 y = X y_p + c + S qdd, tau = S' (IA
-   y + pA) = U' y + S' pA, of which U and S' pA wait in U_D and u_D. The pivots are those of M without the
-   rows and columns of what is held.
-
-   Where that is all but joints on the world, what hangs on these is a rigid body as to their motion, and
-   section 9.3's way is shorter: [rnea] with their accelerations 0, which leaves M_bb y = tau_b - tau0_b, and
-   tau = tau0 + S' C X y of the others, C the composite bodies. */
-
-typedef struct rbdi_given {
-    const unsigned char *dof; /* nv flags: held */
-    const rbd_real *a;
-} rbdi_given;
-
-/* Whether any dof of a link is held. */
-RBDI_INLINE int rbdi_any_held(const rbd_model *m, const rbdi_link *l, const rbdi_given *given) {
-    int held = 0;
-    for (int k = 0; k < rbdi_link_dofs(m, l); ++k) held |= given->dof[l->iv + k];
-    return held;
-}
-
-/* Pass 2, one-axis link that is held: U and S' pA for pass 3; c becomes c + S qdd. */
-RBDI_INLINE rbdi_motion rbdi_hold(const rbd_model *m, rbd_work *w, int i, int form, rbd_real a, rbdi_force U,
-                                  rbdi_force pA) {
-    const rbdi_link *l = &m->link[i];
-    rbdi_scratch *own = &w->scratch[i];
-    const int slides = form & RBDI_SLIDES;
-    own->U_D = U;
-    own->u_D = rbdi_along_axis(l, form, pA);
-    if (form & RBDI_ARMATURE) own->u_D = own->u_D + a * m->dof[l->iv].armature;
-    own->c.omega.z = own->c.omega.z + (slides ? a * l->rho : a);
-    if (slides) own->c.v.z = own->c.v.z + a * l->kappa;
-    return own->c;
-}
-
-/* Pass 2, one-axis link: as rbdi_aba_up. What is held leaves no row of zeros: all of IA is moved. */
-RBDI_INLINE void rbdi_hybrid_up(const rbd_model *m, rbd_work *w, int i, int form, const rbdi_given *given,
-                                const rbd_real *tau, rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    *IA = rbdi_abi_add_link(l, form, *IA);
-    if (given->dof[l->iv]) {
-        const rbdi_motion c = rbdi_hold(m, w, i, form, given->a[l->iv], rbdi_abi_axis(l, form, IA), *pA);
-        *pA = rbdi_force_add(*pA, rbdi_abi_times(IA, c));
-    } else {
-        rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
-    }
-    if (form & RBDI_ROOT) return;
-    *IA = rbdi_abi_up(l, form | RBDI_ARMATURE, t, *IA);
-    *pA = rbdi_force_up(l, form, t, *pA);
-}
-
-/* Pass 2, block link; any of its axes may be held. */
-RBDI_PART void rbdi_hybrid_up_block(const rbd_model *m, rbd_work *w, int i, const rbdi_given *given,
-                                    const rbd_real *tau, rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_block *b = rbdi_block_of(m, l);
-    rbdi_block_work *bw = &w->block[l->block];
-    rbd_real A[6][6], P[6];
-    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
-    rbdi_store_force(P, 1, *pA);
-    for (int k = b->n - 1; k >= 0; --k) {
-        const int s = b->first + k;
-        const rbd_real a = given->a[l->iv + k];
-        if (!given->dof[l->iv + k]) {
-            rbdi_aba_release_axis(m, w, l, bw, b->first, k, 1, tau, A, P, doubt);
-            continue;
-        }
-        bw->u_D[k] = P[s] + a * m->dof[l->iv + k].armature;
-        for (int j = 0; j < 6; ++j) {
-            bw->U_D[k][j] = A[s][j];
-            P[j] = P[j] + A[s][j] * a;
-        }
-    }
-    if (l->parent < 0) return;
-    *IA = rbdi_abi_from_array(A);
-    *pA = rbdi_force_add(rbdi_load_force(P, 1), rbdi_abi_times(IA, w->scratch[i].c));
-    *pA = rbdi_force_up_block(&bw->X, *pA);
-    *IA = rbdi_abi_up_block(&bw->X, *IA);
-}
-
-RBDI_PART rbdi_mask rbdi_hybrid_pass2(const rbd_model *m, rbd_work *w, const rbdi_given *given,
-                                      const rbd_real *tau) {
-    rbdi_abi IA = rbdi_abi_zero();
-    rbdi_force pA = rbdi_force0();
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
-        pA = rbdi_force_add(pA, w->scratch[i].f);
-        if (l->kind == RBDI_BLOCK)
-            rbdi_hybrid_up_block(m, w, i, given, tau, &IA, &pA, &doubt);
-        else
-            RBDI_BY_FORM(form, l, rbdi_hybrid_up(m, w, i, form, given, tau, &IA, &pA, &doubt));
-        rbdi_aba_hand_on(m, w, i, &IA, &pA);
-    }
-    return doubt;
-}
-
-/* Pass 3: as rbdi_aba_down. */
-RBDI_INLINE rbdi_motion rbdi_hybrid_down(const rbd_model *m, const rbd_work *w, int i, int form,
-                                         const rbdi_given *given, rbdi_motion y, rbd_real *a, rbd_real *tau) {
-    const int iv = m->link[i].iv;
-    const rbdi_force U = w->scratch[i].U_D;
-    if (!given->dof[iv]) return rbdi_aba_down(m, w, i, form, y, a);
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), w->scratch[i].c);
-    tau[iv] = w->scratch[i].u_D + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
-    return y;
-}
-RBDI_PART rbdi_motion rbdi_hybrid_down_block(const rbd_model *m, const rbd_work *w, int i,
-                                             const rbdi_given *given, rbdi_motion y, rbd_real *a,
-                                             rbd_real *tau) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_block_work *bw = &w->block[l->block];
-    const rbdi_block *b = rbdi_block_of(m, l);
-    rbd_real all[6];
-    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
-    for (int k = 0; k < b->n; ++k) {
-        const int held = given->dof[l->iv + k];
-        rbd_real *y_s = &all[b->first + k], f = rbdi_zero();
-        if (held) *y_s = *y_s + a[l->iv + k];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
-            f = f + bw->U_D[k][j] * all[j];
-        if (held) {
-            tau[l->iv + k] = bw->u_D[k] + f;
-        } else {
-            a[l->iv + k] = bw->u_D[k] - f;
-            *y_s = *y_s + a[l->iv + k];
-        }
-    }
-    return rbdi_motion_from_array(all);
-}
-
-RBDI_PART void rbdi_hybrid_pass3(const rbd_model *m, rbd_work *w, const rbdi_given *given, rbd_real *a,
-                                 rbd_real *tau) {
-    rbdi_motion world = rbdi_motion0(), y;
-    world.v = rbdi_world_state(w->gravity).acc;
-    y = world;
-    for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->parent < 0)
-            y = world;
-        else if (l->parent != i - 1)
-            y = w->slot[m->link[l->parent].slot].y;
-        if (l->kind == RBDI_BLOCK)
-            y = rbdi_hybrid_down_block(m, w, i, given, y, a, tau);
-        else
-            RBDI_BY_FORM(form, l, y = rbdi_hybrid_down(m, w, i, form, given, y, a, tau));
-        if (l->slot >= 0) w->slot[l->slot].y = y;
-    }
-}
-
-/* All but joints on the world held: what the composite body C of a root gives way to tau - tau0, as a motion
-   y beyond that of rnea, kept in its scratch c. */
-RBDI_INLINE rbdi_motion rbdi_rigid_root(const rbd_model *m, rbd_work *w, int i, rbdi_rbi C,
-                                        const rbd_real *tau0, const rbd_real *tau, rbd_real *a,
-                                        rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_dof *dof = &m->dof[l->iv];
-    const rbdi_force U = rbdi_rbi_axis(l, l->flags & RBDI_SLIDES, C);
-    const rbd_real D = rbdi_along_axis(l, l->flags, U) + dof->armature,
-                   inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    rbdi_motion y = rbdi_motion0();
-    w->pivot[l->iv] = D;
-    w->scratch[i].U_D.n = rbdi_scale(inverse, U.n);
-    w->scratch[i].U_D.f = rbdi_scale(inverse, U.f);
-    a[l->iv] = (tau[l->iv] - tau0[l->iv]) * inverse;
-    y.omega.z = a[l->iv] * l->rho;
-    y.v.z = a[l->iv] * l->kappa;
-    return y;
-}
-RBDI_PART rbdi_motion rbdi_rigid_root_block(const rbd_model *m, rbd_work *w, const rbdi_link *l,
-                                            const rbdi_given *given, rbdi_rbi C, const rbd_real *tau0,
-                                            rbd_real *a, rbd_real *tau, rbdi_mask *doubt) {
-    const rbdi_block *b = rbdi_block_of(m, l);
-    const unsigned char *held = &given->dof[l->iv];
-    rbdi_block_work *bw = &w->block[l->block];
-    rbd_real A[6][6], P[6], y[6];
-    rbdi_abi_to_array(rbdi_abi_of_rbi(C, l->subtree_mass), A);
-    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-        P[k] = y[k] = rbdi_zero();
-    for (int k = 0; k < b->n; ++k) P[b->first + k] = tau0[l->iv + k];
-    if (!rbdi_any_held(m, l, given) && rbdi_free_base(l, b)) {
-        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
-    } else {
-        for (int k = 0; k < b->n; ++k)
-            for (int j = 0; j < 6; ++j) bw->U_D[k][j] = A[b->first + k][j];
-        for (int k = b->n - 1; k >= 0; --k)
-            if (!held[k]) rbdi_aba_release_axis(m, w, l, bw, b->first, k, 1, tau, A, P, doubt);
-    }
-    for (int k = 0; k < b->n; ++k) {
-        rbd_real *y_s = &y[b->first + k];
-        if (held[k]) continue;
-        *y_s = bw->u_D[k];
-        for (int j = 0; j < b->first + k; ++j) *y_s = *y_s - bw->U_D[k][j] * y[j];
-        a[l->iv + k] = *y_s;
-    }
-    for (int k = 0; k < b->n; ++k) {
-        if (!held[k]) continue;
-        tau[l->iv + k] = tau0[l->iv + k];
-        for (int j = 0; j < 6; ++j) tau[l->iv + k] = tau[l->iv + k] + bw->U_D[k][j] * y[j];
-    }
-    return rbdi_motion_from_array(y);
-}
-
-/* Composite bodies, and of held joints U = C S, leaves to root; a root's motion as soon as its C is known. */
-RBDI_INLINE rbdi_rbi rbdi_rigid_up(const rbd_model *m, rbd_work *w, int i, int form, rbdi_rbi C) {
-    const rbdi_link *l = &m->link[i];
-    w->scratch[i].U_D = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
-    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
-}
-RBDI_PART rbdi_rbi rbdi_rigid_up_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, rbdi_rbi C) {
-    const rbdi_block *b = rbdi_block_of(m, l);
-    for (int k = 0; k < b->n; ++k)
-        rbdi_store_force(w->block[l->block].U_D[k], 1, rbdi_rbi_column(C, l->subtree_mass, b->first + k));
-    return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
-}
-RBDI_PART rbdi_mask rbdi_rigid_up_all(const rbd_model *m, rbd_work *w, const rbdi_given *given,
-                                      const rbd_real *tau0, rbd_real *a, rbd_real *tau) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    rbdi_rbi C = rbdi_rbi_zero();
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = C;
-    for (int i = m->nl - 1; i >= 0; --i) {
-        const rbdi_link *l = &m->link[i];
-        C = rbdi_rbi_add_link(l, C);
-        if (l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-        if (l->parent < 0) {
-            w->scratch[i].c = rbdi_motion0();
-            if (l->kind == RBDI_BLOCK)
-                w->scratch[i].c = rbdi_rigid_root_block(m, w, l, given, C, tau0, a, tau, &doubt);
-            else if (!given->dof[l->iv])
-                w->scratch[i].c = rbdi_rigid_root(m, w, i, C, tau0, tau, a, &doubt);
-            else
-                tau[l->iv] = tau0[l->iv];
-        } else if (l->kind == RBDI_BLOCK) {
-            C = rbdi_rigid_up_block(m, w, l, C);
-        } else {
-            RBDI_BY_FORM(form, l, C = rbdi_rigid_up(m, w, i, form, C));
-        }
-        if (l->parent >= 0 && l->parent == i - 1) continue;
-        if (l->parent >= 0)
-            w->slot[m->link[l->parent].slot].C = rbdi_rbi_add(w->slot[m->link[l->parent].slot].C, C);
-        C = rbdi_rbi_zero();
-    }
-    return doubt;
-}
-
-/* What y costs the held joints behind the roots: tau = tau0 + U' y. */
-RBDI_INLINE rbdi_motion rbdi_rigid_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
-                                        const rbd_real *tau0, rbd_real *tau) {
-    const int iv = m->link[i].iv;
-    const rbdi_force U = w->scratch[i].U_D;
-    y = rbdi_aba_carry(m, w, i, form, y);
-    tau[iv] = tau0[iv] + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
-    return y;
-}
-RBDI_PART void rbdi_rigid_down_all(const rbd_model *m, rbd_work *w, const rbd_real *tau0, rbd_real *tau) {
-    rbdi_motion y = rbdi_motion0();
-    for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        if (l->parent >= 0 && l->parent != i - 1) y = w->slot[m->link[l->parent].slot].y;
-        if (l->parent < 0) {
-            y = w->scratch[i].c;
-        } else if (l->kind == RBDI_BLOCK) {
-            y = rbdi_aba_carry_block(w, l, y);
-            for (int k = 0; k < rbdi_block_of(m, l)->n; ++k) {
-                const rbdi_force U = rbdi_load_force(w->block[l->block].U_D[k], 1);
-                tau[l->iv + k] = tau0[l->iv + k] + rbdi_dot(U.n, y.omega) + rbdi_dot(U.f, y.v);
-            }
-        } else {
-            RBDI_BY_FORM(form, l, y = rbdi_rigid_down(m, w, i, form, y, tau0, tau));
-        }
-        if (l->slot >= 0) w->slot[l->slot].y = y;
-    }
-}
-
 /* ==== src/dynamics/packed.h ==== */
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
@@ -4575,27 +4293,12 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
-/* Makes the rows and columns of held dofs those of the unit matrix, its scale aside. */
-RBDI_PART void rbdi_hold_rows(const rbd_model *m, const unsigned char *held, rbd_real *H) {
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real *h = &H[m->dof[k].row + m->dof[k].depth];
-        if (held[k]) *h = rbdi_set(RBD_C(1) + m->dof[k].scale);
-        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda) {
-            --h;
-            if (held[k] || held[i]) *h = rbdi_zero();
-        }
-    }
-}
-
-/* Judges the state of the last rbdi_joints, from M without the rows of what is held (NULL: nothing). The
-   factor is left in w->H. */
-RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w, const unsigned char *held) {
+/* Judges the state of the last rbdi_joints. The factor is left in w->H. */
+RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
 #ifdef RBDI_JUDGE
     rbdi_crba_of_joints(m, w, w->H);
-    if (held) rbdi_hold_rows(m, held, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
 #else
-    (void)held;
     for (int k = 0; k < m->nv; ++k)
         rbdi_judge(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT), rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
 #endif
@@ -4605,9 +4308,98 @@ RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w, const unsigned 
 RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_judge_state(m, w, NULL);
+    rbdi_judge_state(m, w);
     return rbdi_verdict(m, w, x, n);
 }
+
+/* ==== src/dynamics/hybrid.h ==== */
+#ifndef RBD_NO_HYBRID
+/* ---- hybrid dynamics [hybrid] ----
+   RBDA section 9.1. f: the free dofs, whose torque is given; p: those with a prescribed acceleration. With c
+   = rnea of a_p and a_f = 0:
+
+       M_ff a_f = tau_f - c_f,   tau_p = c_p + M_pf a_f
+
+   M_ff = L'DL is factored within packed M, from the last dof on. The entries of M_pf stay. */
+
+/* L and 1/D replace M_ff in H, x_f becomes L^-T x_f. */
+RBDI_PART rbdi_mask rbdi_eliminate_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
+                                        rbd_real *H, rbd_real *x) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[k];
+        rbd_real *row = &H[dof->row], inverse;
+        if (prescribed[k]) continue;
+        w->pivot[k] = row[dof->depth];
+        inverse = row[dof->depth] = rbdi_pivot_inverse(w->pivot[k], dof->scale, &doubt);
+        for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda) {
+            rbd_real *to = &H[m->dof[i].row];
+            const rbd_real l = row[t] * inverse;
+            if (prescribed[i]) continue;
+            for (int s = t, j = i; s >= 0; --s, j = m->dof[j].lambda)
+                if (!prescribed[j]) to[s] = to[s] - l * row[s];
+            row[t] = l;
+            x[i] = x[i] - l * x[k];
+        }
+    }
+    return doubt;
+}
+
+/* a_f = L^-1 D^-1 x_f, tau_p = x_p + M_pf a_f. */
+RBDI_PART void rbdi_substitute_free(const rbd_model *m, const unsigned char *prescribed, const rbd_real *H,
+                                    const rbd_real *x, rbd_real *a, rbd_real *tau) {
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_dof *dof = &m->dof[k];
+        const rbd_real *row = &H[dof->row];
+        rbd_real sum = rbdi_zero();
+        for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda)
+            if (!prescribed[i]) sum = sum + row[t] * a[i];
+        if (prescribed[k]) {
+            tau[k] = x[k] + sum;
+            continue;
+        }
+        a[k] = x[k] * row[dof->depth] - sum;
+        for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda)
+            if (prescribed[i]) tau[i] = tau[i] + row[t] * a[k];
+    }
+}
+
+/* Judges the pivots of M_ff: H becomes the factor of M with the rows and columns p of the unit matrix. */
+RBDI_COLD rbd_status rbdi_judge_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
+                                     rbdi_mask doubt, rbd_real *a, rbd_real *tau) {
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real *row = &w->H[m->dof[k].row];
+        if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1));
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            if (prescribed[k] || prescribed[i]) row[t] = rbdi_zero();
+    }
+    rbdi_judge_factor(m, w, w->H, doubt);
+    for (int k = 0; k < m->nv; ++k)
+        if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* sound */
+    (void)rbdi_verdict(m, w, tau, m->nv);
+    return rbdi_verdict(m, w, a, m->nv);
+}
+
+RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+    const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
+    rbdi_mask doubt;
+    if (status) return status;
+    for (int k = 0; k < m->nv; ++k)
+        if (!given[k]) a[k] = rbdi_zero();
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
+              m->nmimic ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int k = 0; k < m->nv; ++k)
+        if (!given[k]) w->bias[k] = tau[k] - w->bias[k];
+    rbdi_crba_of_joints(m, w, w->H);
+    doubt = rbdi_eliminate_free(m, w, given, w->H, w->bias);
+    rbdi_substitute_free(m, given, w->H, w->bias, a, tau);
+    w->singular = -1;
+    return rbdi_any(doubt) ? rbdi_judge_free(m, w, given, doubt, a, tau) : RBD_OK;
+}
+#endif
 
 /* ==== src/dynamics/forward.h ==== */
 /* ---- forward dynamics [forward dynamics code] ---- */
@@ -4627,91 +4419,6 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
-}
-#endif
-
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
-/* Which joints have a dof that is not held: 0 none, 1 only some on the world, 2 others as well. */
-static int rbdi_reach(const rbd_model *m, const unsigned char *given) {
-    int reach = 0;
-    for (int i = 0; i < m->nl; ++i) {
-        const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k)
-            if (!given[l->iv + k] && reach < 2) reach = l->parent < 0 ? 1 : 2;
-    }
-    return reach;
-}
-
-/* What hybrid dynamics returns; a and tau become 0 where a pivot is not sound. */
-static rbd_status rbdi_hybrid_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt,
-                                     const unsigned char *given, rbd_real *a, rbd_real *tau) {
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_judge_state(m, w, given);
-    for (int k = 0; k < m->nv; ++k)
-        if (given[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* none: sound */
-    (void)rbdi_verdict(m, w, tau, m->nv);
-    return rbdi_verdict(m, w, a, m->nv);
-}
-
-#ifndef RBDI_NO_FD_CHOLESKY
-/* With mimic joints: the rows and columns of M of held dofs become those of the unit matrix, and a of the
-   others solves M a = tau - c, c with the given a in it. */
-static rbd_status rbdi_hybrid_mimic(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbdi_given *given, const rbd_real *f_ext, rbd_real *a,
-                                    rbd_real *tau) {
-    rbdi_mask doubt;
-    const rbd_real *vx = rbdi_expand_v(m, v, w->vx);
-    rbd_crba_packed(m, w, q, w->H);
-    rbdi_hold_rows(m, given->dof, w->H);
-    for (int k = 0; k < m->nv; ++k)
-        if (!given->dof[k]) a[k] = rbdi_zero();
-    doubt = rbdi_factor(m, w, w->H);
-    rbdi_rnea(m, w, vx, rbdi_expand_v(m, a, w->ax), f_ext, w->tx);
-    rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int k = 0; k < m->nv; ++k) w->bias[k] = given->dof[k] ? rbdi_zero() : tau[k] - w->bias[k];
-    rbdi_solve(m, w->H, w->bias);
-    for (int k = 0; k < m->nv; ++k)
-        if (!given->dof[k]) a[k] = w->bias[k];
-    rbdi_rnea(m, w, vx, rbdi_expand_v(m, a, w->ax), f_ext, w->tx);
-    rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int k = 0; k < m->nv; ++k)
-        if (given->dof[k]) tau[k] = w->bias[k];
-    return rbdi_hybrid_status(m, w, doubt, given->dof, a, tau);
-}
-#endif
-
-RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
-    const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
-    rbdi_given held;
-    rbdi_mask doubt;
-    int reach;
-    if (status) return status;
-    held.dof = given, held.a = a;
-#ifndef RBDI_NO_FD_CHOLESKY
-    if (m->nmimic) return rbdi_hybrid_mimic(m, w, q, v, &held, f_ext, a, tau);
-#endif
-    rbdi_joints(m, w, q);
-    reach = rbdi_reach(m, given);
-    w->singular = -1;
-    if (reach == 0) {
-        rbdi_rnea(m, w, v, a, f_ext, tau);
-        return RBD_OK;
-    }
-    if (reach == 1) {
-        for (int k = 0; k < m->nv; ++k)
-            if (!given[k]) a[k] = rbdi_zero();
-        rbdi_rnea(m, w, v, a, f_ext, w->bias);
-        doubt = rbdi_rigid_up_all(m, w, &held, w->bias, a, tau);
-        rbdi_rigid_down_all(m, w, w->bias, tau);
-    } else {
-        rbdi_aba_velocities(m, w, v, 0);
-        rbdi_external(m, w, f_ext);
-        doubt = rbdi_hybrid_pass2(m, w, &held, tau);
-        rbdi_hybrid_pass3(m, w, &held, a, tau);
-    }
-    return rbdi_hybrid_status(m, w, doubt, given, a, tau);
 }
 #endif
 

@@ -129,10 +129,9 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
 
 /* ---- inverse dynamics with a free base [free base] ---- */
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
-   all joints given but floating ones on the world, of which the torques are, in three quarters of its
-   instructions with AVX (without, rbd_hybrid is as fast).
+   all joints given but floating ones on the world, of which the torques are, in half of its instructions.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
@@ -1911,7 +1910,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
    torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
    rbd_hybrid. */
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* M^-1 x by pivots from the end, as everywhere. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
@@ -1978,11 +1977,15 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
     unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < 6 && l->parent < 0 && rbdi_link_dofs(m, l) == 6; ++k) given[l->iv + k] = 0;
+        const int base = l->parent < 0 && rbdi_link_dofs(m, l) == 6;
+        for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
+        bases += base;
     }
+    if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
     return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
 }
 
@@ -2247,7 +2250,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
     if (rbdi_any(doubt)) {
-        rbdi_judge_state(m, d->work, NULL);
+        rbdi_judge_state(m, d->work);
         if (Minv) rbdi_inverse(m, d->work->H, Minv);
     }
     if (m->nmimic)

@@ -24,7 +24,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
-     [rnea] [crba] [aba] [hybrid] [cholesky] [pivots] [forward dynamics code]
+     [rnea] [crba] [aba] [cholesky] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
@@ -83,7 +83,7 @@
      RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
      RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
      RBD_NO_POINTS    section [points]; goes with kinematics
-     RBD_NO_HYBRID    hybrid; goes with aba
+     RBD_NO_HYBRID    hybrid; goes with rnea, crba and cholesky too
      RBD_NO_OBSERVER  generalized_momentum
      RBD_NO_PAYLOAD   add_payload; goes with build
      RBD_NO_WRENCH    joint_wrench; goes with kinematics
@@ -264,10 +264,10 @@ RBDI_CODE_BEGIN
 #include "dynamics/rnea.h"
 #include "dynamics/crba.h"
 #include "dynamics/aba.h"
-#include "dynamics/hybrid.h"
 #include "dynamics/packed.h"
 #include "dynamics/gather.h"
 #include "dynamics/pivots.h"
+#include "dynamics/hybrid.h"
 #include "dynamics/forward.h"
 #include "dynamics/cholesky.h"
 #include "motion/axes.h"

@@ -70,14 +70,14 @@ leave_out
 cp "$scratch/defined" "$scratch/all"
 holds BUILD rbd_model_build rbd_model_size rbd_add_payload rbd_describe
 holds PAYLOAD rbd_add_payload
-holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky
-holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_minverse
-holds ABA rbd_aba rbd_hybrid
+holds RNEA rbd_rnea rbd_bias rbd_gravity rbd_fd_cholesky rbd_hybrid
+holds CRBA rbd_crba rbd_crba_packed rbd_fd_cholesky rbd_hybrid rbd_minverse
+holds ABA rbd_aba
 holds HYBRID rbd_hybrid
 holds OBSERVER rbd_generalized_momentum
 holds WRENCH rbd_joint_wrench
 holds CHOLESKY rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many \
-    rbd_fd_cholesky rbd_minverse
+    rbd_fd_cholesky rbd_hybrid rbd_minverse
 holds MINVERSE rbd_minverse
 points="rbd_jacobian rbd_relative_jacobian rbd_jacobian_transpose rbd_point_position rbd_point_velocity rbd_point_acceleration
     rbd_point_wrench rbd_momentum"

@@ -164,13 +164,7 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     return X;
 }
 
-/* IA c; and IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
-RBDI_INLINE rbdi_force rbdi_abi_times(const rbdi_abi *IA, rbdi_motion c) {
-    rbdi_force F;
-    F.n = rbdi_add(rbdi_mul_sym(IA->I, c.omega), rbdi_mul(IA->H, c.v));
-    F.f = rbdi_add(rbdi_mul_t(IA->H, c.omega), rbdi_mul_sym(IA->M, c.v));
-    return F;
-}
+/* IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
 RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
     rbdi_abi IA = rbdi_abi_zero();

@@ -57,10 +57,9 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
 
 /* ---- inverse dynamics with a free base [free base] ---- */
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
-   all joints given but floating ones on the world, of which the torques are, in three quarters of its
-   instructions with AVX (without, rbd_hybrid is as fast).
+   all joints given but floating ones on the world, of which the torques are, in half of its instructions.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */

@@ -62,11 +62,10 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
-   wanted; M a + c = tau + sum J' f_ext. Articulated bodies, RBDA section 9.2; any dofs, also some of a
-   joint. All joints but a floating base given is the inverse dynamics of a robot that stands on nothing (its
-   base's torque the wrench that it feels, 0 in flight) and goes by composite bodies.
+   wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
+   Where all but a floating base is given rbd_rnea_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */

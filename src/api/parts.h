@@ -5,6 +5,9 @@
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY
 #endif
+#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_HYBRID
+#define RBD_NO_HYBRID
+#endif
 #if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_MINVERSE
 #endif

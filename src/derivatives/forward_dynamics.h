@@ -202,7 +202,7 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
     if (rbdi_any(doubt)) {
-        rbdi_judge_state(m, d->work, NULL);
+        rbdi_judge_state(m, d->work);
         if (Minv) rbdi_inverse(m, d->work->H, Minv);
     }
     if (m->nmimic)

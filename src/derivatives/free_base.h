@@ -9,7 +9,7 @@
    torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
    rbd_hybrid. */
 
-#if !defined RBD_NO_ABA && !defined RBD_NO_HYBRID
+#ifndef RBD_NO_HYBRID
 /* M^-1 x by pivots from the end, as everywhere. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
@@ -76,11 +76,15 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
     unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < 6 && l->parent < 0 && rbdi_link_dofs(m, l) == 6; ++k) given[l->iv + k] = 0;
+        const int base = l->parent < 0 && rbdi_link_dofs(m, l) == 6;
+        for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
+        bases += base;
     }
+    if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
     return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
 }
 

@@ -109,27 +109,12 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
-/* Makes the rows and columns of held dofs those of the unit matrix, its scale aside. */
-RBDI_PART void rbdi_hold_rows(const rbd_model *m, const unsigned char *held, rbd_real *H) {
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real *h = &H[m->dof[k].row + m->dof[k].depth];
-        if (held[k]) *h = rbdi_set(RBD_C(1) + m->dof[k].scale);
-        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda) {
-            --h;
-            if (held[k] || held[i]) *h = rbdi_zero();
-        }
-    }
-}
-
-/* Judges the state of the last rbdi_joints, from M without the rows of what is held (NULL: nothing). The
-   factor is left in w->H. */
-RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w, const unsigned char *held) {
+/* Judges the state of the last rbdi_joints. The factor is left in w->H. */
+RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
 #ifdef RBDI_JUDGE
     rbdi_crba_of_joints(m, w, w->H);
-    if (held) rbdi_hold_rows(m, held, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
 #else
-    (void)held;
     for (int k = 0; k < m->nv; ++k)
         rbdi_judge(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT), rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
 #endif
@@ -139,7 +124,7 @@ RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w, const unsigned 
 RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_judge_state(m, w, NULL);
+    rbdi_judge_state(m, w);
     return rbdi_verdict(m, w, x, n);
 }
 
