@@ -970,7 +970,7 @@ RBDI_EXTERN_C_END
 #ifndef RBDI_LAYOUT
 #define RBDI_LAYOUT
 
-/* ==== src/model/layout.h ==== */
+/* ==== src/base/types.h ==== */
 /* ---- layout [layout] ----
    The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
@@ -980,6 +980,77 @@ RBDI_EXTENSION typedef __float128 rbdi_wide;
 #else
 typedef double rbdi_wide;
 #endif
+
+#define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+#define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
+#define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
+
+/* ==== src/algebra/types.h ==== */
+/* What is known of the angle of a turn: among the flags of a link. */
+enum {
+    RBDI_TWIST_90 = 128, /* 90 degrees */
+    RBDI_TWIST_0 = 256   /* 0 */
+};
+
+typedef struct rbdi_c3 {
+    rbd_const x, y, z;
+} rbdi_c3;
+
+typedef struct rbdi_csym {
+    rbd_const xx, xy, xz, yy, yz, zz;
+} rbdi_csym;
+
+typedef struct rbdi_v3 {
+    rbd_real x, y, z;
+} rbdi_v3;
+
+typedef struct rbdi_sym { /* symmetric 3 x 3 */
+    rbd_real xx, xy, xz, yy, yz, zz;
+} rbdi_sym;
+
+typedef struct rbdi_mat { /* 3 x 3 */
+    rbd_real xx, xy, xz, yx, yy, yz, zx, zy, zz;
+} rbdi_mat;
+
+typedef struct rbdi_motion { /* angular, linear */
+    rbdi_v3 omega, v;
+} rbdi_motion;
+
+typedef struct rbdi_force { /* moment, force */
+    rbdi_v3 n, f;
+} rbdi_force;
+
+/* Velocity and classical acceleration of a link, in its own axes at its origin. */
+typedef struct rbdi_state {
+    rbdi_v3 omega, omega_dot, acc;
+} rbdi_state;
+
+typedef struct rbdi_rbi { /* composite rigid body; its mass is the constant subtree_mass */
+    rbdi_sym Sigma;
+    rbdi_v3 h;
+} rbdi_rbi;
+
+typedef struct rbdi_abi { /* articulated-body inertia [I H; H' M] */
+    rbdi_sym I;
+    rbdi_mat H;
+    rbdi_sym M;
+} rbdi_abi;
+
+typedef struct rbdi_trig { /* cosine and sine of the joint angle; the slide d + kappa q */
+    rbd_real c, s, d;
+} rbdi_trig;
+
+typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
+    rbdi_mat E;
+    rbdi_v3 r;
+} rbdi_pose;
+
+/* ==== src/model/layout.h ==== */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_order, RBDI_APART, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
+   RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+
+
 
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
@@ -1015,21 +1086,11 @@ enum {
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
-    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128,  /* alpha = 90 degrees */
-    RBDI_TWIST_0 = 256,   /* alpha = 0 */
+    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
     RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
                                the link before it, or which has no Denavit-Hartenberg form */
 };
-
-typedef struct rbdi_c3 {
-    rbd_const x, y, z;
-} rbdi_c3;
-
-typedef struct rbdi_csym {
-    rbd_const xx, xy, xz, yy, yz, zz;
-} rbdi_csym;
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
    twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
@@ -1130,53 +1191,11 @@ struct rbd_model {
 #define RBDI_TABLE_DECLARATION(name) extern const rbd_model name;
 #endif
 
-/* ==== src/algebra/types.h ==== */
-typedef struct rbdi_v3 {
-    rbd_real x, y, z;
-} rbdi_v3;
-
-typedef struct rbdi_sym { /* symmetric 3 x 3 */
-    rbd_real xx, xy, xz, yy, yz, zz;
-} rbdi_sym;
-
-typedef struct rbdi_mat { /* 3 x 3 */
-    rbd_real xx, xy, xz, yx, yy, yz, zx, zy, zz;
-} rbdi_mat;
-
-typedef struct rbdi_motion { /* angular, linear */
-    rbdi_v3 omega, v;
-} rbdi_motion;
-
-typedef struct rbdi_force { /* moment, force */
-    rbdi_v3 n, f;
-} rbdi_force;
-
-/* Velocity and classical acceleration of a link, in its own axes at its origin. */
-typedef struct rbdi_state {
-    rbdi_v3 omega, omega_dot, acc;
-} rbdi_state;
-
-typedef struct rbdi_rbi { /* composite rigid body; its mass is the constant subtree_mass */
-    rbdi_sym Sigma;
-    rbdi_v3 h;
-} rbdi_rbi;
-
-typedef struct rbdi_abi { /* articulated-body inertia [I H; H' M] */
-    rbdi_sym I;
-    rbdi_mat H;
-    rbdi_sym M;
-} rbdi_abi;
-
-typedef struct rbdi_trig { /* cosine and sine of the joint angle; the slide d + kappa q */
-    rbd_real c, s, d;
-} rbdi_trig;
-
-typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
-    rbdi_mat E;
-    rbdi_v3 r;
-} rbdi_pose;
-
 /* ==== src/model/work.h ==== */
+/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot */
+
+
+
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
     rbdi_motion c;            /* aba: velocity-product acceleration */
@@ -1224,7 +1243,9 @@ struct rbd_work {
 };
 
 /* ==== src/model/sizes.h ==== */
-#define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+/* Interface: RBDI_FIXED_STRIDE, RBDI_LINKS */
+
+
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
@@ -1234,9 +1255,6 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-#define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
-#define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
-
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
    mimics (0 without mimics), nv dofs without, h packed entries. */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
@@ -2394,9 +2412,6 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     for (; k < n; ++k) x[k] = rbdi_zero();
 }
 
-/* From one component of the wrenches in w->F to the next. */
-RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv + m->nmimic); }
-
 RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
     while (*a && *a == *b) ++a, ++b;
@@ -2414,6 +2429,11 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 
+/* ==== src/model/calls.h ==== */
+/* Interface: rbdi_check, rbdi_fits, rbdi_stride */
+
+
+
 /* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
    have been built there meanwhile, and the same table may stand at another. */
 RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
@@ -2426,7 +2446,16 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
     return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
+/* From one component of the wrenches in w->F to the next. */
+RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv + m->nmimic); }
+
 /* ==== src/model/joints.h ==== */
+/* Interface: rbdi_along_axis, rbdi_begins_branch, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
+   rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
+   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
+
+
+
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
    rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
@@ -2695,6 +2724,11 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
 }
 
 /* ==== src/dynamics/state.h ==== */
+/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward_link, rbdi_reduce_tau,
+   rbdi_world_state, rbdi_wrench */
+
+
+
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
    = down, z the joint's axis, Omega as in [design]:
@@ -2877,6 +2911,10 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
 }
 
 /* ==== src/dynamics/rnea.h ==== */
+/* Interface: rbdi_rnea_sweep */
+
+
+
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
    from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
@@ -3027,6 +3065,10 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 }
 
 /* ==== src/dynamics/crba.h ==== */
+/* Interface: rbdi_ratio, rbdi_rbi_column, rbdi_source */
+
+
+
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
    every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches of all dofs of link i's subtree
@@ -3328,6 +3370,11 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 }
 
 /* ==== src/dynamics/aba.h ==== */
+/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_abi_add_link,
+   rbdi_free_base */
+
+
+
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
 
@@ -3770,6 +3817,10 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
 }
 
 /* ==== src/dynamics/packed.h ==== */
+/* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
+
+
+
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
    changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
@@ -3900,6 +3951,11 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
 }
 
 /* ==== src/dynamics/gather.h ==== */
+/* Interface: rbdi_factor_invert, rbdi_gather_rows, rbdi_gathered, rbdi_index, rbdi_solve_sides, RBDI_GATHER,
+   RBDI_PLAIN */
+
+
+
 #if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_GATHER
 /* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
@@ -4186,6 +4242,10 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 }
 
 /* ==== src/dynamics/pivots.h ==== */
+/* Interface: rbdi_judge_state, rbdi_status_of, rbdi_verdict */
+
+
+
 /* ---- pivots [pivots] ----
    One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
 
@@ -4505,6 +4565,11 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
 RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
 /* ==== src/motion/axes.h ==== */
+/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
+   rbdi_set_axis, rbdi_world_axes */
+
+
+
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
@@ -4598,6 +4663,10 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 }
 
 /* ==== src/motion/kinematics.h ==== */
+/* Interface: rbdi_kin_links, rbdi_point_p */
+
+
+
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
@@ -4883,6 +4952,10 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 #endif
 
 /* ==== src/motion/points.h ==== */
+/* Interface: rbdi_column */
+
+
+
 #ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 
@@ -5094,6 +5167,10 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
 #endif
 
 /* ==== src/motion/manifold.h ==== */
+/* Interface: rbdi_difference_joint */
+
+
+
 #ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -5472,6 +5549,10 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
 #endif
 
 /* ==== src/model/text.h ==== */
+/* Interface: rbdi_append, rbdi_append_number */
+
+
+
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT
@@ -5565,9 +5646,17 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
 RBDI_CODE_END
 
 /* ==== src/model/wide.h ==== */
+/* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
+   rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
+   rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
+
+
+
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's
    arithmetic. And the way back, from the model to a row. */
+
+#include <math.h>
 
 #if RBDI_KIND(RBD_CONST) == 3
 #define RBDI_WIDE_LIBM(name) name##q
@@ -6938,6 +7027,10 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
 #endif /* RBD_NO_BUILD */
 
 /* ==== src/batch/batch.h ==== */
+/* Interface: rbdi_batch_run, rbdi_task, rbdi_task_of, rbdi_task_output */
+
+
+
 /* ---- batches [batch code] ---- */
 
 #ifdef RBD_BATCH_IMPLEMENTATION

@@ -147,8 +147,9 @@ RBDI_EXTERN_C_END
 #ifndef RBDI_LAYOUT
 #define RBDI_LAYOUT
 
-#include "model/layout.h"
+#include "base/types.h"
 #include "algebra/types.h"
+#include "model/layout.h"
 #include "model/work.h"
 #include "model/sizes.h"
 
@@ -259,6 +260,7 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 #include "base/memory.h"
+#include "model/calls.h"
 #include "model/joints.h"
 #include "dynamics/state.h"
 #include "dynamics/rnea.h"

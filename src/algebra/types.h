@@ -2,6 +2,20 @@
 #define RBDI_ALGEBRA_TYPES_H
 #include "api/configuration.h"
 
+/* What is known of the angle of a turn: among the flags of a link. */
+enum {
+    RBDI_TWIST_90 = 128, /* 90 degrees */
+    RBDI_TWIST_0 = 256   /* 0 */
+};
+
+typedef struct rbdi_c3 {
+    rbd_const x, y, z;
+} rbdi_c3;
+
+typedef struct rbdi_csym {
+    rbd_const xx, xy, xz, yy, yz, zz;
+} rbdi_csym;
+
 typedef struct rbdi_v3 {
     rbd_real x, y, z;
 } rbdi_v3;

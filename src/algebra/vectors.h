@@ -1,6 +1,5 @@
 #ifndef RBDI_ALGEBRA_VECTORS_H
 #define RBDI_ALGEBRA_VECTORS_H
-#include "model/layout.h"
 #include "algebra/types.h"
 #include "base/scalar.h"
 

@@ -1,5 +1,6 @@
 #ifndef RBDI_API_DERIVATIVES_PARTS_H
 #define RBDI_API_DERIVATIVES_PARTS_H
+#include "api/symbols.h"
 #include "api/parts.h"
 
 /* What may be left out: see [memory]. */

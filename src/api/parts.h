@@ -1,6 +1,6 @@
 #ifndef RBDI_API_PARTS_H
 #define RBDI_API_PARTS_H
-#include "api/symbols.h"
+#include "api/configuration.h"
 
 #if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
 #define RBDI_NO_FD_CHOLESKY

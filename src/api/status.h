@@ -1,6 +1,6 @@
 #ifndef RBDI_API_STATUS_H
 #define RBDI_API_STATUS_H
-#include "api/symbols.h"
+#include "api/configuration.h"
 
 /* ---- status [status] ---- */
 

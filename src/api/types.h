@@ -1,6 +1,5 @@
 #ifndef RBDI_API_TYPES_H
 #define RBDI_API_TYPES_H
-#include "api/symbols.h"
 
 /* ---- types [types] ---- */
 

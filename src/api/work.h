@@ -1,5 +1,6 @@
 #ifndef RBDI_API_WORK_H
 #define RBDI_API_WORK_H
+#include "api/symbols.h"
 #include "api/types.h"
 #include "api/status.h"
 

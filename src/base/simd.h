@@ -1,6 +1,6 @@
 #ifndef RBDI_BASE_SIMD_H
 #define RBDI_BASE_SIMD_H
-#include "model/sizes.h"
+#include "base/types.h"
 #include "base/scalar.h"
 
 /* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a

@@ -1,7 +1,7 @@
 #ifndef RBDI_BASE_TOLERANCES_H
 #define RBDI_BASE_TOLERANCES_H
 #include "api/parts.h"
-#include "model/layout.h"
+#include "base/types.h"
 
 /* ---- tolerances [tolerances] ----
    RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;

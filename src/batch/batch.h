@@ -6,6 +6,11 @@
 #include "api/lookup.h"
 #include "api/batch.h"
 #include "base/memory.h"
+#include "model/calls.h"
+
+/* Interface: rbdi_batch_run, rbdi_task, rbdi_task_of, rbdi_task_output */
+
+
 
 /* ---- batches [batch code] ---- */
 

@@ -1,7 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_BATCH_H
 #define RBDI_CONSTRAINTS_BATCH_H
 #include "batch/batch.h"
-#include "api/constraints.h"
 #include "constraints/set.h"
 
 /* ---- batches [batch code] ---- */

@@ -3,6 +3,7 @@
 #include "motion/points.h"
 #include "derivatives/memory.h"
 #include "derivatives/steps.h"
+#include "api/constrained_derivatives.h"
 #include "constraints/calls.h"
 
 /* ---- derivatives [derivatives code] ----

@@ -1,6 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_LAYOUT_H
 #define RBDI_CONSTRAINTS_LAYOUT_H
-#include "model/sizes.h"
+#include "model/work.h"
 #include "api/constraints.h"
 
 /* ---- layout [layout] ---- */

@@ -1,7 +1,7 @@
 #ifndef RBDI_CONSTRAINTS_SET_H
 #define RBDI_CONSTRAINTS_SET_H
 #include "model/text.h"
-#include "model/check.h"
+#include "model/wide.h"
 #include "constraints/passes.h"
 
 /* ---- set code [set code] ---- */

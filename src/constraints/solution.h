@@ -1,5 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_SOLUTION_H
 #define RBDI_CONSTRAINTS_SOLUTION_H
+#include "algebra/vectors.h"
 #include "dynamics/packed.h"
 #include "constraints/layout.h"
 

@@ -1,7 +1,7 @@
 #ifndef RBDI_DERIVATIVES_BATCH_H
 #define RBDI_DERIVATIVES_BATCH_H
 #include "batch/batch.h"
-#include "api/derivatives.h"
+#include "derivatives/layout.h"
 
 /* ---- batches [batch code] ---- */
 

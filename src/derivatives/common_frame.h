@@ -1,7 +1,12 @@
 #ifndef RBDI_DERIVATIVES_COMMON_FRAME_H
 #define RBDI_DERIVATIVES_COMMON_FRAME_H
+#include "dynamics/state.h"
 #include "motion/axes.h"
 #include "derivatives/layout.h"
+
+/* Interface: rbdi_load_motion, rbdi_store_motion, RBDI_OF */
+
+
 
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED

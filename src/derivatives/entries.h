@@ -1,5 +1,6 @@
 #ifndef RBDI_DERIVATIVES_ENTRIES_H
 #define RBDI_DERIVATIVES_ENTRIES_H
+#include "dynamics/crba.h"
 #include "derivatives/common_frame.h"
 
 /* ---- entries [entries] ----

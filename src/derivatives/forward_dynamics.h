@@ -1,5 +1,6 @@
 #ifndef RBDI_DERIVATIVES_FORWARD_DYNAMICS_H
 #define RBDI_DERIVATIVES_FORWARD_DYNAMICS_H
+#include "dynamics/gather.h"
 #include "dynamics/pivots.h"
 #include "derivatives/subtrees.h"
 #include "derivatives/memory.h"

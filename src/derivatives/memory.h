@@ -2,6 +2,10 @@
 #define RBDI_DERIVATIVES_MEMORY_H
 #include "derivatives/entries.h"
 
+/* Interface: rbdi_check_derivatives */
+
+
+
 /* ---- memory [memory code] ---- */
 
 /* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor

@@ -2,7 +2,12 @@
 #define RBDI_DYNAMICS_CRBA_H
 #include "api/dynamics.h"
 #include "base/memory.h"
+#include "model/calls.h"
 #include "dynamics/state.h"
+
+/* Interface: rbdi_ratio, rbdi_rbi_column, rbdi_source */
+
+
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for

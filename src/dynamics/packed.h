@@ -1,6 +1,12 @@
 #ifndef RBDI_DYNAMICS_PACKED_H
 #define RBDI_DYNAMICS_PACKED_H
-#include "dynamics/crba.h"
+#include "model/work.h"
+#include "base/sincos.h"
+#include "base/memory.h"
+
+/* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
+
+
 
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k

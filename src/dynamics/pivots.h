@@ -1,6 +1,11 @@
 #ifndef RBDI_DYNAMICS_PIVOTS_H
 #define RBDI_DYNAMICS_PIVOTS_H
+#include "dynamics/crba.h"
 #include "dynamics/packed.h"
+
+/* Interface: rbdi_judge_state, rbdi_status_of, rbdi_verdict */
+
+
 
 /* ---- pivots [pivots] ----
    One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.

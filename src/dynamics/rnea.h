@@ -1,8 +1,12 @@
 #ifndef RBDI_DYNAMICS_RNEA_H
 #define RBDI_DYNAMICS_RNEA_H
 #include "api/dynamics.h"
-#include "base/memory.h"
+#include "model/calls.h"
 #include "dynamics/state.h"
+
+/* Interface: rbdi_rnea_sweep */
+
+
 
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here

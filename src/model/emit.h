@@ -1,6 +1,5 @@
 #ifndef RBDI_MODEL_EMIT_H
 #define RBDI_MODEL_EMIT_H
-#include "dynamics/crba.h"
 #include "model/regroup.h"
 
 #ifndef RBD_NO_BUILD

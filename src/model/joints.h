@@ -1,6 +1,13 @@
 #ifndef RBDI_MODEL_JOINTS_H
 #define RBDI_MODEL_JOINTS_H
+#include "model/work.h"
 #include "algebra/rotations.h"
+
+/* Interface: rbdi_along_axis, rbdi_begins_branch, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
+   rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
+   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
+
+
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),

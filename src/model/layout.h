@@ -1,16 +1,15 @@
 #ifndef RBDI_MODEL_LAYOUT_H
 #define RBDI_MODEL_LAYOUT_H
+#include "api/symbols.h"
 #include "api/types.h"
+#include "base/types.h"
+#include "algebra/types.h"
 
-/* ---- layout [layout] ----
-   The built model and the work, laid open for sizes at compile time and for generated tables only. */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_order, RBDI_APART, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
+   RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
-/* Arithmetic of the build: double at least, whatever the model's scalar. */
-#if RBDI_KIND(RBD_CONST) == 3
-RBDI_EXTENSION typedef __float128 rbdi_wide;
-#else
-typedef double rbdi_wide;
-#endif
+
 
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
@@ -46,21 +45,11 @@ enum {
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
-    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW */
-    RBDI_TWIST_90 = 128,  /* alpha = 90 degrees */
-    RBDI_TWIST_0 = 256,   /* alpha = 0 */
+    RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
     RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
                                the link before it, or which has no Denavit-Hartenberg form */
 };
-
-typedef struct rbdi_c3 {
-    rbd_const x, y, z;
-} rbdi_c3;
-
-typedef struct rbdi_csym {
-    rbd_const xx, xy, xz, yy, yz, zz;
-} rbdi_csym;
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
    twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */

@@ -1,6 +1,7 @@
 #ifndef RBDI_MODEL_LOOKUP_H
 #define RBDI_MODEL_LOOKUP_H
 #include "api/lookup.h"
+#include "model/layout.h"
 #include "base/memory.h"
 
 /* ---- lookup [lookup code] ---- */

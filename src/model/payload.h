@@ -1,6 +1,7 @@
 #ifndef RBDI_MODEL_PAYLOAD_H
 #define RBDI_MODEL_PAYLOAD_H
 #include "api/build.h"
+#include "model/joints.h"
 #include "model/emit.h"
 
 #ifndef RBD_NO_BUILD

@@ -2,7 +2,9 @@
 #define RBDI_MODEL_SIZES_H
 #include "model/work.h"
 
-#define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+/* Interface: RBDI_FIXED_STRIDE, RBDI_LINKS */
+
+
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
@@ -12,9 +14,6 @@
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-#define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
-#define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
-
 /* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
    mimics (0 without mimics), nv dofs without, h packed entries. */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \

@@ -2,6 +2,10 @@
 #define RBDI_MODEL_TEXT_H
 #include "api/status.h"
 
+/* Interface: rbdi_append, rbdi_append_number */
+
+
+
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT

@@ -2,11 +2,18 @@
 #define RBDI_MODEL_WIDE_H
 #include "api/status.h"
 #include "base/tolerances.h"
-#include "base/scalar.h"
+
+/* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
+   rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
+   rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
+
+
 
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's
    arithmetic. And the way back, from the model to a row. */
+
+#include <math.h>
 
 #if RBDI_KIND(RBD_CONST) == 3
 #define RBDI_WIDE_LIBM(name) name##q

@@ -1,7 +1,10 @@
 #ifndef RBDI_MODEL_WORK_H
 #define RBDI_MODEL_WORK_H
 #include "model/layout.h"
-#include "algebra/types.h"
+
+/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot */
+
+
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */

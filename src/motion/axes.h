@@ -1,7 +1,13 @@
 #ifndef RBDI_MOTION_AXES_H
 #define RBDI_MOTION_AXES_H
+#include "model/layout.h"
 #include "base/simd.h"
 #include "algebra/vectors.h"
+
+/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
+   rbdi_set_axis, rbdi_world_axes */
+
+
 
 /* ---- axes and origins of links [axes] ---- */
 

@@ -1,9 +1,13 @@
 #ifndef RBDI_MOTION_KINEMATICS_H
 #define RBDI_MOTION_KINEMATICS_H
 #include "api/kinematics.h"
-#include "base/memory.h"
+#include "model/calls.h"
 #include "dynamics/state.h"
 #include "motion/axes.h"
+
+/* Interface: rbdi_kin_links, rbdi_point_p */
+
+
 
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */

@@ -1,7 +1,12 @@
 #ifndef RBDI_MOTION_MANIFOLD_H
 #define RBDI_MOTION_MANIFOLD_H
 #include "api/manifold.h"
+#include "model/layout.h"
 #include "algebra/rotations.h"
+
+/* Interface: rbdi_difference_joint */
+
+
 
 #ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */

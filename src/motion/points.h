@@ -4,6 +4,10 @@
 #include "dynamics/crba.h"
 #include "motion/kinematics.h"
 
+/* Interface: rbdi_column */
+
+
+
 #ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 

@@ -1,7 +1,5 @@
 #ifndef RBDI_SPATIAL_CHECKS_H
 #define RBDI_SPATIAL_CHECKS_H
-#include "spatial/vectors.h"
-#include "spatial/inertias.h"
 
 /* ---- checks [checks] ----
    Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */

@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""The rooms of src/: what each defines and uses, and whether the house is in order.
+
+    rooms.py                 checks: a room includes what it uses and no more; no circle, no arrow up between storeys; a
+                             storey uses of another one only what an Interface names
+    rooms.py --mend          writes the #include lines of all rooms anew, from what they use
+    rooms.py --interfaces    writes the Interface of each room anew: a decision, so read the difference
+    rooms.py --draw          writes docs/rooms.svg
+
+A storey is a folder of src/. What the rooms of other storeys may use of a room stands in a comment of its own, which
+begins with "/* Interface:" and names each function, macro, type and constant; of the open storeys they may use all."""
+import re
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "src"))
+import amalgamate  # noqa: E402
+
+STOREYS = ["api", "base", "algebra", "model", "dynamics", "motion", "batch", "spatial", "derivatives", "constraints"]
+OPEN = ["api", "base", "algebra"]
+OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
+NAME = r"(?:rbdi?|RBDI?)_\w+"
+INTERFACE = re.compile(r"/\* Interface:(.*?)\*/", re.S)
+
+
+def statements(text):
+    """The statements outside of braces, each up to its semicolon or brace; of an enum with what is in it."""
+    text = re.sub(r'extern\s+" *"\s*\{', "", re.sub(r"^#(?:.*\\\n)*.*$", "", text, flags=re.M))
+    depth, start, out = 0, 0, []
+    for match in re.finditer(r"[{};]", text):
+        at, mark = match.start(), match.group()
+        if mark == "{":
+            if depth == 0:
+                out.append(text[start:at + 1])
+                start = at
+            depth += 1
+        elif mark == "}":
+            depth = max(depth - 1, 0)
+            if depth == 0:
+                if re.search(r"\benum\b[^;()]*\{$", out[-1] if out else ""):
+                    out[-1] += text[start + 1:at + 1]
+                start = at
+        elif depth == 0:
+            out.append(text[start:at + 1])
+            start = at + 1
+    return out
+
+
+def definitions(text):
+    """The macros, and the functions, types and constants that a text without comments defines or declares."""
+    macros = set(re.findall(rf"^#define ({NAME})", text, re.M))
+    found = set()
+    for statement in statements(text):
+        for pattern in (rf"\b(?:struct|union|enum)\s+({NAME})\s*\{{", rf"^\}}[^;]*?\b({NAME})\s*;",
+                        rf"\btypedef\b[^;{{(]*\b({NAME})\s*(?:__attribute__.*|\[.*)?;",
+                        rf"\btypedef\b[^;{{]*\(\s*\*?\s*({NAME})\s*\)?\s*\("):
+            found |= set(re.findall(pattern, statement, re.S))
+        enum = re.search(r"\benum\b[^;(){]*\{(.*)\}", statement, re.S)
+        if enum:
+            found |= set(re.findall(rf"(?:^|,)\s*({NAME})", re.sub(r"\([^()]*\)", "", enum[1])))
+        function = re.search(rf"\b({NAME})\s*\(", statement)
+        if function and "typedef" not in statement and "=" not in statement and statement.strip("};\n "):
+            found.add(function[1])
+    return macros, found
+
+
+class Room:
+    def __init__(self, name):
+        self.name, self.storey = name, name.split("/")[0]
+        self.includes, lines = amalgamate.read_room(name)
+        text = "\n".join(lines)
+        self.lines = len(lines)
+        self.interface = set(re.findall(NAME, " ".join(INTERFACE.findall(text))))
+        clean = OPAQUE.sub(lambda m: '" "' if m.group()[0] == '"' else " ", text)
+        self.names = set(re.findall(rf"\b{NAME}\b", clean))
+        self.macros, self.found = definitions(clean)
+        self.structs = set(re.findall(rf"^struct ({NAME}) \{{", clean, re.M))  # typedef elsewhere
+
+
+class House:
+    """The rooms in reading order. owner: the first room that defines a name. uses: {room: {other: names}}."""
+
+    def __init__(self):
+        self.rooms, self.owner, renamed, structs = {}, {}, {}, {}
+        for header in amalgamate.HEADERS:
+            for name, _ in amalgamate.read_header(header):
+                if name and "letters_" not in name and name not in self.rooms:
+                    self.rooms[name] = Room(name)
+        for room in self.rooms.values():
+            for name in sorted(room.macros):
+                # a public function's name carries the scalar: #define rbd_x RBDI_SYMBOL(rbd_x)
+                (renamed if name.startswith("rbd_") else self.owner).setdefault(name, room.name)
+            structs.update((name, room.name) for name in room.structs)
+            for name in sorted(room.found):
+                self.owner.setdefault(name, room.name)
+        order = list(self.rooms)
+        self.uses = {}
+        for room in self.rooms.values():
+            uses = {}
+            for name in room.names:
+                owners = {self.owner.get(name)} if name not in room.macros else set()
+                if name in room.found and order.index(renamed.get(name, order[-1])) < order.index(room.name):
+                    owners.add(renamed[name])
+                if room.storey != "api" and name in structs and order.index(structs[name]) < order.index(room.name):
+                    owners.add(structs[name])
+                for owner in owners - {None, room.name}:
+                    uses.setdefault(owner, set()).add(name)
+            self.uses[room.name] = {other: uses[other] for other in self.rooms if other in uses}
+
+    def across(self):
+        """{room: {internal name: a room of another storey that uses it}}, but of the open storeys."""
+        used = {}
+        for name, others in self.uses.items():
+            for other, names in others.items():
+                if self.rooms[other].storey not in (self.rooms[name].storey, *OPEN):
+                    for internal in sorted(names):
+                        if internal.startswith(("rbdi_", "RBDI_")):
+                            used.setdefault(other, {}).setdefault(internal, name)
+        return used
+
+    def wanted(self):
+        """What each room should include: what it uses, but what comes with another of these."""
+        below, out = {}, {}
+        for name in self.rooms:
+            used = [other for other in self.uses[name] if other in below]  # in reading order
+            below[name] = set(used).union(*(below[other] for other in used))
+            out[name] = [other for other in used if not any(other in below[third] for third in used)]
+        return out
+
+
+def check(house):
+    """The sentences of what is wrong."""
+    order = list(house.rooms)
+    files = {str(path.relative_to(amalgamate.SRC)) for path in amalgamate.SRC.glob("*/*.h")}
+    for name in sorted(files - set(order)):
+        if "letters_" not in name:
+            yield f"src/{name} is in no header"
+    wanted = house.wanted()
+    for name, room in house.rooms.items():
+        if room.storey not in STOREYS:
+            yield f"src/{name}: {room.storey} is no storey"
+            continue
+        for other in room.includes:
+            if other not in order or order.index(other) > order.index(name):
+                yield f"src/{name} includes {other}, which does not stand before it"
+        for other, names in house.uses[name].items():
+            some = ", ".join(sorted(names)[:3])
+            if order.index(other) > order.index(name):
+                yield f"src/{name} uses {other} ({some}), which stands behind it"
+            if STOREYS.index(house.rooms[other].storey) > STOREYS.index(room.storey):
+                yield f"src/{name} uses {other} ({some}), which is in a higher storey"
+        if room.includes != wanted[name]:
+            yield f"src/{name} should include {' '.join(wanted[name]) or 'nothing'}, in this order (rooms.py --mend)"
+    used = house.across()
+    for name, room in house.rooms.items():
+        for internal, user in sorted(used.get(name, {}).items()):
+            if internal not in room.interface:
+                yield f"src/{user} uses {internal}, which the interface of src/{name} does not name"
+        for internal in sorted(room.interface - set(used.get(name, {}))):
+            yield f"src/{name}: its interface names {internal}, which no other storey uses"
+
+
+def mend(house):
+    for name, includes in house.wanted().items():
+        path = amalgamate.SRC / name
+        lines = path.read_text(encoding="utf-8").split("\n")
+        old = 2 + len(house.rooms[name].includes)
+        path.write_text("\n".join([*lines[:2], *(f'#include "{other}"' for other in includes), *lines[old:]]),
+                        encoding="utf-8")
+
+
+def interfaces(house):
+    used = house.across()
+    for name in house.rooms:
+        path = amalgamate.SRC / name
+        text = re.sub(r"\n" + INTERFACE.pattern + "\n", "\n", path.read_text(encoding="utf-8"), flags=re.S)
+        if name in used:
+            comment = textwrap.fill("/* Interface: " + ", ".join(sorted(used[name], key=lambda n: (n.isupper(), n))) + " */", 110,
+                                    subsequent_indent="   ", break_on_hyphens=False)
+            head = text.index("\n\n") + 1
+            text = text[:head] + "\n" + comment + "\n" + text[head:]
+        path.write_text(text, encoding="utf-8")
+
+
+def main(arguments):
+    house = House()
+    if arguments == ["--interfaces"]:
+        interfaces(house)
+        return 0
+    if arguments == ["--mend"]:
+        mend(house)
+        return 0
+    wrong = list(check(house))
+    print("\n".join(wrong) if wrong else f"{len(house.rooms)} rooms in {len(STOREYS)} storeys")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
