@@ -1050,8 +1050,6 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
    RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
-
-
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
     rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */
@@ -1194,8 +1192,6 @@ struct rbd_model {
 /* ==== src/model/work.h ==== */
 /* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot */
 
-
-
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
     rbdi_motion c;            /* aba: velocity-product acceleration */
@@ -1244,8 +1240,6 @@ struct rbd_work {
 
 /* ==== src/model/sizes.h ==== */
 /* Interface: RBDI_FIXED_STRIDE, RBDI_LINKS */
-
-
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
@@ -2432,8 +2426,6 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 /* ==== src/model/calls.h ==== */
 /* Interface: rbdi_check, rbdi_fits, rbdi_stride */
 
-
-
 /* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
    have been built there meanwhile, and the same table may stand at another. */
 RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
@@ -2453,8 +2445,6 @@ RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv
 /* Interface: rbdi_along_axis, rbdi_begins_branch, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
    rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
    rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
-
-
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
@@ -2727,8 +2717,6 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
 /* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward_link, rbdi_reduce_tau,
    rbdi_world_state, rbdi_wrench */
 
-
-
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
    = down, z the joint's axis, Omega as in [design]:
@@ -2913,8 +2901,6 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
 /* ==== src/dynamics/rnea.h ==== */
 /* Interface: rbdi_rnea_sweep */
 
-
-
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
    from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
@@ -3066,8 +3052,6 @@ RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *
 
 /* ==== src/dynamics/crba.h ==== */
 /* Interface: rbdi_ratio, rbdi_rbi_column, rbdi_source */
-
-
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
@@ -3372,8 +3356,6 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 /* ==== src/dynamics/aba.h ==== */
 /* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_abi_add_link,
    rbdi_free_base */
-
-
 
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
@@ -3819,8 +3801,6 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
 /* ==== src/dynamics/packed.h ==== */
 /* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
 
-
-
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
    changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
@@ -3953,8 +3933,6 @@ RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) 
 /* ==== src/dynamics/gather.h ==== */
 /* Interface: rbdi_factor_invert, rbdi_gather_rows, rbdi_gathered, rbdi_index, rbdi_solve_sides, RBDI_GATHER,
    RBDI_PLAIN */
-
-
 
 #if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_GATHER
@@ -4243,8 +4221,6 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 
 /* ==== src/dynamics/pivots.h ==== */
 /* Interface: rbdi_judge_state, rbdi_status_of, rbdi_verdict */
-
-
 
 /* ---- pivots [pivots] ----
    One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
@@ -4568,8 +4544,6 @@ RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 /* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
    rbdi_set_axis, rbdi_world_axes */
 
-
-
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
@@ -4664,8 +4638,6 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 
 /* ==== src/motion/kinematics.h ==== */
 /* Interface: rbdi_kin_links, rbdi_point_p */
-
-
 
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
@@ -4954,8 +4926,6 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
 /* ==== src/motion/points.h ==== */
 /* Interface: rbdi_column */
 
-
-
 #ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 
@@ -5168,8 +5138,6 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
 
 /* ==== src/motion/manifold.h ==== */
 /* Interface: rbdi_difference_joint */
-
-
 
 #ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
@@ -5551,8 +5519,6 @@ RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
 /* ==== src/model/text.h ==== */
 /* Interface: rbdi_append, rbdi_append_number */
 
-
-
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT
@@ -5649,8 +5615,6 @@ RBDI_CODE_END
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
    rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
-
-
 
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's
@@ -7028,8 +6992,6 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
 
 /* ==== src/batch/batch.h ==== */
 /* Interface: rbdi_batch_run, rbdi_task, rbdi_task_of, rbdi_task_output */
-
-
 
 /* ---- batches [batch code] ---- */
 

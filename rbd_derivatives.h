@@ -424,8 +424,6 @@ struct rbd_derivatives {
 /* ==== src/derivatives/common_frame.h ==== */
 /* Interface: rbdi_load_motion, rbdi_store_motion, RBDI_OF */
 
-
-
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
@@ -1510,8 +1508,6 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 /* ==== src/derivatives/memory.h ==== */
 /* Interface: rbdi_check_derivatives */
 
-
-
 /* ---- memory [memory code] ---- */
 
 /* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
@@ -2555,8 +2551,6 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 
 /* ==== src/derivatives/steps.h ==== */
 /* Interface: rbdi_ad_function_of, rbdi_tails, RBDI_J_R_INVERSE */
-
-
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0

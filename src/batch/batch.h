@@ -10,8 +10,6 @@
 
 /* Interface: rbdi_batch_run, rbdi_task, rbdi_task_of, rbdi_task_output */
 
-
-
 /* ---- batches [batch code] ---- */
 
 #ifdef RBD_BATCH_IMPLEMENTATION

@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_load_motion, rbdi_store_motion, RBDI_OF */
 
-
-
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")

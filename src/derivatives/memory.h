@@ -4,8 +4,6 @@
 
 /* Interface: rbdi_check_derivatives */
 
-
-
 /* ---- memory [memory code] ---- */
 
 /* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor

@@ -7,8 +7,6 @@
 
 /* Interface: rbdi_ad_function_of, rbdi_tails, RBDI_J_R_INVERSE */
 
-
-
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
    or u = 0 or in a plane where the joint has no more, with ad = ([w]x, 0; [u]x, [w]x)

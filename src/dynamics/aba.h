@@ -5,8 +5,6 @@
 /* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_abi_add_link,
    rbdi_free_base */
 
-
-
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
 

@@ -7,8 +7,6 @@
 
 /* Interface: rbdi_ratio, rbdi_rbi_column, rbdi_source */
 
-
-
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
    every j on the path to the root F = X' F, H_ij = F' S_j. Here the wrenches of all dofs of link i's subtree

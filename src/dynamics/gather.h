@@ -5,8 +5,6 @@
 /* Interface: rbdi_factor_invert, rbdi_gather_rows, rbdi_gathered, rbdi_index, rbdi_solve_sides, RBDI_GATHER,
    RBDI_PLAIN */
 
-
-
 #if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_GATHER
 /* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is

@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
 
-
-
 /* ---- cholesky [cholesky] ----
    M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
    changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that

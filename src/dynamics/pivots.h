@@ -5,8 +5,6 @@
 
 /* Interface: rbdi_judge_state, rbdi_status_of, rbdi_verdict */
 
-
-
 /* ---- pivots [pivots] ----
    One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
 

@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_rnea_sweep */
 
-
-
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
    from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several

@@ -5,8 +5,6 @@
 /* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward_link, rbdi_reduce_tau,
    rbdi_world_state, rbdi_wrench */
 
-
-
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
    = down, z the joint's axis, Omega as in [design]:

@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_check, rbdi_fits, rbdi_stride */
 
-
-
 /* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
    have been built there meanwhile, and the same table may stand at another. */
 RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {

@@ -7,8 +7,6 @@
    rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
    rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
 
-
-
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
    rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity

@@ -9,8 +9,6 @@
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
    RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
-
-
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
     rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */

@@ -4,8 +4,6 @@
 
 /* Interface: RBDI_FIXED_STRIDE, RBDI_LINKS */
 
-
-
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
 #if (defined __x86_64__ || defined __aarch64__) && RBDI_REAL_KIND % 3

@@ -4,8 +4,6 @@
 
 /* Interface: rbdi_append, rbdi_append_number */
 
-
-
 /* ---- text [text code] ---- */
 
 #ifndef RBD_NO_TEXT

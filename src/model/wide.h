@@ -7,8 +7,6 @@
    rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
 
-
-
 /* ---- descriptions [descriptions] ----
    What reading a description takes, here and in the headers beside: checks, and algebra in the build's
    arithmetic. And the way back, from the model to a row. */

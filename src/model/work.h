@@ -4,8 +4,6 @@
 
 /* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot */
 
-
-
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
     rbdi_motion c;            /* aba: velocity-product acceleration */

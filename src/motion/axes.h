@@ -7,8 +7,6 @@
 /* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
    rbdi_set_axis, rbdi_world_axes */
 
-
-
 /* ---- axes and origins of links [axes] ---- */
 
 /* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */

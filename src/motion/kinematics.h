@@ -7,8 +7,6 @@
 
 /* Interface: rbdi_kin_links, rbdi_point_p */
 
-
-
 #ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 

@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_difference_joint */
 
-
-
 #ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 

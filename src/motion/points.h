@@ -6,8 +6,6 @@
 
 /* Interface: rbdi_column */
 
-
-
 #ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 

@@ -175,7 +175,7 @@ def interfaces(house):
     used = house.across()
     for name in house.rooms:
         path = amalgamate.SRC / name
-        text = re.sub(r"\n" + INTERFACE.pattern + "\n", "\n", path.read_text(encoding="utf-8"), flags=re.S)
+        text = re.sub(INTERFACE.pattern + "\n+", "", path.read_text(encoding="utf-8"), flags=re.S)
         if name in used:
             comment = textwrap.fill("/* Interface: " + ", ".join(sorted(used[name], key=lambda n: (n.isupper(), n))) + " */", 110,
                                     subsequent_indent="   ", break_on_hyphens=False)
