@@ -188,9 +188,25 @@ def configure(o, folder, compiler, march):
     shutil.rmtree(folder, ignore_errors=True)
     if platform.machine() not in ("x86_64", "amd64"):
         march = "native"
+    cpp = cpp_of(o, compiler)
+    more = []
+    if march != "native" and "clang" in cpp:
+        more = ["-Dcpp_args=-fno-integrated-as,-B" + assembler_for_valgrind(folder + "-as")]
     call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled",
-          "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen, "-Dcodegen=" + CODEGEN],
-         env={"CC": compiler, "CXX": cpp_of(o, compiler)})
+          "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen, "-Dcodegen=" + CODEGEN] + more,
+         env={"CC": compiler, "CXX": cpp})
+
+
+def assembler_for_valgrind(folder):
+    """A folder with an assembler that avoids an encoding which valgrind 3.19 does not know: see counters/instructions.sh."""
+    os.makedirs(folder, exist_ok=True)
+    path = os.path.join(folder, "as")
+    with open(path, "w") as f:
+        f.write("#!/bin/sh\nfor source; do :; done\n"
+                "sed -i 's/^\\tvmovq\\t\\(%xmm[0-9]*, %xmm\\)/\\t{load} vmovq\\t\\1/' \"$source\"\n"
+                "exec as \"$@\"\n")
+    os.chmod(path, 0o755)
+    return folder
 
 
 def bench(o, compiler, march):
