@@ -1,7 +1,8 @@
 /* The library for one scalar and variant, as a table. This file is compiled once for each (see meson.build):
-   LIBRARY names the table; RBD_REAL and RBD_CONST choose the scalar; RBD_LANES makes its calls batches;
-   CODE makes them calls of code generated for one robot. The one with nothing but LIBRARY is the library as a program has it; the others are RBD_STATIC,
-   since a program can have the names of rbd.h only once. SPDX-License-Identifier: MIT */
+   LIBRARY names the table; RBD_REAL and RBD_CONST choose the scalar; RBD_LANES makes its calls batches; CODE
+   makes them calls of code generated for one robot. With LIBRARY alone it is the library as a program has it;
+   the others are RBD_STATIC, since a program can have the names of rbd.h only once.
+   SPDX-License-Identifier: MIT */
 #if defined CODE
 #include "generated.h"
 #elif defined RBD_LANES
