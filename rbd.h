@@ -1050,25 +1050,31 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
    RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
+/* Pose of a frame B in a frame A: x_B = E (x_A - r). */
+typedef struct rbdi_wide_pose {
+    rbdi_wide E[9], r[3];
+} rbdi_wide_pose;
+
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
-    rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */
+    rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
-    rbdi_wide B[9], b[3];           /* user's link frame to solver frame: x_solver = B (x_user - b) */
+    rbdi_wide_pose solver;          /* solver frame in the user's link frame */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
     rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
     rbdi_wide trace, moment, all_mass,
-        subtree_mass;                     /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;               /* of the pivot; of the user's frames: see rbdi_draft_scale */
-    int parent, kind, type, body, iq, iv; /* parent: index among drafts */
+        subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_draft_scale */
+    int parent, kind, type, iq, iv; /* parent: index among drafts */
+    int body, joint_dof;            /* body that it belongs to; first of the joint's dofs that is its */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
 
 /* Where a body of the description sits while the model is built. */
 typedef struct rbdi_place {
-    rbdi_wide E[9], r[3]; /* x_body = E (x_link - r) */
-    int link;             /* draft, -1 = world */
+    rbdi_wide_pose X; /* in its link */
+    int link;         /* draft, -1 = world */
     int iq, iv;
 } rbdi_place;
 
@@ -5671,6 +5677,24 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
     rbdi_w_turn_z(cb, sb, Z);
     rbdi_w_product(E, Z, E);
 }
+/* Pose of C in A, from that of C in B and of B in A. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
+    rbdi_wide_pose X;
+    rbdi_w_product(CB->E, BA->E, X.E);
+    rbdi_w_apply_t(BA->E, CB->r, X.r);
+    for (int k = 0; k < 3; ++k) X.r[k] += BA->r[k];
+    return X;
+}
+/* Pose of C in B, from those of both in A. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
+    rbdi_wide_pose X;
+    rbdi_wide T[9];
+    rbdi_w_transpose(BA->E, T);
+    rbdi_w_product(CA->E, T, X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] = CA->r[k] - BA->r[k];
+    rbdi_w_apply(BA->E, X.r, X.r);
+    return X;
+}
 static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -5762,50 +5786,49 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 #endif
 
 /* ==== src/model/describe.h ==== */
-#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
-static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
-    for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
-    r[0] = (rbdi_wide)at.x, r[1] = (rbdi_wide)at.y, r[2] = (rbdi_wide)at.z;
+#ifndef RBD_NO_BUILD
+static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
+    rbdi_wide_pose X;
+    for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
+    X.r[0] = (rbdi_wide)r.x, X.r[1] = (rbdi_wide)r.y, X.r[2] = (rbdi_wide)r.z;
+    return X;
 }
 
-/* E and r of link l at q = 0: x_link = E (x_parent - r). */
-static void rbdi_link_place(const rbd_model *m, const rbdi_link *l, rbdi_wide E[9], rbdi_wide r[3]) {
-    if (l->kind == RBDI_BLOCK) {
-        rbdi_widen_pose(rbdi_block_of(m, l)->E, l->r, E, r);
-        return;
-    }
-    r[0] = (rbdi_wide)l->r.x, r[1] = (rbdi_wide)l->r.y, r[2] = (rbdi_wide)l->r.z;
+/* Pose of link l in its parent at q = 0. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
+    static const rbd_const none[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    rbdi_wide_pose X = rbdi_widen_pose(l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->E : none, l->r);
+    if (l->kind == RBDI_BLOCK) return X;
     rbdi_w_zxz((rbdi_wide)l->cg, (rbdi_wide)l->sg, (rbdi_wide)l->ca, (rbdi_wide)l->sa, (rbdi_wide)l->cb,
-               (rbdi_wide)l->sb, E);
-    for (int k = 0; k < 3; ++k) r[k] += (rbdi_wide)l->d * E[6 + k];
+               (rbdi_wide)l->sb, X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] += (rbdi_wide)l->d * X.E[6 + k];
+    return X;
 }
+#endif
 
-/* Where the joint of a body stands, its axes, the links' z, and its parent; returns its first dof. */
+#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
+/* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
-    rbdi_wide E[9], r[3], F[9], s[3], R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
+    rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
+    rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
-    rbdi_widen_pose(u->E, u->r, E, r);
     for (; i >= 0 && m->dof[m->link[i].iv].body == body; i = m->link[i].parent) {
-        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = E[3 * k + 2];
-        rbdi_link_place(m, &m->link[i], F, s);
-        rbdi_w_apply_t(F, r, r);
-        for (int k = 0; k < 3; ++k) r[k] += s[k];
-        rbdi_w_product(E, F, E);
+        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = X.E[3 * k + 2];
+        up = rbdi_link_place(m, &m->link[i]);
+        X = rbdi_w_compose(&X, &up);
         dof = m->link[i].iv;
     }
     row->parent = -1;
-    rbdi_w_transpose(E, R);
     if (i >= 0) { /* from the link to the body that it carries */
         row->parent = m->dof[m->link[i].iv].body;
-        rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r, F, s);
-        for (int k = 0; k < 3; ++k) r[k] -= s[k];
-        rbdi_w_apply(F, r, r);
-        rbdi_w_product(F, R, R);
+        up = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
+        X = rbdi_w_relative(&X, &up);
     }
+    rbdi_w_transpose(X.E, R);
     for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
     for (int k = 0; k < 3; ++k) {
-        row->position[k] = (double)r[k];
+        row->position[k] = (double)X.r[k];
         row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
         row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
     }
@@ -6136,28 +6159,25 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type, links = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
-    rbdi_wide R[9], E[9], r[3];
+    rbdi_wide R[9];
+    rbdi_wide_pose X;
     int parent = -1;
     rbdi_widen(b->rotation, 9, R);
     if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
     rbdi_orthonormalise(R);
-    rbdi_w_transpose(R, E);
-    rbdi_widen(b->position, 3, r);
+    rbdi_w_transpose(R, X.E);
+    rbdi_widen(b->position, 3, X.r);
     if (b->parent >= 0) {
-        const rbdi_place *up = &place[b->parent];
-        parent = up->link;
-        rbdi_w_product(E, up->E, E);
-        rbdi_w_apply_t(up->E, r, r);
-        for (int k = 0; k < 3; ++k) r[k] += up->r[k];
+        parent = place[b->parent].link;
+        X = rbdi_w_compose(&X, &place[b->parent].X);
     }
     for (int k = 0; k < links; ++k) {
         rbdi_draft *l = &draft[*nl];
         rbdi_draft_clear(l);
-        l->parent = parent, l->type = type, l->body = i;
+        l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
         l->favourite = -1;
-        for (int j = 0; j < 9; ++j) l->E[j] = E[j];
-        for (int j = 0; j < 3; ++j) l->r[j] = r[j];
+        l->X = X;
         l->rho = 1;
         l->kind = RBDI_REVOLUTE;
         if (!axes[0]) {
@@ -6170,13 +6190,12 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
                 l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
         }
         parent = (*nl)++;
-        rbdi_w_identity(E);
-        for (int j = 0; j < 3; ++j) r[j] = 0;
+        rbdi_w_identity(X.E);
+        X.r[0] = X.r[1] = X.r[2] = 0;
     }
     place[i].link = parent;
-    for (int k = 0; k < 9; ++k) place[i].E[k] = E[k];
-    for (int k = 0; k < 3; ++k) place[i].r[k] = r[k];
-    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(r));
+    place[i].X = X;
+    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(X.r));
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
@@ -6187,41 +6206,32 @@ static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_dra
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
     rbdi_widen(b->com, 3, t);
-    rbdi_w_transpose(place->E, A);
+    rbdi_w_transpose(place->X.E, A);
     rbdi_w_apply(A, t, t);
-    for (int k = 0; k < 3; ++k) t[k] += place->r[k];
+    for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
     rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
+/* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
+static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+    rbdi_wide length;
+    int least = 0;
+    for (int k = 1; k < 3; ++k)
+        if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
+    for (int k = 0; k < 3; ++k) E[k] = (k == least) - s[least] * s[k];
+    length = rbdi_w_length(E);
+    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = s[k];
+    for (int k = 0; k < 3; ++k) E[3 + k] = s[(k + 1) % 3] * E[(k + 2) % 3] - s[(k + 2) % 3] * E[(k + 1) % 3];
+}
+
+/* Step 3: solver frames, with the joint's axis on z. */
 static void rbdi_draft_axis(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i];
-    const rbdi_wide *s = l->axis;
-    rbdi_wide x[3] = {0, 0, 0}, along, none[3] = {0, 0, 0};
-    int least = 0;
-    rbdi_w_identity(l->B);
-    if (l->kind != RBDI_BLOCK) {
-        for (int k = 1; k < 3; ++k)
-            if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
-        x[least] = 1;
-        along = s[least];
-        for (int k = 0; k < 3; ++k) x[k] -= along * s[k];
-        along = rbdi_w_length(x);
-        for (int k = 0; k < 3; ++k) {
-            l->B[k] = x[k] / along;
-            l->B[6 + k] = s[k];
-        }
-        for (int k = 0; k < 3; ++k)
-            l->B[3 + k] = s[(k + 1) % 3] * l->B[(k + 2) % 3] - s[(k + 2) % 3] * l->B[(k + 1) % 3];
-    }
-    rbdi_w_product(l->B, l->E, l->E);
-    if (l->parent >= 0) {
-        rbdi_wide T[9];
-        rbdi_w_transpose(draft[l->parent].B, T);
-        rbdi_w_product(l->E, T, l->E);
-        rbdi_w_apply(draft[l->parent].B, l->r, l->r);
-    }
-    rbdi_change_moments(l, l->B, none);
+    rbdi_w_identity(l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_draft_basis(l->axis, l->solver.E);
+    l->X = rbdi_w_compose(&l->solver, &l->X);
+    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &draft[l->parent].solver);
+    rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
@@ -6263,31 +6273,22 @@ static void rbdi_draft_order(rbdi_draft *draft, int nl) {
    and results stay, the constants around it change. */
 static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
     rbdi_draft *l = &draft[i];
-    rbdi_wide Z[9], T[9], down[3] = {0, 0, 0}, up[3] = {0, 0, 0};
-    rbdi_w_turn_z(c, s, Z);
-    rbdi_w_transpose(Z, T);
-    if (l->dh)
-        l->d += t;
-    else
-        for (int k = 0; k < 3; ++k) l->r[k] += t * l->E[6 + k];
-    rbdi_w_product(Z, l->E, l->E);
-    for (int j = i + 1; j < nl; ++j) {
-        if (draft[j].parent != i) continue;
-        draft[j].r[2] -= t;
-        rbdi_w_apply(Z, draft[j].r, draft[j].r);
-        rbdi_w_product(draft[j].E, T, draft[j].E);
-    }
-    down[2] = -t, up[2] = t;
-    rbdi_change_moments(l, Z, down);
-    rbdi_w_apply_t(l->B, up, up);
-    for (int k = 0; k < 3; ++k) l->b[k] += up[k];
-    rbdi_w_product(Z, l->B, l->B);
+    const rbdi_wide down[3] = {0, 0, -t};
+    rbdi_wide_pose turn;
+    rbdi_w_turn_z(c, s, turn.E);
+    turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
+    for (int j = i + 1; j < nl; ++j)
+        if (draft[j].parent == i) draft[j].X = rbdi_w_relative(&draft[j].X, &turn);
+    rbdi_change_moments(l, turn.E, down);
+    l->solver = rbdi_w_compose(&turn, &l->solver);
+    if (l->dh) l->d += t, turn.r[2] = 0;
+    l->X = rbdi_w_compose(&turn, &l->X);
 }
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
 static void rbdi_draft_angles(rbdi_draft *l) {
-    rbdi_wide *E = l->E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
     if (sigma > RBDI_SNAP) {
@@ -6325,8 +6326,8 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
     l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
     if (l->parent < 0) return;
     /* sums, until the parent's turn comes */
-    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r));
-    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->r));
+    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->X.r));
+    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->X.r));
     draft[l->parent].all += l->all;
 }
 
@@ -6337,12 +6338,12 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
    (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
-    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->r), step = rbdi_w_abs(t);
+    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_draft *c = &draft[j];
-        rbdi_wide from[3] = {c->r[0], c->r[1], c->r[2] - t};
+        rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
         if (c->parent == i && c != f && c->all > 0 &&
-            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r)))
+            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
             return 0;
     }
     return rest * t * t + rbdi_draft_spread(f, distance) - rbdi_draft_spread(f, from_f) <
@@ -6381,26 +6382,26 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
             f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);
-        rbdi_w_apply(Z, f->r, r);
+        rbdi_w_apply(Z, f->X.r, r);
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
         if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
-        a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
-        t = f->r[2];
+        a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
+        t = f->X.r[2];
         if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
-        rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
+        rbdi_draft_turn(draft, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
     f->dh = 1;
-    f->r[0] = a, f->r[1] = f->r[2] = 0;
+    f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
     f->d = d;
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
 static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
-    for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
+    for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
 #endif /* RBD_NO_BUILD */
@@ -6424,12 +6425,12 @@ static int rbdi_draft_slides(const rbdi_draft *l) {
 static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i], *up;
     rbdi_wide r[3], distance, reach,
-        trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
+        trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     l->all_mass += l->mass;
-    reach = l->reach += rbdi_w_length(l->b);
+    reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
     up = &draft[l->parent];
@@ -6463,7 +6464,7 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
     }
     if (l->parent < 0) return;
     rbdi_draft_origin(l, r);
-    rbdi_w_transpose(l->E, T);
+    rbdi_w_transpose(l->X.E, T);
     rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
 
@@ -6501,8 +6502,8 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
     if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
-    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
-    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->r[0])) flags |= RBDI_SHIFT_R;
+    if (rbdi_nonzero(l->X.r[1]) || rbdi_nonzero(l->X.r[2])) flags |= RBDI_SHIFT_XYZ;
+    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->X.r[0])) flags |= RBDI_SHIFT_R;
     if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
     if (block || l->kind == RBDI_SCREW) flags |= RBDI_MASS_KEPT;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
@@ -6518,7 +6519,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     rbdi_emit_angle(l, &out);
     out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
     out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
-    out.r = rbdi_round3(l->r);
+    out.r = rbdi_round3(l->X.r);
     out.d = RBD_C(l->d);
     out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
     out.Sigma = rbdi_round6(l->Sigma);
@@ -6536,8 +6537,8 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
     out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
     out.identity = 1;
     for (int k = 0; k < 9; ++k) {
-        out.E[k] = RBD_C(l->E[k]);
-        if (rbdi_nonzero(l->E[k] - one[k])) out.identity = 0;
+        out.E[k] = RBD_C(l->X.E[k]);
+        if (rbdi_nonzero(l->X.E[k] - one[k])) out.identity = 0;
     }
     return out;
 }
@@ -6555,9 +6556,6 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbd_body *b = &bodies[l->body];
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
-    int in_joint = 0;
-    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q)
-        ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
         const rbdi_wide scale = rbdi_draft_dof_scale(l, k);
@@ -6570,29 +6568,24 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
             d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
         }
         d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
-        d->armature = RBD_C(b->armature[in_joint + k]);
-        d->damping = RBD_C(b->damping[in_joint + k]);
-        d->friction = RBD_C(b->friction[in_joint + k]);
+        d->armature = RBD_C(b->armature[l->joint_dof + k]);
+        d->damping = RBD_C(b->damping[l->joint_dof + k]);
+        d->friction = RBD_C(b->friction[l->joint_dof + k]);
         d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
     }
 }
 
 /* What the user sees of body i. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
-    rbdi_wide E[9], r[3], T[9], com[3], I[6];
+    rbdi_wide_pose X = place->X;
+    rbdi_wide com[3], I[6];
     rbdi_frame out;
-    for (int k = 0; k < 9; ++k) E[k] = place->E[k];
-    for (int k = 0; k < 3; ++k) r[k] = place->r[k];
     rbdi_widen(b->com, 3, com);
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
     if (place->link >= 0) {
-        const rbdi_draft *l = &draft[place->link];
-        out.link = (int16_t)l->position;
-        rbdi_w_transpose(l->B, T);
-        rbdi_w_product(E, T, E);
-        for (int k = 0; k < 3; ++k) r[k] -= l->b[k];
-        rbdi_w_apply(l->B, r, r);
+        out.link = (int16_t)draft[place->link].position;
+        X = rbdi_w_relative(&X, &draft[place->link].solver);
     }
     out.name = b->name, out.joint = b->joint;
     out.parent = (int16_t)b->parent;
@@ -6603,8 +6596,8 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
         out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
         out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
     }
-    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(E[k]);
-    out.r = rbdi_round3(r);
+    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(X.E[k]);
+    out.r = rbdi_round3(X.r);
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
@@ -6872,23 +6865,13 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
 /* A draft of link i of a built model, without its mass; its parent, if it has one, is draft 0. */
 static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
     const rbdi_link *l = &m->link[i];
-    rbdi_wide Z[9];
     rbdi_draft out;
     rbdi_draft_clear(&out);
     out.parent = l->parent < 0 ? -1 : 0;
     out.kind = l->kind;
-    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa, out.d = (rbdi_wide)l->d;
-    out.r[0] = (rbdi_wide)l->r.x, out.r[1] = (rbdi_wide)l->r.y, out.r[2] = (rbdi_wide)l->r.z;
-    if (l->kind == RBDI_BLOCK) {
-        out.type = m->block[l->block].type;
-        for (int k = 0; k < 9; ++k) out.E[k] = (rbdi_wide)m->block[l->block].E[k];
-        return out;
-    }
-    rbdi_w_turn_z((rbdi_wide)l->cg, (rbdi_wide)l->sg, out.E);
-    rbdi_w_turn_x((rbdi_wide)l->ca, (rbdi_wide)l->sa, Z);
-    rbdi_w_product(out.E, Z, out.E);
-    rbdi_w_turn_z((rbdi_wide)l->cb, (rbdi_wide)l->sb, Z);
-    rbdi_w_product(out.E, Z, out.E);
+    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa;
+    out.X = rbdi_link_place(m, l);
+    if (l->kind == RBDI_BLOCK) out.type = m->block[l->block].type;
     return out;
 }
 
@@ -6980,8 +6963,7 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
     status = rbdi_payload_frame(u, &load);
     if (status || u->link < 0) return status;
     place.link = 0;
-    for (int k = 0; k < 9; ++k) place.E[k] = (rbdi_wide)u->E[k];
-    place.r[0] = (rbdi_wide)u->r.x, place.r[1] = (rbdi_wide)u->r.y, place.r[2] = (rbdi_wide)u->r.z;
+    place.X = rbdi_widen_pose(u->E, u->r);
     rbdi_payload_links(m, u->link, &load, &place);
     rbdi_payload_bounds(m, u->link, load, &place);
     return RBD_OK;

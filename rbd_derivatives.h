@@ -645,7 +645,7 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             rbdi_load_axes(&p, &parent);
         }
         if (l->kind != RBDI_BLOCK)
-            RBDI_BY_FORM(form, l, rbdi_axes_step(l, form, rbdi_trig_of(m, d->work, i, form), &p));
+            rbdi_axes_step(l, l->flags, rbdi_trig_of(m, d->work, i, l->flags), &p);
         else if (i > 0 || !base)
             rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
         if (d->origin[i] >= 0) {

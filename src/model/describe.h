@@ -4,50 +4,49 @@
 #include "model/joints.h"
 #include "model/wide.h"
 
-#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
-static void rbdi_widen_pose(const rbd_const *from, rbdi_c3 at, rbdi_wide E[9], rbdi_wide r[3]) {
-    for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)from[k];
-    r[0] = (rbdi_wide)at.x, r[1] = (rbdi_wide)at.y, r[2] = (rbdi_wide)at.z;
+#ifndef RBD_NO_BUILD
+static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
+    rbdi_wide_pose X;
+    for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
+    X.r[0] = (rbdi_wide)r.x, X.r[1] = (rbdi_wide)r.y, X.r[2] = (rbdi_wide)r.z;
+    return X;
 }
 
-/* E and r of link l at q = 0: x_link = E (x_parent - r). */
-static void rbdi_link_place(const rbd_model *m, const rbdi_link *l, rbdi_wide E[9], rbdi_wide r[3]) {
-    if (l->kind == RBDI_BLOCK) {
-        rbdi_widen_pose(rbdi_block_of(m, l)->E, l->r, E, r);
-        return;
-    }
-    r[0] = (rbdi_wide)l->r.x, r[1] = (rbdi_wide)l->r.y, r[2] = (rbdi_wide)l->r.z;
+/* Pose of link l in its parent at q = 0. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
+    static const rbd_const none[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    rbdi_wide_pose X = rbdi_widen_pose(l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->E : none, l->r);
+    if (l->kind == RBDI_BLOCK) return X;
     rbdi_w_zxz((rbdi_wide)l->cg, (rbdi_wide)l->sg, (rbdi_wide)l->ca, (rbdi_wide)l->sa, (rbdi_wide)l->cb,
-               (rbdi_wide)l->sb, E);
-    for (int k = 0; k < 3; ++k) r[k] += (rbdi_wide)l->d * E[6 + k];
+               (rbdi_wide)l->sb, X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] += (rbdi_wide)l->d * X.E[6 + k];
+    return X;
 }
+#endif
 
-/* Where the joint of a body stands, its axes, the links' z, and its parent; returns its first dof. */
+#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
+/* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
-    rbdi_wide E[9], r[3], F[9], s[3], R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
+    rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
+    rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
-    rbdi_widen_pose(u->E, u->r, E, r);
     for (; i >= 0 && m->dof[m->link[i].iv].body == body; i = m->link[i].parent) {
-        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = E[3 * k + 2];
-        rbdi_link_place(m, &m->link[i], F, s);
-        rbdi_w_apply_t(F, r, r);
-        for (int k = 0; k < 3; ++k) r[k] += s[k];
-        rbdi_w_product(E, F, E);
+        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = X.E[3 * k + 2];
+        up = rbdi_link_place(m, &m->link[i]);
+        X = rbdi_w_compose(&X, &up);
         dof = m->link[i].iv;
     }
     row->parent = -1;
-    rbdi_w_transpose(E, R);
     if (i >= 0) { /* from the link to the body that it carries */
         row->parent = m->dof[m->link[i].iv].body;
-        rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r, F, s);
-        for (int k = 0; k < 3; ++k) r[k] -= s[k];
-        rbdi_w_apply(F, r, r);
-        rbdi_w_product(F, R, R);
+        up = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
+        X = rbdi_w_relative(&X, &up);
     }
+    rbdi_w_transpose(X.E, R);
     for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
     for (int k = 0; k < 3; ++k) {
-        row->position[k] = (double)r[k];
+        row->position[k] = (double)X.r[k];
         row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
         row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
     }

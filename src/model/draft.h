@@ -27,28 +27,25 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     const rbd_body *b = &bodies[i];
     const int type = (int)b->type, links = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
-    rbdi_wide R[9], E[9], r[3];
+    rbdi_wide R[9];
+    rbdi_wide_pose X;
     int parent = -1;
     rbdi_widen(b->rotation, 9, R);
     if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
     rbdi_orthonormalise(R);
-    rbdi_w_transpose(R, E);
-    rbdi_widen(b->position, 3, r);
+    rbdi_w_transpose(R, X.E);
+    rbdi_widen(b->position, 3, X.r);
     if (b->parent >= 0) {
-        const rbdi_place *up = &place[b->parent];
-        parent = up->link;
-        rbdi_w_product(E, up->E, E);
-        rbdi_w_apply_t(up->E, r, r);
-        for (int k = 0; k < 3; ++k) r[k] += up->r[k];
+        parent = place[b->parent].link;
+        X = rbdi_w_compose(&X, &place[b->parent].X);
     }
     for (int k = 0; k < links; ++k) {
         rbdi_draft *l = &draft[*nl];
         rbdi_draft_clear(l);
-        l->parent = parent, l->type = type, l->body = i;
+        l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
         l->favourite = -1;
-        for (int j = 0; j < 9; ++j) l->E[j] = E[j];
-        for (int j = 0; j < 3; ++j) l->r[j] = r[j];
+        l->X = X;
         l->rho = 1;
         l->kind = RBDI_REVOLUTE;
         if (!axes[0]) {
@@ -61,13 +58,12 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
                 l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
         }
         parent = (*nl)++;
-        rbdi_w_identity(E);
-        for (int j = 0; j < 3; ++j) r[j] = 0;
+        rbdi_w_identity(X.E);
+        X.r[0] = X.r[1] = X.r[2] = 0;
     }
     place[i].link = parent;
-    for (int k = 0; k < 9; ++k) place[i].E[k] = E[k];
-    for (int k = 0; k < 3; ++k) place[i].r[k] = r[k];
-    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(r));
+    place[i].X = X;
+    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(X.r));
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
@@ -78,41 +74,32 @@ static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_dra
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
     rbdi_widen(b->com, 3, t);
-    rbdi_w_transpose(place->E, A);
+    rbdi_w_transpose(place->X.E, A);
     rbdi_w_apply(A, t, t);
-    for (int k = 0; k < 3; ++k) t[k] += place->r[k];
+    for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
     rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Step 3: solver frames with the joint's axis on z: rows of B are x, s x x, s. */
+/* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
+static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+    rbdi_wide length;
+    int least = 0;
+    for (int k = 1; k < 3; ++k)
+        if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
+    for (int k = 0; k < 3; ++k) E[k] = (k == least) - s[least] * s[k];
+    length = rbdi_w_length(E);
+    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = s[k];
+    for (int k = 0; k < 3; ++k) E[3 + k] = s[(k + 1) % 3] * E[(k + 2) % 3] - s[(k + 2) % 3] * E[(k + 1) % 3];
+}
+
+/* Step 3: solver frames, with the joint's axis on z. */
 static void rbdi_draft_axis(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i];
-    const rbdi_wide *s = l->axis;
-    rbdi_wide x[3] = {0, 0, 0}, along, none[3] = {0, 0, 0};
-    int least = 0;
-    rbdi_w_identity(l->B);
-    if (l->kind != RBDI_BLOCK) {
-        for (int k = 1; k < 3; ++k)
-            if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
-        x[least] = 1;
-        along = s[least];
-        for (int k = 0; k < 3; ++k) x[k] -= along * s[k];
-        along = rbdi_w_length(x);
-        for (int k = 0; k < 3; ++k) {
-            l->B[k] = x[k] / along;
-            l->B[6 + k] = s[k];
-        }
-        for (int k = 0; k < 3; ++k)
-            l->B[3 + k] = s[(k + 1) % 3] * l->B[(k + 2) % 3] - s[(k + 2) % 3] * l->B[(k + 1) % 3];
-    }
-    rbdi_w_product(l->B, l->E, l->E);
-    if (l->parent >= 0) {
-        rbdi_wide T[9];
-        rbdi_w_transpose(draft[l->parent].B, T);
-        rbdi_w_product(l->E, T, l->E);
-        rbdi_w_apply(draft[l->parent].B, l->r, l->r);
-    }
-    rbdi_change_moments(l, l->B, none);
+    rbdi_w_identity(l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_draft_basis(l->axis, l->solver.E);
+    l->X = rbdi_w_compose(&l->solver, &l->X);
+    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &draft[l->parent].solver);
+    rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
@@ -154,31 +141,22 @@ static void rbdi_draft_order(rbdi_draft *draft, int nl) {
    and results stay, the constants around it change. */
 static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
     rbdi_draft *l = &draft[i];
-    rbdi_wide Z[9], T[9], down[3] = {0, 0, 0}, up[3] = {0, 0, 0};
-    rbdi_w_turn_z(c, s, Z);
-    rbdi_w_transpose(Z, T);
-    if (l->dh)
-        l->d += t;
-    else
-        for (int k = 0; k < 3; ++k) l->r[k] += t * l->E[6 + k];
-    rbdi_w_product(Z, l->E, l->E);
-    for (int j = i + 1; j < nl; ++j) {
-        if (draft[j].parent != i) continue;
-        draft[j].r[2] -= t;
-        rbdi_w_apply(Z, draft[j].r, draft[j].r);
-        rbdi_w_product(draft[j].E, T, draft[j].E);
-    }
-    down[2] = -t, up[2] = t;
-    rbdi_change_moments(l, Z, down);
-    rbdi_w_apply_t(l->B, up, up);
-    for (int k = 0; k < 3; ++k) l->b[k] += up[k];
-    rbdi_w_product(Z, l->B, l->B);
+    const rbdi_wide down[3] = {0, 0, -t};
+    rbdi_wide_pose turn;
+    rbdi_w_turn_z(c, s, turn.E);
+    turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
+    for (int j = i + 1; j < nl; ++j)
+        if (draft[j].parent == i) draft[j].X = rbdi_w_relative(&draft[j].X, &turn);
+    rbdi_change_moments(l, turn.E, down);
+    l->solver = rbdi_w_compose(&turn, &l->solver);
+    if (l->dh) l->d += t, turn.r[2] = 0;
+    l->X = rbdi_w_compose(&turn, &l->X);
 }
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
 static void rbdi_draft_angles(rbdi_draft *l) {
-    rbdi_wide *E = l->E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
     if (sigma > RBDI_SNAP) {
@@ -216,8 +194,8 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
     l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
     if (l->parent < 0) return;
     /* sums, until the parent's turn comes */
-    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->r));
-    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->r));
+    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->X.r));
+    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->X.r));
     draft[l->parent].all += l->all;
 }
 
@@ -228,12 +206,12 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
    (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
-    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->r), step = rbdi_w_abs(t);
+    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_draft *c = &draft[j];
-        rbdi_wide from[3] = {c->r[0], c->r[1], c->r[2] - t};
+        rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
         if (c->parent == i && c != f && c->all > 0 &&
-            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->r)))
+            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
             return 0;
     }
     return rest * t * t + rbdi_draft_spread(f, distance) - rbdi_draft_spread(f, from_f) <
@@ -272,26 +250,26 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
             f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);
-        rbdi_w_apply(Z, f->r, r);
+        rbdi_w_apply(Z, f->X.r, r);
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
         if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
     } else {
-        a = RBDI_WIDE_LIBM(sqrt)(f->r[0] * f->r[0] + f->r[1] * f->r[1]);
-        t = f->r[2];
+        a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
+        t = f->X.r[2];
         if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
-        rbdi_draft_turn(draft, nl, i, a > 0 ? f->r[0] / a : 1, a > 0 ? f->r[1] / a : 0, t);
+        rbdi_draft_turn(draft, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
     f->dh = 1;
-    f->r[0] = a, f->r[1] = f->r[2] = 0;
+    f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
     f->d = d;
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
 static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
-    for (int k = 0; k < 3; ++k) r[k] = l->r[k] + l->d * l->E[6 + k];
+    for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
 #endif /* RBD_NO_BUILD */

@@ -33,8 +33,8 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
     if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
-    if (rbdi_nonzero(l->r[1]) || rbdi_nonzero(l->r[2])) flags |= RBDI_SHIFT_XYZ;
-    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->r[0])) flags |= RBDI_SHIFT_R;
+    if (rbdi_nonzero(l->X.r[1]) || rbdi_nonzero(l->X.r[2])) flags |= RBDI_SHIFT_XYZ;
+    if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->X.r[0])) flags |= RBDI_SHIFT_R;
     if (rbdi_nonzero(l->d) || rbdi_nonzero(l->kappa)) flags |= RBDI_SHIFT_Z;
     if (block || l->kind == RBDI_SCREW) flags |= RBDI_MASS_KEPT;
     if (!rbdi_all_zero(b->armature, rbdi_joint_facts(l->type)->nv)) flags |= RBDI_ARMATURE;
@@ -50,7 +50,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     rbdi_emit_angle(l, &out);
     out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
     out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
-    out.r = rbdi_round3(l->r);
+    out.r = rbdi_round3(l->X.r);
     out.d = RBD_C(l->d);
     out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
     out.Sigma = rbdi_round6(l->Sigma);
@@ -68,8 +68,8 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
     out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
     out.identity = 1;
     for (int k = 0; k < 9; ++k) {
-        out.E[k] = RBD_C(l->E[k]);
-        if (rbdi_nonzero(l->E[k] - one[k])) out.identity = 0;
+        out.E[k] = RBD_C(l->X.E[k]);
+        if (rbdi_nonzero(l->X.E[k] - one[k])) out.identity = 0;
     }
     return out;
 }
@@ -87,9 +87,6 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbd_body *b = &bodies[l->body];
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
-    int in_joint = 0;
-    for (int q = draft[p].order; q > 0 && l->kind != RBDI_BLOCK && draft[q - 1].body == l->body; --q)
-        ++in_joint;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
         const rbdi_wide scale = rbdi_draft_dof_scale(l, k);
@@ -102,29 +99,24 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
             d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
         }
         d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
-        d->armature = RBD_C(b->armature[in_joint + k]);
-        d->damping = RBD_C(b->damping[in_joint + k]);
-        d->friction = RBD_C(b->friction[in_joint + k]);
+        d->armature = RBD_C(b->armature[l->joint_dof + k]);
+        d->damping = RBD_C(b->damping[l->joint_dof + k]);
+        d->friction = RBD_C(b->friction[l->joint_dof + k]);
         d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
     }
 }
 
 /* What the user sees of body i. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
-    rbdi_wide E[9], r[3], T[9], com[3], I[6];
+    rbdi_wide_pose X = place->X;
+    rbdi_wide com[3], I[6];
     rbdi_frame out;
-    for (int k = 0; k < 9; ++k) E[k] = place->E[k];
-    for (int k = 0; k < 3; ++k) r[k] = place->r[k];
     rbdi_widen(b->com, 3, com);
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
     if (place->link >= 0) {
-        const rbdi_draft *l = &draft[place->link];
-        out.link = (int16_t)l->position;
-        rbdi_w_transpose(l->B, T);
-        rbdi_w_product(E, T, E);
-        for (int k = 0; k < 3; ++k) r[k] -= l->b[k];
-        rbdi_w_apply(l->B, r, r);
+        out.link = (int16_t)draft[place->link].position;
+        X = rbdi_w_relative(&X, &draft[place->link].solver);
     }
     out.name = b->name, out.joint = b->joint;
     out.parent = (int16_t)b->parent;
@@ -135,8 +127,8 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
         out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
         out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
     }
-    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(E[k]);
-    out.r = rbdi_round3(r);
+    for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(X.E[k]);
+    out.r = rbdi_round3(X.r);
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);

@@ -9,25 +9,31 @@
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
    RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
+/* Pose of a frame B in a frame A: x_B = E (x_A - r). */
+typedef struct rbdi_wide_pose {
+    rbdi_wide E[9], r[3];
+} rbdi_wide_pose;
+
 /* A link while it is being built. Later fields overwrite what earlier steps left. */
 typedef struct rbdi_draft {
-    rbdi_wide E[9], r[3];           /* from the parent's frame at q = 0 */
+    rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
-    rbdi_wide B[9], b[3];           /* user's link frame to solver frame: x_solver = B (x_user - b) */
+    rbdi_wide_pose solver;          /* solver frame in the user's link frame */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
     rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
     rbdi_wide trace, moment, all_mass,
-        subtree_mass;                     /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;               /* of the pivot; of the user's frames: see rbdi_draft_scale */
-    int parent, kind, type, body, iq, iv; /* parent: index among drafts */
+        subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
+    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_draft_scale */
+    int parent, kind, type, iq, iv; /* parent: index among drafts */
+    int body, joint_dof;            /* body that it belongs to; first of the joint's dofs that is its */
     int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
 } rbdi_draft;
 
 /* Where a body of the description sits while the model is built. */
 typedef struct rbdi_place {
-    rbdi_wide E[9], r[3]; /* x_body = E (x_link - r) */
-    int link;             /* draft, -1 = world */
+    rbdi_wide_pose X; /* in its link */
+    int link;         /* draft, -1 = world */
     int iq, iv;
 } rbdi_place;
 

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_PAYLOAD_H
 #include "api/build.h"
 #include "model/joints.h"
+#include "model/describe.h"
 #include "model/emit.h"
 
 #ifndef RBD_NO_BUILD
@@ -44,23 +45,13 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
 /* A draft of link i of a built model, without its mass; its parent, if it has one, is draft 0. */
 static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
     const rbdi_link *l = &m->link[i];
-    rbdi_wide Z[9];
     rbdi_draft out;
     rbdi_draft_clear(&out);
     out.parent = l->parent < 0 ? -1 : 0;
     out.kind = l->kind;
-    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa, out.d = (rbdi_wide)l->d;
-    out.r[0] = (rbdi_wide)l->r.x, out.r[1] = (rbdi_wide)l->r.y, out.r[2] = (rbdi_wide)l->r.z;
-    if (l->kind == RBDI_BLOCK) {
-        out.type = m->block[l->block].type;
-        for (int k = 0; k < 9; ++k) out.E[k] = (rbdi_wide)m->block[l->block].E[k];
-        return out;
-    }
-    rbdi_w_turn_z((rbdi_wide)l->cg, (rbdi_wide)l->sg, out.E);
-    rbdi_w_turn_x((rbdi_wide)l->ca, (rbdi_wide)l->sa, Z);
-    rbdi_w_product(out.E, Z, out.E);
-    rbdi_w_turn_z((rbdi_wide)l->cb, (rbdi_wide)l->sb, Z);
-    rbdi_w_product(out.E, Z, out.E);
+    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa;
+    out.X = rbdi_link_place(m, l);
+    if (l->kind == RBDI_BLOCK) out.type = m->block[l->block].type;
     return out;
 }
 
@@ -152,8 +143,7 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
     status = rbdi_payload_frame(u, &load);
     if (status || u->link < 0) return status;
     place.link = 0;
-    for (int k = 0; k < 9; ++k) place.E[k] = (rbdi_wide)u->E[k];
-    place.r[0] = (rbdi_wide)u->r.x, place.r[1] = (rbdi_wide)u->r.y, place.r[2] = (rbdi_wide)u->r.z;
+    place.X = rbdi_widen_pose(u->E, u->r);
     rbdi_payload_links(m, u->link, &load, &place);
     rbdi_payload_bounds(m, u->link, load, &place);
     return RBD_OK;

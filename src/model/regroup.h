@@ -20,12 +20,12 @@ static int rbdi_draft_slides(const rbdi_draft *l) {
 static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     rbdi_draft *l = &draft[i], *up;
     rbdi_wide r[3], distance, reach,
-        trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->b, l->b);
+        trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     l->all_mass += l->mass;
-    reach = l->reach += rbdi_w_length(l->b);
+    reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
     up = &draft[l->parent];
@@ -59,7 +59,7 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
     }
     if (l->parent < 0) return;
     rbdi_draft_origin(l, r);
-    rbdi_w_transpose(l->E, T);
+    rbdi_w_transpose(l->X.E, T);
     rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
 }
 

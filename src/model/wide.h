@@ -62,6 +62,24 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
     rbdi_w_turn_z(cb, sb, Z);
     rbdi_w_product(E, Z, E);
 }
+/* Pose of C in A, from that of C in B and of B in A. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
+    rbdi_wide_pose X;
+    rbdi_w_product(CB->E, BA->E, X.E);
+    rbdi_w_apply_t(BA->E, CB->r, X.r);
+    for (int k = 0; k < 3; ++k) X.r[k] += BA->r[k];
+    return X;
+}
+/* Pose of C in B, from those of both in A. */
+static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
+    rbdi_wide_pose X;
+    rbdi_wide T[9];
+    rbdi_w_transpose(BA->E, T);
+    rbdi_w_product(CA->E, T, X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] = CA->r[k] - BA->r[k];
+    rbdi_w_apply(BA->E, X.r, X.r);
+    return X;
+}
 static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
