@@ -1075,6 +1075,7 @@ typedef struct rbdi_draft {
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
     int link;         /* draft, -1 = world */
+    int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
 
@@ -1137,7 +1138,7 @@ typedef struct rbdi_dof {
 } rbdi_dof;
 
 /* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
-   it, of level + 1 entries: the dof's own, or one behind them all. */
+   it, of level + 1 entries: that of dof, or with mimic joints one behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -1171,7 +1172,7 @@ struct rbd_model {
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
     int16_t nl, nblock, nslot, nmimic;
     int32_t nh;              /* entries of the packed tree matrix */
-    int32_t nhx;             /* entries of the rows behind it, of mimic dofs and of those that they couple */
+    int32_t nhx;             /* with mimic joints: entries of the rows behind it, for the mechanism's dofs */
     rbdi_c3 gravity;         /* world frame */
     const rbdi_link *link;   /* nl, depth first */
     const rbdi_block *block; /* nblock */
@@ -3297,13 +3298,12 @@ RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
     return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
 }
 
-/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where
-   nobody wrote. Off its diagonal M_x has every entry twice. */
+/* With mimic joints M = G' M_x G for v_x = G v: adds M_x, whose rows stand behind H, to H, which is zero. Off
+   its diagonal M_x has every entry twice. */
 RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     for (int s = 0; s < m->nv + m->nmimic; ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
-        if (m->order[s].row < m->nh) continue;
         H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
         for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
             const int b = rbdi_source(m, j);
@@ -5874,7 +5874,7 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
-     checks   rbdi_check_body; after step 2 rbdi_moves_something: the first error ends the build
+     checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
      1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
      3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
      5        rbdi_draft_measure: mass and moments of each subtree
@@ -6074,22 +6074,22 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     return RBD_OK;
 }
 
-/* Whether anything with mass, inertia or armature moves with body i: itself, what is fixed to it or
-   hangs on it, or what mimics its joint. */
-static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i) {
-    const rbd_body *b = &bodies[i];
-    if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
-    if (b->mimic || !rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) return 1;
-    for (int j = 0; j < nb; ++j) {
-        if (j > i && bodies[j].parent == i && bodies[j].type != RBD_FIXED) return 1; /* not a leaf */
-        if (rbdi_same(bodies[j].mimic, b->joint)) return 1;
-        if (j > i && bodies[j].type == RBD_FIXED && place[j].link == place[i].link) {
-            if (bodies[j].mass > 0 || !rbdi_all_zero(bodies[j].inertia, 6)) return 1;
-            for (int k = j + 1; k < nb; ++k)
-                if (bodies[k].parent == j && bodies[k].type != RBD_FIXED) return 1;
-        }
+/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to that or carried by it, or
+   of joints that mimic it. */
+static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
+    rbd_status status = RBD_OK;
+    for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+    for (int i = nb - 1; i >= 0; --i) {
+        const rbd_body *b = &bodies[i];
+        const int fixed = b->type == RBD_FIXED;
+        if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) place[i].moves = 1;
+        if (!rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) place[i].moves = 1;
+        if (!fixed && !place[i].moves) status = rbdi_refuse(report, RBD_ERR_LEAF, i, b->name, "mass");
+        if (b->parent >= 0 && (!fixed || place[i].moves)) place[b->parent].moves = 1;
     }
-    return 0;
+    return status;
 }
 
 /* -- the steps of the build -- */
@@ -6682,14 +6682,6 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
     }
 }
 
-/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the
-   mechanism. */
-static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k) {
-    for (; k >= 0; k = dof[k].before)
-        if (k >= m->nv || dof[k].lambda != dof[k].before) return 0;
-    return 1;
-}
-
 /* Links, blocks, slots and dofs, in the solver's order. */
 static void rbdi_emit_links(const rbdi_build *b) {
     rbd_model *m = b->m;
@@ -6739,10 +6731,8 @@ static void rbdi_emit_order(const rbdi_build *b) {
         for (int k = 0; k < dofs; ++k, ++next) {
             const rbdi_dof *d = &b->dof[l->iv + k];
             b->order[next].dof = (int16_t)(l->iv + k);
-            b->order[next].row = d->row;
-            if (rbdi_own_row(m, b->dof, l->iv + k)) continue;
-            b->order[next].row = m->nh + m->nhx;
-            m->nhx += d->level + 1;
+            b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
+            if (m->nmimic) m->nhx += d->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {
@@ -6813,9 +6803,7 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
         rbdi_draft_joint(bodies, i, b.place, b.draft, &nl);
         rbdi_draft_mass(&bodies[i], &b.place[i], b.draft);
     }
-    for (int i = 0; i < nb; ++i)
-        if (bodies[i].type != RBD_FIXED && !rbdi_moves_something(bodies, nb, b.place, i))
-            return rbdi_refuse(report, RBD_ERR_LEAF, i, bodies[i].name, "mass");
+    if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
     rbdi_draft_solve(b.draft, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;

@@ -245,13 +245,12 @@ RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
     return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
 }
 
-/* With mimic joints M = G' M_x G for v_x = G v: adds the rows behind H to those of H, which are zero where
-   nobody wrote. Off its diagonal M_x has every entry twice. */
+/* With mimic joints M = G' M_x G for v_x = G v: adds M_x, whose rows stand behind H, to H, which is zero. Off
+   its diagonal M_x has every entry twice. */
 RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     for (int s = 0; s < m->nv + m->nmimic; ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
-        if (m->order[s].row < m->nh) continue;
         H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
         for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
             const int b = rbdi_source(m, j);

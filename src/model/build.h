@@ -47,9 +47,7 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
         rbdi_draft_joint(bodies, i, b.place, b.draft, &nl);
         rbdi_draft_mass(&bodies[i], &b.place[i], b.draft);
     }
-    for (int i = 0; i < nb; ++i)
-        if (bodies[i].type != RBD_FIXED && !rbdi_moves_something(bodies, nb, b.place, i))
-            return rbdi_refuse(report, RBD_ERR_LEAF, i, bodies[i].name, "mass");
+    if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
     rbdi_draft_solve(b.draft, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;

@@ -7,7 +7,7 @@
 /* ---- model build [model build] ----
    Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
    steps:
-     checks   rbdi_check_body; after step 2 rbdi_moves_something: the first error ends the build
+     checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
      1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
      3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
      5        rbdi_draft_measure: mass and moments of each subtree
@@ -207,22 +207,22 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     return RBD_OK;
 }
 
-/* Whether anything with mass, inertia or armature moves with body i: itself, what is fixed to it or
-   hangs on it, or what mimics its joint. */
-static int rbdi_moves_something(const rbd_body *bodies, int nb, const rbdi_place *place, int i) {
-    const rbd_body *b = &bodies[i];
-    if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) return 1;
-    if (b->mimic || !rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) return 1;
-    for (int j = 0; j < nb; ++j) {
-        if (j > i && bodies[j].parent == i && bodies[j].type != RBD_FIXED) return 1; /* not a leaf */
-        if (rbdi_same(bodies[j].mimic, b->joint)) return 1;
-        if (j > i && bodies[j].type == RBD_FIXED && place[j].link == place[i].link) {
-            if (bodies[j].mass > 0 || !rbdi_all_zero(bodies[j].inertia, 6)) return 1;
-            for (int k = j + 1; k < nb; ++k)
-                if (bodies[k].parent == j && bodies[k].type != RBD_FIXED) return 1;
-        }
+/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to that or carried by it, or
+   of joints that mimic it. */
+static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
+    rbd_status status = RBD_OK;
+    for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+    for (int i = nb - 1; i >= 0; --i) {
+        const rbd_body *b = &bodies[i];
+        const int fixed = b->type == RBD_FIXED;
+        if (b->mass > 0 || !rbdi_all_zero(b->inertia, 6)) place[i].moves = 1;
+        if (!rbdi_all_zero(b->armature, rbdi_joint_facts((int)b->type)->nv)) place[i].moves = 1;
+        if (!fixed && !place[i].moves) status = rbdi_refuse(report, RBD_ERR_LEAF, i, b->name, "mass");
+        if (b->parent >= 0 && (!fixed || place[i].moves)) place[b->parent].moves = 1;
     }
-    return 0;
+    return status;
 }
 
 /* -- the steps of the build -- */

@@ -213,14 +213,6 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
     }
 }
 
-/* Whether dof k and all before it, none of which mimics, have the same columns in the matrix as in the
-   mechanism. */
-static int rbdi_own_row(const rbd_model *m, const rbdi_dof *dof, int k) {
-    for (; k >= 0; k = dof[k].before)
-        if (k >= m->nv || dof[k].lambda != dof[k].before) return 0;
-    return 1;
-}
-
 /* Links, blocks, slots and dofs, in the solver's order. */
 static void rbdi_emit_links(const rbdi_build *b) {
     rbd_model *m = b->m;
@@ -270,10 +262,8 @@ static void rbdi_emit_order(const rbdi_build *b) {
         for (int k = 0; k < dofs; ++k, ++next) {
             const rbdi_dof *d = &b->dof[l->iv + k];
             b->order[next].dof = (int16_t)(l->iv + k);
-            b->order[next].row = d->row;
-            if (rbdi_own_row(m, b->dof, l->iv + k)) continue;
-            b->order[next].row = m->nh + m->nhx;
-            m->nhx += d->level + 1;
+            b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
+            if (m->nmimic) m->nhx += d->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {

@@ -34,6 +34,7 @@ typedef struct rbdi_draft {
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
     int link;         /* draft, -1 = world */
+    int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
 
@@ -96,7 +97,7 @@ typedef struct rbdi_dof {
 } rbdi_dof;
 
 /* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
-   it, of level + 1 entries: the dof's own, or one behind them all. */
+   it, of level + 1 entries: that of dof, or with mimic joints one behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -130,7 +131,7 @@ struct rbd_model {
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
     int16_t nl, nblock, nslot, nmimic;
     int32_t nh;              /* entries of the packed tree matrix */
-    int32_t nhx;             /* entries of the rows behind it, of mimic dofs and of those that they couple */
+    int32_t nhx;             /* with mimic joints: entries of the rows behind it, for the mechanism's dofs */
     rbdi_c3 gravity;         /* world frame */
     const rbdi_link *link;   /* nl, depth first */
     const rbdi_block *block; /* nblock */
