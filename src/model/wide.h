@@ -1,6 +1,7 @@
 #ifndef RBDI_MODEL_WIDE_H
 #define RBDI_MODEL_WIDE_H
 #include "api/status.h"
+#include "model/layout.h"
 #include "base/tolerances.h"
 
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
