@@ -55,6 +55,10 @@ asked_not() { ! grep -q -e "$1" "$scratch/apt" || fail "apt was asked: $1"; }
 
 # ---- without apt, and without root ----
 
+run 1 deps fuss
+prints 'no group fuss'
+run 1 deps fuzz
+prints 'please install (these are Debian.s names): pkg-config liburdfdom-dev libclang-rt-19-dev$'
 run 1 fuzz
 prints 'please install (these are Debian.s names): pkg-config liburdfdom-dev libclang-rt-19-dev$'
 [ "$(wc -l <"$scratch/printed")" -eq 1 ] || fail "more than a line"

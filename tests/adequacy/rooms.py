@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "src"))
 import amalgamate  # noqa: E402
 
-STOREYS = ["api", "base", "algebra", "model", "dynamics", "motion", "batch", "spatial", "derivatives", "constraints"]
+STOREYS = ["api", "base", "algebra", "spatial", "model", "dynamics", "motion", "batch", "derivatives", "constraints"]
 OPEN = ["api", "base", "algebra"]
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 NAME = r"(?:rbdi?|RBDI?)_\w+"
@@ -71,7 +71,6 @@ class Room:
         self.name, self.storey = name, name.split("/")[0]
         self.includes, lines = amalgamate.read_room(name)
         text = "\n".join(lines)
-        self.lines = len(lines)
         self.interface = set(re.findall(NAME, " ".join(INTERFACE.findall(text))))
         clean = OPAQUE.sub(lambda m: '" "' if m.group()[0] == '"' else " ", text)
         self.names = set(re.findall(rf"\b{NAME}\b", clean))
@@ -171,6 +170,43 @@ def mend(house):
                         encoding="utf-8")
 
 
+def picture(house):
+    """The storeys, the lowest below, as SVG. In a storey rooms stand in reading order, so that each uses those to its
+    left. A line leads to a room of a lower storey that is included; of api, which all include, there are none."""
+    wide, high, gap, left, row = 112, 26, 14, 110, 7
+    place, bands, y = {}, [], 10
+    for storey in reversed(STOREYS):
+        rooms = [room for room in house.rooms.values() if room.storey == storey]
+        lines = -(-len(rooms) // row)
+        for k, room in enumerate(rooms):
+            shift = (row - min(row, len(rooms) - k // row * row)) * (wide + gap) / 2
+            place[room.name] = (left + shift + k % row * (wide + gap), y + 12 + k // row * (high + 12))
+        height = lines * (high + 12) + 12
+        bands.append((storey, y, height))
+        y += height + 26
+    width = left + row * (wide + gap)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {y}" font-family="sans-serif" font-size="13">',
+           "<!-- Made by tests/adequacy/rooms.py from the includes of src/. -->",
+           f'<rect width="{width}" height="{y}" fill="#ffffff"/>']
+    for storey, top, height in bands:
+        out.append(f'<rect x="4" y="{top}" width="{width - 8}" height="{height}" rx="6" fill="#eef2f7"/>')
+        out.append(f'<text x="14" y="{top + height / 2 + 4:.0f}" font-weight="bold">{storey}</text>')
+    for room in house.rooms.values():
+        for other in room.includes:
+            if other.split("/")[0] not in (room.storey, "api"):
+                (x1, y1), (x2, y2) = place[room.name], place[other]
+                x1, y1, x2 = x1 + wide / 2, y1 + high, x2 + wide / 2
+                bend = max(20, (y2 - y1) / 2)
+                out.append(f'<path d="M{x1:.0f} {y1} C{x1:.0f} {y1 + bend:.0f} {x2:.0f} {y2 - bend:.0f} {x2:.0f} {y2}" '
+                           'fill="none" stroke="#3465a4" stroke-opacity="0.45"/>')
+    for name, (x, top) in place.items():
+        label = name.split("/")[1][:-2].replace("_", " ")
+        out.append(f'<rect x="{x:.0f}" y="{top}" width="{wide}" height="{high}" rx="4" fill="#ffffff" stroke="#8899aa"/>')
+        small = ' font-size="10"' if len(label) > 15 else ""
+        out.append(f'<text x="{x + wide / 2:.0f}" y="{top + 17}" text-anchor="middle"{small}>{label}</text>')
+    return "\n".join([*out, "</svg>"]) + "\n"
+
+
 def interfaces(house):
     used = house.across()
     for name in house.rooms:
@@ -181,7 +217,7 @@ def interfaces(house):
                                     subsequent_indent="   ", break_on_hyphens=False)
             head = text.index("\n\n") + 1
             text = text[:head] + "\n" + comment + "\n" + text[head:]
-        path.write_text(text, encoding="utf-8")
+        path.write_text(re.sub(r"\n{3,}", "\n\n", text), encoding="utf-8")
 
 
 def main(arguments):
@@ -192,7 +228,15 @@ def main(arguments):
     if arguments == ["--mend"]:
         mend(house)
         return 0
+    drawn = ROOT / "docs" / "rooms.svg"
+    if arguments == ["--draw"]:
+        drawn.write_text(picture(house), encoding="utf-8")
+        return 0
+    if arguments:
+        raise SystemExit(__doc__)
     wrong = list(check(house))
+    if not drawn.exists() or drawn.read_text(encoding="utf-8") != picture(house):
+        wrong.append("docs/rooms.svg is another house: python3 tests/adequacy/rooms.py --draw")
     print("\n".join(wrong) if wrong else f"{len(house.rooms)} rooms in {len(STOREYS)} storeys")
     return 1 if wrong else 0
 
