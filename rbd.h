@@ -1347,14 +1347,9 @@ struct rbd_work {
    parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
    (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
 
-   Headers that build on this one, implemented in the same file by the same RBD_IMPLEMENTATION, keep memory
-   of their own, check RBD_VERSION_NUMBER and RBD_MODEL_VERSION, and use of what follows: the structs of
-   [layout], read only, [compiler], [scalar], [spatial algebra], [common] and [joints]; of [state]
-   rbdi_forward_link, rbdi_expand_q, rbdi_expand_v and rbdi_reduce_tau; rbdi_external;
-   rbdi_rnea_sweep; of [crba] rbdi_source and rbdi_ratio; of [cholesky] what works on rows, and
-   rbdi_factor_invert, rbdi_solve and rbdi_solve_sides; of [pivots] rbdi_status_of, rbdi_judge_state and
-   rbdi_verdict;
-   [axes]; rbdi_kin, rbdi_kin_links, rbdi_body_kin and rbdi_column; [descriptions].
+   Headers that build on this one are implemented in the same file by the same RBD_IMPLEMENTATION. They keep
+   memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
+   "Interface" below name, and all of base/ and algebra/.
 
    A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
