@@ -3231,17 +3231,20 @@ RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i
     rbdi_crba_up(m, w, i, form, stride, own);
     return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
 }
-RBDI_INLINE rbdi_rbi rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
-                                     rbdi_rbi C, rbd_real *H, rbd_real *M) {
+RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride, rbdi_rbi *C,
+                               rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
-    if (b->n == 6)
-        rbdi_crba_entries_block(m, w, l, 0, 6, stride, C, H, M);
+    const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
+    if (b->n < 6 || stride != usual)
+        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
+    else if (M)
+        rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
-        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, C, H, M);
-    if (l->parent < 0) return C;
+        rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, H, NULL);
+    if (l->parent < 0) return;
     rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
-    return rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, C);
+    *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
 
 /* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i
@@ -3252,9 +3255,11 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     const int apart = form & RBDI_APART;
     rbdi_rbi C = rbdi_rbi_add_link(l, carried);
     if (apart && l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-    if (rbdi_block_link(l, form))
-        C = rbdi_crba_block(m, w, i, stride, C, H, M);
-    else
+    if (rbdi_block_link(l, form)) {
+        rbdi_rbi block = C; /* an address of C would keep it in memory */
+        rbdi_crba_block(m, w, i, stride, &block, H, M);
+        C = block;
+    } else
         C = rbdi_crba_axis(m, w, i, form, stride, C, H, M);
     if (!apart || l->parent == i - 1) return C;
     if (l->parent >= 0) {
@@ -3264,18 +3269,22 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     return rbdi_rbi_zero();
 }
 
+/* The same, of any form and stride. */
+RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
+                              rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
+    *carried = rbdi_crba_step(m, w, i, m->link[i].flags, stride, *carried, H, M);
+}
+
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
    With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m);
-    rbdi_rbi carried = rbdi_rbi_zero();
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = rbdi_rbi_zero();
-    if (RBDI_FIXED_STRIDE &&
-        stride != RBDI_FIXED_STRIDE) { /* the size alone: one copy for all forms will do */
-        for (int i = m->nl - 1; i >= 0; --i)
-            carried = rbdi_crba_step(&model, &work, i, model.link[i].flags, stride, carried, H, M);
+    rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
+    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = carried;
+    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) {
+        for (int i = m->nl - 1; i >= 0; --i) rbdi_crba_link(&model, &work, i, stride, &any, H, M);
         return;
     }
     for (int i = m->nl - 1; i >= 0; --i)
