@@ -13,18 +13,18 @@ failures=0
 # name LETTER: the header
 name() {
     case $1 in
-    r) echo rbd ;;
-    d) echo rbd_derivatives ;;
-    c) echo rbd_constraints ;;
-    s) echo rbd_spatial ;;
+    r) echo rbd.h ;;
+    d) echo rbd_derivatives.h ;;
+    c) echo rbd_constraints.h ;;
+    s) echo rbd_spatial.h ;;
     esac
 }
 
 # file BEFORE BEHIND: letters of the headers that stand before and behind the definition
 file() {
-    for letter in $(echo "$1" | sed 's/./& /g'); do echo "#include \"$(name "$letter").h\""; done
+    for letter in $(echo "$1" | sed 's/./& /g'); do echo "#include \"$(name "$letter")\""; done
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
-    for letter in $(echo "$2" | sed 's/./& /g'); do echo "#include \"$(name "$letter").h\""; done
+    for letter in $(echo "$2" | sed 's/./& /g'); do echo "#include \"$(name "$letter")\""; done
     [ -n "$2" ] && echo "#define EXPECTED"
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
     case $2 in *c*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
