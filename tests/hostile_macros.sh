@@ -107,8 +107,8 @@ after_headers() {
             absent="$absent $header.h"
         fi
     done
-    printf '#define RBD_IMPLEMENTATION\n#include "%s.h"\n#include "%s.h"\n#include "%s.h"\n#include "rbd_urdf.h"\n' \
-        rbd_derivatives rbd_constraints rbd_spatial >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
+        rbd_derivatives.h rbd_constraints.h rbd_spatial.h >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     echo "$1: after $(grep -c '<' "$scratch/headers.c") headers; not there:${absent:- none}"
     [ "$(grep -c '<' "$scratch/headers.c")" -gt 60 ] || failures=$((failures + 1))

@@ -229,7 +229,7 @@ class Stage:
     arguments: tuple = ()
     parts: tuple = ("",) # Check's suites that are run one by one, the quickest first
     functions: str = "" # which functions' mutants it can see and the stages before it cannot; all
-    headers: str = "rbd.h|rbd_derivatives|rbd_constraints" # and which headers'
+    headers: str = "rbd.h|rbd_derivatives.h|rbd_constraints.h" # and which headers'
 
 
 def suite_sources():
