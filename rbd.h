@@ -3364,8 +3364,7 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 }
 
 /* ==== src/dynamics/aba.h ==== */
-/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_abi_add_link,
-   rbdi_free_base */
+/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_free_base */
 
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):

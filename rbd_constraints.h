@@ -21,8 +21,8 @@
      [description] [set] [calls] [batch] [derivatives]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [rank]
-     [articulated] [limbs] [passes]
+     [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
+     [articulated]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
@@ -361,106 +361,78 @@ typedef struct rbdi_constraint {
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
     int16_t index;     /* in the caller's list */
-    int16_t meet;      /* last link that the paths to both bodies share, -1 = the world */
+    int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
     int16_t row, rows; /* the first, and how many */
     int16_t angular;   /* how many of them are angular; they come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
     int16_t tip[2];    /* last dof of the path to each body, -1 = none */
     int16_t trunk;     /* number of dofs that both paths begin with */
-    int16_t low;       /* first row that a link between the bodies has to do with */
-    int16_t near_low;  /* the same of a limb, else low */
-    int16_t strand;    /* its first strand */
+    int16_t low, end;  /* first row, and behind the last, that move a joint that these move: [articulated] */
+    int16_t dofs;      /* number of: */
+    int16_t *dof;      /* the path to body 1, root first, then what is only on that to body 2 */
+    int16_t block[2];  /* first row block on each side; the world has none */
 } rbdi_constraint;
 
-/* A batch of a constraint's rows, from one of its bodies to where the two sides meet: [articulated]. Side 2
-   stands after side 1. */
-typedef struct rbdi_strand {
-    rbd_real *K;       /* 6 x batch: wrench of each row on the link at hand */
-    int16_t row, rows; /* the first, and how many */
-    int16_t link;      /* of the body, -1 = world */
-    int16_t meet;      /* that of the constraint */
-    int16_t open;      /* 0: its limb has taken its rows */
-} rbdi_strand;
+/* Up to a batch of a constraint's rows, on the way from one of its bodies to the common ancestor:
+   [articulated]. */
+typedef struct rbdi_row_block {
+    int16_t row, rows;              /* the first, and how many */
+    int16_t at;                     /* link */
+    rbd_real K[6 * RBDI_ROW_BATCH]; /* 6 x batch: wrench of each row on that link, its axes */
+} rbdi_row_block;
 
-/* What the strands at a link share: the dofs whose part of Lambda is summed together, its own being one block
-   or one of up to six axes in a row that the same strands pass. */
-typedef struct rbdi_piece {
-    int16_t strands;  /* that pass the link */
-    int16_t dofs, at; /* of the piece; where among them the link's begin */
-    int16_t posed;    /* whether strands begin on the link or behind it */
-} rbdi_piece;
-
-/* Links that only contacts with the world pass, all of them up to the link where these end or other rows come
-   in: [limbs]. */
-typedef struct rbdi_limb {
-    int16_t link;        /* that it hangs on */
-    int16_t row, rows;   /* the first, and how many */
-    int16_t strand, end; /* strands, of side 1 every other: first, and behind the last */
-    int16_t taken;       /* whether its rows have been eliminated there */
-} rbdi_limb;
-
-/* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. n: in batches. */
+/* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. */
 typedef struct rbdi_span {
-    int16_t first, end, n;
+    int16_t first, end;
 } rbdi_span;
 
 struct rbd_constraints {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
-    int n, rows, stride; /* stride: of rows, padded */
-    int strands, limbs;
-    int posed;      /* links up to the last that a strand or a link behind it needs the pose of */
-    int infeasible; /* row, -1 = none */
-    int moving;     /* whether velocities of links' origins are wanted, but for impacts */
-    int exchanged;  /* whether the rows of R are in another order, c->chosen */
-    int factored;   /* whether the factor of M is used always */
-    int used;       /* D may be filled everywhere: by the factor of M, with all poses, or never cleared */
-    rbdi_constraint *constraint; /* n, those that meet nearest to the world first */
-    int16_t *at;                 /* rows: where each row of the caller's is */
-    rbdi_strand *strand;         /* two for each batch of each constraint */
-    int16_t *route;              /* for each link, the last first, the strands that pass it */
-    rbdi_piece *piece;           /* nl */
-    rbdi_limb *limb;             /* n at most, by their links */
-    rbd_real *wrench;            /* rows x 8: K where the sides have met, less that of rows before; of limbs
-                                    also b and 1/d */
-    rbdi_span *span;             /* nv */
-    int16_t *order;              /* nv: dofs, depth first */
-    int32_t *path;               /* nv: of dofs, where their rows of Y start */
-    rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J' */
-    rbd_real *D; /* Lambda of [articulated], then D L, rows x stride; or R of [rank], nv x stride */
-    rbd_real *P; /* nv x RBDI_BATCH: rows of Y, by the path */
-    rbd_real *x, *stack,
-        *before;         /* nv each: solution; of it what is on a path, by depth; the last step of assembly */
-    rbd_real *D_inverse; /* nv: 1/D of M = L'DL */
+    int n, rows, stride;          /* stride: of rows, padded */
+    int links;                    /* on a path */
+    int blocks;                   /* row blocks */
+    int infeasible;               /* row of the caller's, -1 = none */
+    int exchanged;                /* whether the rows of R are in another order, `chosen` */
+    int factored;                 /* whether the factor of M is used always */
+    int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
+    int moving;                   /* whether velocities of links' origins are wanted, but for impacts */
+    rbdi_constraint *constraint;  /* n; a common ancestor farther from the world comes before */
+    rbdi_row_block *block;        /* by constraint, side, row */
+    int16_t *at;                  /* rows: where each row of the caller's is */
+    int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
+    int16_t *order;               /* nv: dofs, depth first */
+    rbdi_span *span, *passed;     /* nv each: rows of the paths from the world; from the common ancestor */
+    int32_t *path;                /* nv: of dofs, where their rows of Y start */
+    rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
+    rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
+    rbd_real *W;                  /* rows x 6: [articulated] */
+    rbd_real *x, *stack, *before; /* nv each: solution; of a path, by depth; the last step of assembly */
+    rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
                                                       position error, wanted J a */
-    rbd_real *demand;   /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *inverse;  /* rows: of the pivots, 0 where a row depends on those before it */
-    rbd_real *diagonal; /* rows: of Lambda */
+    rbd_real *demand; /* stride: sum of the squares of b's terms, a measure of its rounding */
     rbd_real *square, *share,
-        *chosen;     /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
-    rbd_real levers; /* 1 + sum of the squares of the bodies' places */
-    rbd_real give;   /* sum of 1/D of the dofs that rows have to do with */
-    rbdi_v3 world;   /* acceleration of the world */
+        *chosen;       /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
+    rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
+    rbd_real levers;   /* 1 + sum of the squares of the links' places */
+    rbd_real give;     /* sum of 1/D of the dofs that rows have to do with */
+    rbdi_v3 world;     /* acceleration of the world */
 };
 
-/* n constraints; batches: of the rows of each; padded: rows in whole batches. */
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, batches, padded, batch) \
+/* n constraints with so many row blocks at most. */
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, blocks) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
-     RBDI_ROUND(2 * (size_t)(batches) * sizeof(rbdi_strand)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(rbdi_piece)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_limb)) + \
-     RBDI_ROUND(((size_t)(nv) * ((size_t)(batches) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
-     sizeof(rbd_real) * \
-         ((size_t)(nv) * (RBDI_LARGER(stride, padded) + 4 + (batch)) + 12 * (size_t)(padded) + \
-          RBDI_LARGER(rows, nv) * (size_t)(stride) + 10 * (size_t)(rows) + 10 * (size_t)(stride)))
+     RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
+     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
+     RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
+                         6 * (size_t)(rows) + 11 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
 
 /* Bytes that suffice for any n constraints that hold this many axes together; and for any number of them. */
 #define RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) \
-    RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 3 * RBDI_ROW_BATCH - 2, rows, \
-                           (rows) + (n) * (RBDI_ROW_BATCH - 1), RBDI_ROW_BATCH)
+    RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 4 * RBDI_ROW_BATCH, 2 * (rows))
 #define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
 
 /* ==== src/rbd_constraints.h ==== */
@@ -478,7 +450,7 @@ struct rbd_constraints {
 
                                HyQ     Atlas
        rbd_aba                8587     17713
-       articulated bodies    17335     27865
+       articulated bodies    19543     28489
        factor of M           28606     46615
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -509,15 +481,11 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
    leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
    lightest joints magnify them: such a row moves nothing but for rounding.
    RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
-   terms: drift contradicts itself by that.
-   RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
-   entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
+   terms: drift contradicts itself by that. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
 #define RBDI_RANK 1e-20
-#define RBDI_SOUND 1e-3
-#define RBDI_ADDED 1e2
 #define RBDI_FEASIBLE 1e-6
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
@@ -526,8 +494,6 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLEAR 1e-3f
 #define RBDI_MOTIONLESS 4e-6f
 #define RBDI_RANK 1e-8f
-#define RBDI_SOUND 1e-2f
-#define RBDI_ADDED 1e2f
 #define RBDI_FEASIBLE 1e-2f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
@@ -536,8 +502,6 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #define RBDI_CLEAR RBD_C(1e-10)
 #define RBDI_MOTIONLESS RBD_C(2e-31)
 #define RBDI_RANK RBD_C(1e-54)
-#define RBDI_SOUND RBD_C(1e-3)
-#define RBDI_ADDED RBD_C(1e2)
 #define RBDI_FEASIBLE RBD_C(1e-12)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
@@ -733,17 +697,13 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path, all or those of strands, and, if moving, velocities of their origins; all
-   turn as is known. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving,
-                              int all) {
-    const rbdi_link *l = m->link;
-    const int end = all ? m->nl : c->posed;
-    for (int i = 0, first = 0; i <= end; ++i, ++l) {
-        if (i < end && (all ? c->span[rbdi_source(m, l->iv)].end : c->piece[i].posed) > 0) continue;
-        if (i > first) rbdi_kin_links(m, c->w, first, i, v, moving);
-        first = i + 1;
+/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+    for (int n = 0, first, end; n < c->links;) {
+        for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
+        rbdi_kin_links(m, c->w, first, end, v, moving);
     }
+    if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
 /* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
@@ -760,13 +720,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
         s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
         w->kin[i].state = s;
     }
-    rbdi_kin_of_paths(m, c, v, 1, 1);
+    rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Before the rows of all constraints. */
+/* Before Y and R are filled in another pattern. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    rbdi_clear(c->R, c->rows * c->stride);
+    c->dirty = 1;
 }
 
 /* Y = J', gamma, and what else is wanted, of a constraint. */
@@ -778,70 +739,14 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const r
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
-/* ==== src/constraints/solution.h ==== */
-/* ---- solution [solution] ---- */
+/* ==== src/constraints/factor.h ==== */
+/* ---- factor [factor] ----
+   Delta = Y' D^-1 Y of both ways of [design] and its Cholesky factor:
 
-/* y_t -= l_t x, batches one behind the other. */
-RBDI_INLINE void rbdi_subtract_path(rbd_real *y, const rbd_real *l, rbdi_batch x, int n) {
-    RBDI_UNROLL_TWO for (int t = 0; t < n; ++t) {
-        rbdi_batch *row = (rbdi_batch *)&y[t * RBDI_BATCH];
-        *row = *row - x * l[t];
-    }
-}
+       Delta = R'R,   R' beta = b,   R lambda = beta
 
-/* The dofs that a constraint's rows of L^-T J' reach, root first: the path to body 1, then what is only on
-   that to body 2. Returns their number. */
-RBDI_INLINE int rbdi_lay_path(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
-    int n = 0;
-    for (int side = 0; side < 2; ++side) {
-        const int first = side ? k->trunk : 0, base = n - first;
-        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= first; i = m->dof[i].lambda, ++n)
-            c->path[base + m->dof[i].depth] = (int32_t)(i * c->stride),
-                           c->stack[base + m->dof[i].depth] = c->D_inverse[i];
-    }
-    return n;
-}
-
-/* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
-   parts of the path, which do not know each other, come before what they share. The lanes behind the rows
-   are those of the next constraint, and still zero. */
-RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k, int r,
-                               const rbd_real *L, int n) {
-    const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
-    const rbdi_dof *dof = m->dof;
-    const rbd_real *x = c->x;
-    const int32_t *path = c->path;
-    rbd_real *Y = c->Y + r, *P = c->P;
-    rbdi_batch b = *(const rbdi_batch *)&c->target[r], demand = b * b;
-    int t = n - 1;
-    for (int u = 0; u < n; ++u) *(rbdi_batch *)&P[u * RBDI_BATCH] = *(const rbdi_batch *)&Y[path[u]];
-    for (int side = 1; side >= 0; --side)
-        for (int i = k->tip[side], end = side ? one : 0; t >= end; --t, i = dof[i].lambda) {
-            const rbdi_batch y = *(const rbdi_batch *)&P[t * RBDI_BATCH];
-            b = b - y * x[i];
-            demand = demand + (y * x[i]) * (y * x[i]);
-            if (!L) continue;
-            *(rbdi_batch *)&Y[path[t]] = y;
-            rbdi_subtract_path(P, L + dof[i].row, y, side ? k->trunk : t);
-            if (side) rbdi_subtract_path(&P[one * RBDI_BATCH], L + dof[i].row + k->trunk, y, t - one);
-        }
-    *(rbdi_batch *)&c->b[r] = b;
-    *(rbdi_batch *)&c->demand[r] = demand;
-}
-
-/* Adds the squares of a constraint's levers, from above. */
-RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
-    for (int side = 0; side < 2; ++side)
-        if (k->link[side] >= 0)
-            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
-}
-
-/* Of a constraint: L^-T J' from J', and b. */
-static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
-                                   const rbd_real *L) {
-    const int n = rbdi_lay_path(m, c, k);
-    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
-}
+   Row t of R needs the rows before it alone, so articulated bodies add rows as they become known. beta is
+   column `rows` of R, as Delta has b there. Columns behind it are 0. */
 
 /* sum of x_k y_k */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
@@ -855,40 +760,123 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     return sum;
 }
 
-/* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
-   depth, has all that the dof loses. */
-static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
-    rbd_real *x = c->x, *stack = c->stack;
-    rbdi_clear(stack, m->nv);
-    for (int n = m->nv - 1; n >= 0; --n) {
-        const int k = c->order[n], d = m->dof[k].depth;
-        const rbd_real *l = &L[m->dof[k].row], y = x[k] + stack[d];
-        stack[d] = rbdi_zero();
-        rbdi_subtract(stack, y, l, d);
-        x[k] = y * l[d];
-        c->D_inverse[k] = l[d];
+/* The sum of the squares of the distances of a constraint's links from the world's origin. */
+RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
+    for (int side = 0; side < 2; ++side)
+        if (k->link[side] >= 0)
+            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
+}
+
+/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
+static rbd_real rbdi_row_noise(const rbd_constraints *c) {
+    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
+}
+
+/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of the
+   paths from the world; else from the common ancestor. Returns their number. */
+RBDI_INLINE int rbdi_list_dofs(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+    const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
+    const int16_t *dof = k->dof + first;
+    int32_t *path = c->path;
+    rbd_real *inverse = c->stack;
+    for (int t = 0; t < n; ++t) path[t] = (int32_t)(dof[t] * stride), inverse[t] = c->D_inverse[dof[t]];
+    return n;
+}
+
+/* Rows i .. i + n - 1 of Delta from the diagonal on, of so many dofs. */
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, int i, int n, const rbdi_span *span,
+                                 const int16_t *dof, int dofs) {
+    const rbd_real *inverse = c->stack, *Y = c->Y;
+    const int32_t *path = c->path;
+    const int stride = c->stride;
+    rbd_real *R = c->R + i * stride;
+    for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
+        rbdi_batch x[6], y[6];
+        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x[r] = y[r] = rbdi_zero_batch(); }
+        while (dofs > 0 && span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
+        for (int t = 0; t < dofs; ++t) {
+            const rbd_real *own = Y + path[t];
+            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse[t],
+                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse[t];
+            RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+                x[r] = x[r] + u * own[i + r];
+                y[r] = y[r] + v * own[i + r];
+            }
+        }
+        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
+            *(rbdi_batch *)&R[r * stride + j] = x[r];
+            *(rbdi_batch *)&R[r * stride + j + RBDI_BATCH] = y[r];
+        }
+    }
+    for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
+}
+static void rbdi_delta(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+    const int dofs = rbdi_list_dofs(c, k, whole), stop = k->row + k->rows;
+    const rbdi_span *span = whole ? c->span : c->passed;
+    const int16_t *dof = k->dof + k->dofs - dofs;
+    for (int i = k->row, n; i < stop; i += n) {
+        n = stop - i >= 6 ? 6 : stop - i >= 3 ? 3 : 1;
+        if (n == 6)
+            rbdi_delta_rows(c, i, 6, span, dof, dofs);
+        else if (n == 3)
+            rbdi_delta_rows(c, i, 3, span, dof, dofs);
+        else
+            rbdi_delta_rows(c, i, 1, span, dof, dofs);
     }
 }
 
-/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
-    rbd_real *x = c->x, *stack = c->stack;
-    for (int n = 0; n < m->nv; ++n) {
-        const int k = c->order[n], depth = m->dof[k].depth, d = L ? depth : 0;
-        const rbdi_span s = c->span[k];
-        const rbd_real *y = &c->Y[k * c->stride + s.first], *lambda = &c->lambda[s.first],
-                       *l = L ? L + m->dof[k].row : NULL;
-        rbdi_batch sum = rbdi_zero_batch();
-        rbd_real rest = x[k];
-        int t = 0;
-        for (int r = 0; r < s.n; r += RBDI_BATCH)
-            sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
-        sum = sum * c->D_inverse[k];
-        for (; t + RBDI_BATCH <= d; t += RBDI_BATCH)
-            sum = sum - *(const rbdi_batch *)&l[t] * *(const rbdi_batch *)&stack[t];
-        for (; t < d; ++t) rest = rest - l[t] * stack[t];
-        stack[depth] = x[k] = rest + rbdi_sum_lanes(sum);
+/* Two batches of row t, from column j on, less what rows low .. t - 1 take. */
+typedef struct rbdi_batches {
+    rbdi_batch x, y;
+} rbdi_batches;
+RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraints *c, int t, int low, int j) {
+    const int stride = c->stride;
+    const rbd_real *r = &c->R[low * stride], *row = &c->R[t * stride];
+    rbdi_batches b = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
+    for (; r < row; r += stride) {
+        b.x = b.x - *(const rbdi_batch *)&r[j] * r[t];
+        b.y = b.y - *(const rbdi_batch *)&r[j + RBDI_BATCH] * r[t];
     }
+    return b;
+}
+
+/* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
+RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraints *c, int t, int low, int end, rbd_real noise) {
+    rbd_real *R = &c->R[t * c->stride], inverse;
+    const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
+    rbdi_mask none = rbdi_less(least, least), doubt;
+    rbdi_batches b = rbdi_less_rows(c, t, low, t);
+    *(rbdi_batch *)&R[t] = b.x;
+    doubt = rbdi_not(rbdi_less(least, R[t]));
+    c->inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+    for (int j = t;;) {
+        *(rbdi_batch *)&R[j] = b.x * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = b.y * inverse;
+        if (j == c->rows || (j += 2 * RBDI_BATCH) > c->rows) return doubt;
+        if (j >= end) j = c->rows; /* beta */
+        b = rbdi_less_rows(c, t, low, j);
+    }
+}
+
+/* lambda of rows first .. last - 1, that of the rows behind them being known up to `end`. */
+static void rbdi_back_substitute(rbd_constraints *c, int first, int last, int end) {
+    for (int t = last - 1; t >= first; --t) {
+        const rbd_real *R = &c->R[t * c->stride];
+        rbdi_batch sum = rbdi_zero_batch();
+        for (int j = t + 1; j < end; j += RBDI_BATCH)
+            sum = sum + *(const rbdi_batch *)&R[j] * *(const rbdi_batch *)&c->lambda[j];
+        c->lambda[t] = c->inverse[t] * (R[c->rows] - rbdi_sum_lanes(sum));
+    }
+}
+
+/* Rows of R and beta of a constraint. whole: as rbdi_list_dofs. Returns whether a pivot is in doubt. */
+static rbdi_mask rbdi_factor_rows(rbd_constraints *c, const rbdi_constraint *k, int whole) {
+    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
+    const int low = whole ? 0 : k->low, end = whole ? c->rows : k->end;
+    rbdi_mask doubt = rbdi_less(noise, noise);
+    rbdi_delta(c, k, whole);
+    for (int t = k->row; t < k->row + k->rows; ++t)
+        doubt = rbdi_or(doubt, rbdi_factor_row(c, t, low, end, noise));
+    return doubt;
 }
 
 /* ==== src/constraints/rank.h ==== */
@@ -949,7 +937,7 @@ static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
         for (int k = t; k < nv; ++k) {
-            const rbdi_batch z = *(const rbdi_batch *)&c->D[k * c->stride + j];
+            const rbdi_batch z = *(const rbdi_batch *)&c->R[k * c->stride + j];
             sum = sum + z * z;
         }
         *(rbdi_batch *)&c->square[j] = sum;
@@ -965,7 +953,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
         best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
     }
     c->chosen[t] = at;
-    rbdi_exchange(c, t, c->D, 1, nv, c->stride);
+    rbdi_exchange(c, t, c->R, 1, nv, c->stride);
     rbdi_exchange(c, t, c->square, 1, 1, 0);
     rbdi_exchange(c, t, c->share, 1, 1, 0);
 }
@@ -973,7 +961,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
 /* Householder's reflection that leaves of column t but R_tt nothing below row t. */
 static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->D, *v = c->stack;
+    rbd_real *Z = c->R, *v = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
@@ -992,12 +980,7 @@ static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
     Z[t * stride + t] = R;
 }
 
-/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
-static rbd_real rbdi_row_noise(const rbd_constraints *c) {
-    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
-}
-
-/* By Householder: R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
+/* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -1005,9 +988,9 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     for (int k = 0; k < nv; ++k) {
         const rbd_real root = rbdi_sqrt(c->D_inverse[k]);
         for (int j = 0; j < c->stride; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->D[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
+            *(rbdi_batch *)&c->R[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
     }
-    if (c->rows > nv) rbdi_clear(&c->D[nv * c->stride], (c->rows - nv) * c->stride);
+    if (c->rows > nv) rbdi_clear(&c->R[nv * c->stride], (c->rows - nv) * c->stride);
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -1021,80 +1004,26 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
         if (!rbdi_any(taken)) return;
         rbdi_reflect(c, nv, t);
         c->inverse[t] =
-            rbdi_select(taken, one / rbdi_select(taken, c->D[t * c->stride + t], one), rbdi_zero());
+            rbdi_select(taken, one / rbdi_select(taken, c->R[t * c->stride + t], one), rbdi_zero());
     }
-}
-
-/* x -= l u + n v, in whole batches. */
-RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
-                                   int count) {
-    for (int j = 0; j < count; j += RBDI_BATCH)
-        *(rbdi_batch *)&x[j] =
-            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
-}
-
-/* Row i of Delta loses what the rows of R before it give, two at a time. */
-RBDI_INLINE void rbdi_subtract_past(const rbd_constraints *c, int i) {
-    rbd_real *row = &c->D[i * c->stride + i];
-    const int count = c->rows - i;
-    for (int t = 0; t < i; t += 2) {
-        const rbd_real *u = &c->D[t * c->stride + i], *v = t + 1 < i ? u + c->stride : u;
-        rbdi_subtract_two(row, u[0], u, t + 1 < i ? v[0] : rbdi_zero(), v, count);
-    }
-}
-
-/* Rows of Delta = Y' D^-1 Y from the diagonal on, of a constraint and those behind it, three at a time. */
-static void rbdi_delta_rows(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
-    const int n = rbdi_lay_path(m, c, k), last = k->row + k->rows - 1;
-    for (int i0 = k->row; i0 <= last; i0 += 3) {
-        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
-        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
-        for (int j = i0; j < c->rows; j += RBDI_BATCH) {
-            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
-            for (int t = 0; t < n; ++t) {
-                const rbd_real *y = c->Y + c->path[t];
-                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->stack[t];
-                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
-            }
-            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
-        }
-    }
-}
-
-/* By Cholesky, Delta = R'R: the same where no row is in doubt. Returns 0 if one is. */
-static int rbdi_delta_factor(const rbd_model *m, rbd_constraints *c) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) rbdi_delta_rows(m, c, k);
-    for (int t = 0; t < c->rows; ++t) c->diagonal[t] = (c->D[t * c->stride + t] + noise) * RBDI_CLEAR;
-    for (int t = 0; t < c->rows; ++t) {
-        rbd_real *R = &c->D[t * c->stride];
-        rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[t], R[t])));
-        c->inverse[t] = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
-        for (int j = t; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&R[j] = *(const rbdi_batch *)&R[j] * c->inverse[t];
-        if (t + 1 < c->rows) rbdi_subtract_past(c, t + 1);
-    }
-    return !rbdi_any(doubt);
 }
 
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
 static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
     n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
     for (int i = t - 1; i >= 0; --i)
-        n[i] = -c->inverse[i] * rbdi_rows_product(&c->D[i * c->stride + i + 1], &n[i + 1], t - i);
+        n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
 }
 
-/* It is kept as row t of c->D, in the lanes that have no other use for that. */
+/* It is kept as row t of c->R, in the lanes that have no other use for that. */
 static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
-    rbd_real *to = &c->D[t * c->stride];
+    rbd_real *to = &c->R[t * c->stride];
     for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
 }
 static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
-    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->D[t * c->stride + j], rbdi_zero());
+    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
 }
 
 /* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
@@ -1131,6 +1060,13 @@ static void rbdi_bound_demand(rbd_constraints *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
+/* The row of the caller's that stands at `at`. */
+static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
+    int r = 0;
+    while (c->at[r] != at) ++r;
+    return r;
+}
+
 /* Notes the row that stands at t if the targets have a component along its null vector n. */
 static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
@@ -1142,8 +1078,8 @@ static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbdi_to_order(c, c->share, 1, 1, 0);
     for (int r = 0; r < c->rows; ++r)
         if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
-            (c->infeasible < 0 || r < c->infeasible))
-            c->infeasible = r;
+            (c->infeasible < 0 || rbdi_row_of_caller(c, r) < c->infeasible))
+            c->infeasible = rbdi_row_of_caller(c, r);
 }
 
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
@@ -1180,27 +1116,25 @@ static void rbdi_check_rows(rbd_constraints *c) {
     }
 }
 
-/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement
-   before: b loses its components along the null vectors, too. check: whether to note where they do not
-   agree. */
-static void rbdi_solve_lambda(rbd_constraints *c, int check) {
-    rbd_real *x = c->lambda;
-    c->infeasible = -1;
+/* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
+   agreement before: b loses its components along the null vectors, too. check: whether to note where they do
+   not agree. */
+static void rbdi_solve_dependent(const rbd_model *m, rbd_constraints *c, int check) {
+    c->exchanged = 1;
+    rbdi_orthogonalise(m, c);
     rbdi_to_order(c, c->b, 1, 1, 0);
-    if (c->exchanged) rbdi_null_space(c);
-    if (c->exchanged && check) rbdi_check_rows(c);
+    rbdi_null_space(c);
+    if (check) rbdi_check_rows(c);
     rbdi_project_rows(c, c->b);
     for (int t = 0; t < c->rows; ++t) {
-        const rbd_real *R = &c->D[t * c->stride];
-        x[t] = c->b[t] * c->inverse[t];
+        rbd_real *R = &c->R[t * c->stride];
+        R[c->rows] = c->b[t] * c->inverse[t];
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
+            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
     }
-    for (int t = c->rows - 1; t >= 0; --t)
-        x[t] = c->inverse[t] *
-               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
-    rbdi_project_rows(c, x);
-    rbdi_from_order(c, x, 1, 1, 0);
+    rbdi_back_substitute(c, 0, c->rows, c->rows);
+    rbdi_project_rows(c, c->lambda);
+    rbdi_from_order(c, c->lambda, 1, 1, 0);
 }
 
 RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
@@ -1216,64 +1150,128 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
-/* ==== src/constraints/articulated.h ==== */
-/* ---- articulated bodies [articulated] ----
-   Rows as wrenches w of unit force (moment), from body 1 with one sign and body 2 with the other, go down the
-   tree with pass 2 of [aba]: a strand each. Where a joint lets go, with y = X y_p + c from here on its link's
-   acceleration but for S qdd,
+/* ==== src/constraints/solution.h ==== */
+/* ---- solution [solution] ----
+   By the factor of M: the sweeps with L on both sides of [factor] or [rank]. */
 
-       Y = S' K,   K -= U/D Y,   Lambda += Y Y'/D,   epsilon += Y u/D + K' c,   K_p = X' K
-
-   so that w' (acceleration of the tip) = K' y + epsilon + Lambda lambda. Where the two strands of a
-   constraint meet, all that could move it has let go: the rows are eliminated there,
-
-       Lambda lambda = b - K' y,  b = r - epsilon     IA += K Lambda^-1 K',   pA -= K Lambda^-1 b
-
-   and from Lambda, K and b of the rows that pass on. Rows that depend on others vanish, K too: of n with
-   Lambda n = 0 all Y'n = 0. In pass 3 lambda follows from y where the strands met, then u/D += Y'lambda / D
-   behind it.
-
-   HyQ on four points, batches of four: each contact has a strand of three rows, that of body 1, and an empty
-   one, the world's. A leg's three joints are a piece, which one strand passes; the base is another, which all
-   four do: its route. Each leg is a limb, [limbs]. */
-
-#if RBDI_BATCH > 1
-#define rbdi_rows_up rbdi_batch_up
-#else
-#define rbdi_rows_up rbdi_array_up
-#endif
-
-static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
-
-/* Where a sweep is: in the strands' order, and in Y, which here has each dof of a link by strand. */
-typedef struct rbdi_cursor {
-    const int16_t *route;
-    rbd_real *Y;
-} rbdi_cursor;
-
-/* Wrenches of forces that are `arm` from a link's origin, its axes. */
-RBDI_INLINE void rbdi_set_wrenches(const rbdi_batch f[3], rbdi_v3 arm, rbdi_batch K[6]) {
-    for (int j = 0; j < 3; ++j) K[3 + j] = f[j];
-    K[0] = f[2] * arm.y - f[1] * arm.z;
-    K[1] = f[0] * arm.z - f[2] * arm.x;
-    K[2] = f[1] * arm.x - f[0] * arm.y;
+/* Y_u -= l_u y, for n dofs whose rows of Y start at path[u]. */
+RBDI_INLINE void rbdi_subtract_path(rbd_real *Y, const int32_t *path, const rbd_real *l, rbdi_batch y,
+                                    int n) {
+    RBDI_UNROLL_TWO for (int u = 0; u < n; ++u) {
+        rbdi_batch *row = (rbdi_batch *)&Y[path[u]];
+        *row = *row - y * l[u];
+    }
 }
 
+/* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
+   parts of the path, which do not know each other, come before what they share. The lanes behind the rows
+   are those of the next constraint, and still zero. */
+RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k, int r,
+                               const rbd_real *L, int n) {
+    const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
+    const rbdi_dof *dof = m->dof;
+    const int32_t *path = c->path;
+    rbd_real *Y = c->Y + r;
+    rbdi_batch b = *(const rbdi_batch *)&c->target[r], demand = b * b;
+    int t = n - 1;
+    for (int side = 1; side >= 0; --side)
+        for (int i = k->tip[side], end = side ? one : 0; t >= end; --t, i = dof[i].lambda) {
+            const rbdi_batch y = *(const rbdi_batch *)&Y[path[t]], term = y * c->x[i];
+            b = b - term;
+            demand = demand + term * term;
+            if (!L) continue;
+            rbdi_subtract_path(Y, path, L + dof[i].row, y, side ? k->trunk : t);
+            if (side) rbdi_subtract_path(Y, path + one, L + dof[i].row + k->trunk, y, t - one);
+        }
+    *(rbdi_batch *)&c->b[r] = b;
+    *(rbdi_batch *)&c->demand[r] = demand;
+}
+
+/* Of a constraint: L^-T J' from J', and b. */
+static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+                                   const rbd_real *L) {
+    const int n = rbdi_list_dofs(c, k, 1);
+    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
+}
+
+/* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
+   depth, has all that the dof loses. */
+static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    rbd_real *x = c->x, *stack = c->stack;
+    rbdi_clear(stack, m->nv);
+    for (int n = m->nv - 1; n >= 0; --n) {
+        const int k = c->order[n], d = m->dof[k].depth;
+        const rbd_real *l = &L[m->dof[k].row], y = x[k] + stack[d];
+        stack[d] = rbdi_zero();
+        rbdi_subtract(stack, y, l, d);
+        x[k] = y * l[d];
+        c->D_inverse[k] = l[d];
+    }
+}
+
+/* Y'lambda / D of dof k, whose rows are s. */
+RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraints *c, int k, rbdi_span s) {
+    const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
+    rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
+    for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
+        sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
+    return rbdi_sum_lanes(sum) * c->D_inverse[k];
+}
+
+/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+    rbd_real *x = c->x, *stack = c->stack;
+    for (int n = 0; n < m->nv; ++n) {
+        const int k = c->order[n], depth = m->dof[k].depth;
+        x[k] = x[k] + rbdi_rows_push(c, k, c->span[k]);
+        if (L) x[k] = x[k] - rbdi_rows_product(L + m->dof[k].row, stack, depth);
+        stack[depth] = x[k];
+    }
+}
+
+/* ==== src/constraints/articulated.h ==== */
+/* ---- articulated bodies [articulated] ----
+   A row's unit force (moment) acts on body 1 with one sign and on body 2 with the other, as wrenches K on
+   their links. Behind pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
+   the tree. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
+
+       Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
+
+   so that the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the
+   joints so far. Once both sides have come to the common ancestor of the two links, no other joint moves the
+   rows against each other, and they are eliminated there, [factor]:
+
+       W = K R^-1,   R' beta = r - epsilon,   R lambda = beta - W'y      IA += W W',   pA -= W beta
+
+   The rows that go on lose what these take: K -= W R, and of Delta and beta by [factor]. Rows that depend on
+   others would vanish, K too: for n with Delta n = 0 all Y'n = 0. They leave a pivot in doubt. In pass 3
+   lambda follows from y of the common ancestor, then u/D += Y'lambda / D of the joints behind it. */
+
+#if RBDI_BATCH > 1
+#define rbdi_wrenches_up rbdi_batch_up
+#else
+#define rbdi_wrenches_up rbdi_array_up
+#endif
+
 /* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
-RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constraint *k,
-                                   const rbdi_axes_held *h, rbdi_v3 arm, int side) {
-    const rbdi_kin *kin = &c->w->kin[k->link[side]];
+RBDI_INLINE void rbdi_start_rows(const rbd_constraints *c, const rbdi_constraint *k, const rbdi_axes_held *h,
+                                 rbdi_v3 arm, int side) {
+    const rbdi_mat E = c->w->kin[k->link[side]].X.E;
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
-    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(kin->X.E.xx, kin->X.E.xy, kin->X.E.xz)),
-                             rbdi_scale(sign, rbdi_vec(kin->X.E.yx, kin->X.E.yy, kin->X.E.yz)),
-                             rbdi_scale(sign, rbdi_vec(kin->X.E.zx, kin->X.E.zy, kin->X.E.zz))};
+    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(E.xx, E.xy, E.xz)),
+                             rbdi_scale(sign, rbdi_vec(E.yx, E.yy, E.yz)),
+                             rbdi_scale(sign, rbdi_vec(E.zx, E.zy, E.zz))};
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        rbdi_batch f[3], *K = (rbdi_batch *)c->strand[k->strand + 2 * (r / RBDI_BATCH) + side].K;
+        rbdi_row_block *on = &c->block[k->block[side] + r / RBDI_BATCH];
+        rbdi_batch *K = (rbdi_batch *)on->K;
+        on->at = k->link[side];
         for (int j = 0; j < 3; ++j)
-            f[j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
-                   *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
-                   *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
-        rbdi_set_wrenches(f, arm, K);
+            K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
+                       *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
+                       *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
+        K[0] = K[5] * arm.y - K[4] * arm.z;
+        K[1] = K[3] * arm.z - K[5] * arm.x;
+        K[2] = K[4] * arm.x - K[3] * arm.y;
         for (int j = 0; k->angular && j < 3; ++j)
             K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
                    *(const rbdi_batch *)&h->x[1][r] * axis[j].y +
@@ -1281,656 +1279,258 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
     }
 }
 
-/* What a sweep up carries of a strand: wrenches K' of its rows, and b. */
+/* K of a row block, and its b, on the way down the tree. */
 typedef struct rbdi_carried {
-    rbdi_batch x[6], b;
+    rbdi_batch K[6], b;
 } rbdi_carried;
 
-/* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y = S' K. */
-RBDI_INLINE void rbdi_strand_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *k,
-                                  rbdi_batch *Y) {
+/* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
+RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *on,
+                                rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
-    rbdi_batch *x = k->x, y = x[2], z = x[2], term;
-    if (form & RBDI_SLIDES) y = x[2] * l->rho + x[5] * l->kappa;
+    rbdi_batch *K = on->K, y = K[2], z = K[2], term;
+    if (form & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
-    x[0] = x[0] - y * own->U_D.n.x, x[1] = x[1] - y * own->U_D.n.y;
-    x[2] = rbdi_zero_batch(); /* U_z/D = 1 */
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) x[2] = z - y * own->U_D.n.z;
-    x[3] = x[3] - y * own->U_D.f.x, x[4] = x[4] - y * own->U_D.f.y, x[5] = x[5] - y * own->U_D.f.z;
-    term = y * own->u_D + x[0] * own->c.omega.x + x[1] * own->c.omega.y;
-    term = term + x[3] * own->c.v.x + x[4] * own->c.v.y + x[5] * own->c.v.z;
-    k->b = k->b - term;
-    rbdi_rows_up(l, form, rbdi_trig_of(m, w, i, form), x);
+    K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
+    K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
+    K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
+    term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
+    term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
+    on->b = on->b - term;
+    rbdi_wrenches_up(l, form, rbdi_trig_of(m, w, i, form), K);
 }
 
-/* The same of the n links from i on. */
-RBDI_INLINE void rbdi_strand_axes(const rbd_model *m, rbd_constraints *c, int i, int n, const rbdi_strand *on,
-                                  rbdi_batch *Y) {
-    rbdi_batch *K = (rbdi_batch *)on->K, *b = (rbdi_batch *)&c->b[on->row];
-    rbdi_carried k;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { k.x[j] = K[j]; }
-    k.b = *b;
-    for (int t = n - 1; t >= 0; --t)
-        RBDI_BY_FORM(form, &m->link[i + t], rbdi_strand_axis(m, c->w, i + t, form, &k, &Y[t]));
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = k.x[j]; }
-    *b = k.b;
-}
-
-/* The dofs of a block let go; of a free base x keeps what those before have to give. Returns Y u/D. */
-RBDI_INLINE rbdi_batch rbdi_strand_release(const rbdi_block_work *bw, int first, int n, int free_base,
-                                           rbdi_batch x[6], rbdi_batch *Y) {
-    rbdi_batch term = rbdi_zero_batch();
-    RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
-        const rbdi_batch y = x[first + d];
-        const int end = free_base ? d : 6;
-        Y[d] = y;
-        term = term + y * bw->u_D[d];
-        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { x[j] = x[j] - y * bw->U_D[d][j]; }
-    }
-    return term;
-}
-
-/* x = X' x of a block. */
-RBDI_INLINE void rbdi_strand_up_block(const rbdi_pose *X, rbdi_batch x[6]) {
+/* K = X' K of a block link. */
+RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     const rbdi_mat E = X->E;
     const rbdi_v3 r = X->r;
     for (int j = 0; j < 6; j += 3) {
-        const rbdi_batch a = x[j], b = x[j + 1], c = x[j + 2];
-        x[j] = a * E.xx + b * E.yx + c * E.zx;
-        x[j + 1] = a * E.xy + b * E.yy + c * E.zy;
-        x[j + 2] = a * E.xz + b * E.yz + c * E.zz;
+        const rbdi_batch x = K[j], y = K[j + 1], z = K[j + 2];
+        K[j] = x * E.xx + y * E.yx + z * E.zx;
+        K[j + 1] = x * E.xy + y * E.yy + z * E.zy;
+        K[j + 2] = x * E.xz + y * E.yz + z * E.zz;
     }
-    x[0] = x[0] + x[5] * r.y - x[4] * r.z;
-    x[1] = x[1] + x[3] * r.z - x[5] * r.x;
-    x[2] = x[2] + x[4] * r.x - x[3] * r.y;
+    K[0] = K[0] + K[5] * r.y - K[4] * r.z;
+    K[1] = K[1] + K[3] * r.z - K[5] * r.x;
+    K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* The same of block link i. A free base leaves nothing. */
-static void rbdi_strand_block(const rbd_model *m, rbd_constraints *c, int i, const rbdi_strand *on,
-                              rbdi_batch *Y) {
+/* Past the n dofs of block link i; their rows of Y are `stride` apart. Of a free base, which nothing of K
+   passes, U/D has only what its dofs before d need. */
+RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
+                                rbd_real *Y, int stride) {
+    RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
+        const rbdi_batch y = on->K[first + d];
+        const int end = free_base ? d : 6;
+        *(rbdi_batch *)&Y[d * stride] = y;
+        on->b = on->b - y * bw->u_D[d];
+        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { on->K[j] = on->K[j] - y * bw->U_D[d][j]; }
+    }
+}
+static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_carried on,
+                                    rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_block_work *bw = &c->w->block[l->block];
-    rbdi_batch *K = (rbdi_batch *)on->K, x[6], term;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
+    const rbdi_block_work *bw = &w->block[l->block];
     if (rbdi_free_base(l, b)) {
-        term = rbdi_strand_release(bw, 0, 6, 1, x, Y);
-        for (int j = 3; j < 6; ++j) x[j] = rbdi_zero_batch();
+        rbdi_rows_dofs(bw, 0, 6, 1, &on, Y, stride);
+        for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
-        rbdi_motion_to_array(c->w->scratch[i].c, C);
-        term = rbdi_strand_release(bw, b->first, b->n, 0, x, Y);
-        for (int j = 0; j < 6; ++j) term = term + x[j] * C[j];
-        rbdi_strand_up_block(&bw->X, x);
+        rbdi_motion_to_array(w->scratch[i].c, C);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
+        for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
+        rbdi_wrenches_up_block(&bw->X, on.K);
     }
-    *(rbdi_batch *)&c->b[on->row] = *(const rbdi_batch *)&c->b[on->row] - term;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
+    return on;
 }
 
-/* Lambda += Y D^-1 Y' of a piece's n dofs, for a row of a and those of b, which stands before it or is a. */
-RBDI_INLINE void rbdi_share_row(rbd_real *D, const rbd_real *ya, const rbdi_batch *zb, int n) {
-    rbdi_batch sum = *(const rbdi_batch *)D;
-    RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) { sum = sum + zb[t] * ya[t * RBDI_BATCH]; }
-    *(rbdi_batch *)D = sum;
+/* A row block goes down the tree to link `stop`, if it is on the way; -1: to the world, which accelerates. */
+static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block *block, int stop) {
+    const int stride = c->stride;
+    rbd_real *to = c->Y + block->row;
+    rbdi_carried on;
+    int i = block->at;
+    if (i <= stop) return;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { on.K[j] = ((const rbdi_batch *)block->K)[j]; }
+    on.b = *(const rbdi_batch *)&c->b[block->row];
+    for (; i > stop; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        rbd_real *Y = to + l->iv * stride;
+        if (l->kind == RBDI_BLOCK)
+            on = rbdi_rows_block(m, c->w, i, on, Y, stride);
+        else
+            RBDI_BY_FORM(form, l, rbdi_rows_axis(m, c->w, i, form, &on, (rbdi_batch *)Y));
+    }
+    if (i < 0) on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { ((rbdi_batch *)block->K)[j] = on.K[j]; }
+    *(rbdi_batch *)&c->b[block->row] = on.b;
+    block->at = (int16_t)i;
 }
 
-/* 1/D of the n dofs of the piece that begins at link i. */
-RBDI_INLINE void rbdi_piece_inverse(const rbd_model *m, rbd_constraints *c, int i, int n, rbd_real *inverse) {
-    const rbdi_link *l = &m->link[i];
-    const rbd_work *w = c->w;
-    const int block = l->kind == RBDI_BLOCK;
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+/* 1/D of the links on a path from `first` on, of those before number `at`. Returns how many are left. */
+static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int first) {
+    rbdi_mask none = rbdi_less(c->give, c->give);
     rbd_real give = c->give;
-    RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) {
-        const int k = block ? l->iv + t : l[t].iv;
-        c->D_inverse[k] = inverse[t] = rbdi_reciprocal(w->pivot[k], RBDI_TINY, &none);
-        give = give + inverse[t];
+    for (; at > 0 && c->link[at - 1] >= first; --at) {
+        const rbdi_link *l = &m->link[c->link[at - 1]];
+        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k) {
+            const rbd_real inverse = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
+            c->D_inverse[k] = inverse;
+            give = give + inverse;
+        }
     }
     c->give = give;
+    return at;
 }
 
-/* rbdi_share_row of all pairs of strands. */
-RBDI_INLINE void rbdi_share_piece(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route,
-                                  int strands, const rbd_real *Y, int n) {
-    const rbdi_strand *strand = c->strand;
-    const int stride = c->stride;
-    rbd_real *D = c->D, inverse[6];
-    rbdi_piece_inverse(m, c, i, n, inverse);
-    for (int t = 0; t < strands; ++t) {
-        const rbdi_strand *b = &strand[route[t]];
-        const rbd_real *ya = Y + t * n * RBDI_BATCH;
-        rbdi_batch z[6];
-        RBDI_UNROLL_SIX for (int d = 0; d < n; ++d) { z[d] = ((const rbdi_batch *)ya)[d] * inverse[d]; }
-        for (int s = t; s < strands; ++s, ya += n * RBDI_BATCH) {
-            const rbdi_strand *a = &strand[route[s]];
-            rbd_real *to = &D[a->row * stride + b->row];
-            for (int r = 0, rows = a->rows; r < rows; ++r, to += stride) rbdi_share_row(to, ya + r, z, n);
-        }
-    }
-}
-
-/* Whether any strand has rows that wait. */
-RBDI_INLINE int rbdi_any_open(const rbd_constraints *c, const int16_t *route, int n) {
-    for (int s = 0; s < n; ++s)
-        if (c->strand[route[s]].open) return 1;
-    return 0;
-}
-
-/* The strands of the piece that begins at link i, whose joints have let go. */
-RBDI_INLINE void rbdi_piece_up(const rbd_model *m, rbd_constraints *c, int i, rbdi_cursor *at) {
-    const rbdi_link *l = &m->link[i];
-    const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
-    const int16_t *route = at->route;
-    rbd_real *Y = at->Y;
-    at->route += n;
-    if (!rbdi_any_open(c, route, n)) return;
-    at->Y += n * dofs * RBDI_BATCH;
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand *on = &c->strand[route[s]];
-        rbdi_batch *own = (rbdi_batch *)Y + s * dofs;
-        if (!on->open)
-            rbdi_clear(Y + s * dofs * RBDI_BATCH, dofs * RBDI_BATCH);
-        else if (l->kind == RBDI_BLOCK)
-            rbdi_strand_block(m, c, i, on, own);
-        else
-            rbdi_strand_axes(m, c, i, dofs, on, own);
-    }
-    if (dofs == 1)
-        rbdi_share_piece(m, c, i, route, n, Y, 1);
-    else if (dofs == 3)
-        rbdi_share_piece(m, c, i, route, n, Y, 3);
-    else
-        rbdi_share_piece(m, c, i, route, n, Y, 6);
-}
-
-/* Y'lambda of a dof of n strands; Y: stride apart. */
-RBDI_INLINE rbd_real rbdi_strands_sum(const rbd_constraints *c, const int16_t *route, int n,
-                                      const rbdi_batch *Y, int stride) {
-    const rbdi_strand *strand = c->strand;
-    const rbd_real *lambda = c->lambda;
-    rbdi_batch sum = *Y * *(const rbdi_batch *)&lambda[strand[route[0]].row];
-    for (int s = 1; s < n; ++s)
-        sum = sum + Y[s * stride] * *(const rbdi_batch *)&lambda[strand[route[s]].row];
-    return rbdi_sum_lanes(sum);
-}
-
-/* u/D of the links first .. end - 1, once lambda of their strands is known. */
-RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int first, int end,
-                                   rbdi_cursor *at) {
-    for (int i = first, links; i < end; i += links) {
-        const rbdi_link *l = &m->link[i];
-        const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
-        const rbdi_batch *Y;
-        links = l->kind == RBDI_BLOCK ? 1 : dofs;
-        at->route -= n;
-        if (!rbdi_any_open(c, at->route, n)) continue;
-        at->Y -= n * dofs * RBDI_BATCH;
-        Y = (const rbdi_batch *)at->Y;
-        if (l->kind == RBDI_BLOCK) {
-            rbd_real *u_D = c->w->block[l->block].u_D;
-            for (int t = 0; t < dofs; ++t)
-                u_D[t] = u_D[t] + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l->iv + t];
-        } else {
-            rbdi_scratch *own = &c->w->scratch[i];
-            for (int t = 0; t < dofs; ++t)
-                own[t].u_D =
-                    own[t].u_D + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l[t].iv];
-        }
-    }
-}
-
-/* Rows that are eliminated together, and the first of those before them that they know. carried: their sides
-   meet on a link, and elimination goes on in c->wrench. */
-typedef struct rbdi_rows {
-    int first, end, low, carried;
-} rbdi_rows;
-
-/* 1/d of row k; in doubt if d is small beside what it is the difference of. */
-RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real noise, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    const rbd_real d = c->D[k * c->stride + k];
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + noise) * RBDI_CLEAR, d)));
-    return c->inverse[k] = rbdi_reciprocal(d, RBDI_TINY, &none);
-}
-
-/* Lambda = L'DL, D L in place of Lambda, and b = L^-T b. Rows k and k - 1 are taken from those before them
-   together: these are read and written half as often. c->diagonal has what rows have lost before. */
-static void rbdi_lambda_factor(rbd_constraints *c, rbdi_rows g, rbdi_mask *doubt) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    const int stride = c->stride, low = g.low;
-    rbd_real *D = c->D, *b = c->b, *w = c->wrench;
-    for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i];
-    for (int k = g.end - 1; k >= g.first; k -= 2) {
-        const rbd_real *u = &D[k * stride], first = rbdi_lambda_pivot(c, k, noise, doubt);
-        rbd_real *v, l, second;
-        if (k == g.first) return;
-        v = &D[(k - 1) * stride], l = u[k - 1] * first;
-        rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
-        b[k - 1] = b[k - 1] - l * b[k];
-        if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
-        second = rbdi_lambda_pivot(c, k - 1, noise, doubt);
-        for (int i = k - 2; i >= g.first; --i) {
-            const rbd_real n = v[i] * second;
-            l = u[i] * first;
-            rbdi_subtract_two(&D[i * stride + low], l, &u[low], n, &v[low], i + 1 - low);
-            b[i] = b[i] - l * b[k] - n * b[k - 1];
-            if (!g.carried) continue;
-            rbdi_subtract(&w[8 * i], l, &w[8 * k], 6);
-            rbdi_subtract(&w[8 * i], n, &w[8 * (k - 1)], 6);
-        }
-    }
-}
-
-/* lambda = L^-1 D^-1 b. */
-static void rbdi_lambda_solve(rbd_constraints *c, rbdi_rows g) {
-    for (int i = g.first; i < g.end; ++i)
-        c->lambda[i] = c->inverse[i] * (c->b[i] - rbdi_rows_product(&c->D[i * c->stride + g.low],
-                                                                    &c->lambda[g.low], i - g.low));
-}
-
-/* The rows of the constraints first .. end - 1, which meet on one link or in the world. */
-static rbdi_rows rbdi_rows_between(const rbd_constraints *c, int first, int end) {
-    rbdi_rows g = {0, 0, 0, 0};
-    g.carried = c->constraint[first].meet >= 0;
-    g.first = g.low = c->constraint[first].row;
-    g.end = c->constraint[end - 1].row + c->constraint[end - 1].rows;
-    for (int k = first; k < end; ++k)
-        if (c->constraint[k].low < g.low) g.low = c->constraint[k].low;
-    return g;
-}
-
-/* What row r, eliminated, takes from the n strands that pass on; those that begin here do not know it. */
-static void rbdi_pass_on(rbd_constraints *c, int r, int meet, const int16_t *route, int n) {
-    const rbd_real *d = &c->D[r * c->stride], *w = &c->wrench[8 * r];
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand a = c->strand[route[s]];
-        for (int i = 0; a.link != meet && i < a.rows; ++i) {
-            const int row = a.row + i;
-            const rbd_real l = d[row] * c->inverse[r];
-            c->diagonal[row] = c->diagonal[row] + l * d[row];
-            c->b[row] = c->b[row] - l * c->b[r];
-            for (int j = 0; j < 6; ++j) a.K[j * RBDI_BATCH + i] = a.K[j * RBDI_BATCH + i] - l * w[j];
-            for (int t = 0; t <= s; ++t) {
-                const rbdi_strand b = c->strand[route[t]];
-                rbd_real *to = &c->D[row * c->stride + b.row];
-                for (int j = 0; j < b.rows; ++j) to[j] = to[j] - l * d[b.row + j];
+/* W = K R^-1 of the rows first .. end - 1, which the blocks from `on` on carry, before `stop`. */
+static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, const rbdi_row_block *on,
+                                 const rbdi_row_block *stop) {
+    rbdi_clear(&c->W[6 * first], 6 * (end - first));
+    for (; on < stop; ++on)
+        for (int r = 0; r < on->rows; ++r)
+            for (int j = 0; j < 6; ++j) {
+                rbd_real *w = &c->W[6 * (on->row + r) + j];
+                *w = *w + on->K[j * RBDI_BATCH + r];
             }
-        }
+    for (int t = first; t < end; ++t) {
+        rbd_real *w = &c->W[6 * t];
+        for (int s = first; s < t; ++s) rbdi_subtract(w, c->R[s * c->stride + t], &c->W[6 * s], 6);
+        rbdi_multiply(w, c->inverse[t], 6);
     }
 }
 
-/* Eliminates rows whose sides meet on a link; IA and pA become what it then feels of its children. */
-static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA,
-                                rbdi_mask *doubt) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
+/* Eliminates the rows of the constraints first .. end - 1 on their common ancestor. IA and pA: what it feels
+   of its children. */
+static rbdi_mask rbdi_eliminate(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
+    const rbdi_constraint *k = &c->constraint[first], *last = &c->constraint[end - 1];
+    const int low = k->row, high = last->row + last->rows;
+    rbdi_row_block *own = &c->block[k->block[0]], *stop = c->block + c->blocks,
+                   *others = end < c->n ? &c->block[last[1].block[0]] : stop;
+    rbdi_mask doubt = rbdi_less(c->give, c->give);
     rbd_real A[6][6], P[6];
-    for (const rbdi_strand *s = c->strand + c->constraint[first].strand; s < stop; s += 2)
-        for (int r = 0; r < s->rows; ++r)
-            for (int j = 0; j < 6; ++j)
-                c->wrench[8 * (s->row + r) + j] = s[0].K[j * RBDI_BATCH + r] + s[1].K[j * RBDI_BATCH + r];
-    rbdi_lambda_factor(c, g, doubt);
+    for (; k <= last; ++k) doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 0));
+    rbdi_scaled_wrenches(c, low, high, own, others);
     rbdi_abi_to_array(*IA, A);
     rbdi_store_force(P, 1, *pA);
-    for (int r = g.first; r < g.end; ++r) {
-        const rbd_real *w = &c->wrench[8 * r];
+    for (int t = low; t < high; ++t) {
+        const rbd_real *w = &c->W[6 * t];
         RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-            const rbd_real l = w[i] * c->inverse[r];
-            P[i] = P[i] - l * c->b[r];
+            P[i] = P[i] - w[i] * c->R[t * c->stride + c->rows];
             RBDI_UNROLL_SIX for (int j = i; j < 6; ++j)
-                A[i][j] = A[i][j] + l * w[j];
+                A[i][j] = A[i][j] + w[i] * w[j];
         }
     }
     *IA = rbdi_abi_from_array(A);
     *pA = rbdi_load_force(P, 1);
-}
-
-/* So, and the strands that pass on lose what these rows take. */
-static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cursor *at, rbdi_abi *IA,
-                           rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    const int meet = c->constraint[first].meet;
-    rbdi_eliminate_rows(c, first, end, IA, pA, doubt);
-    for (int r = g.end - 1; r >= g.first && c->piece[meet].strands > 0; --r)
-        rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
-}
-
-/* ==== src/constraints/limbs.h ==== */
-/* ---- limbs [limbs] ----
-   Contacts with the world that have a limb to themselves are eliminated where it ends, on the link that it
-   hangs on: then the feet of a robot do not meet in its base. That is no loss of rank: of n with
-   J'n = 0 the part n_e of a limb leaves its joints without force, Y n_e = 0, and Lambda n_e = 0 makes it 0.
-   But a limb near the end of its reach is a strut, of which Lambda^-1 is large, and so is what it adds to IA:
-   where pivots or IA would lose digits its rows pass on to the world, in all lanes ([tolerances]). */
-
-/* A row K' b, in SIMD registers; and what rows add to the inertia and bias wrench of a link: [IA pA]. */
-#ifdef RBDI_FOURS
-typedef rbdi_four rbdi_row_part;
-#define RBDI_ROW_PARTS 2
-#else
-typedef rbd_real rbdi_row_part;
-#define RBDI_ROW_PARTS 7
-#endif
-#define RBDI_ROW_PART_SIZE ((int)(sizeof(rbdi_row_part) / sizeof(rbd_real)))
-typedef struct rbdi_limb_row {
-    rbdi_row_part x[RBDI_ROW_PARTS];
-} rbdi_limb_row;
-RBDI_INLINE rbd_real rbdi_row_entry(const rbdi_limb_row *row, int j) { return ((const rbd_real *)row->x)[j]; }
-
-/* The rows of a strand, which stand in lanes. */
-RBDI_INLINE void rbdi_rows_of_strand(const rbd_constraints *c, const rbdi_strand *s,
-                                     rbdi_limb_row row[RBDI_BATCH]) {
-    const rbdi_batch *K = (const rbdi_batch *)s->K;
-#ifdef RBDI_FOURS
-    const rbdi_batch rest[4] = {K[4], K[5], *(const rbdi_batch *)&c->b[s->row], rbdi_zero_batch()};
-    rbdi_four x[RBDI_BATCH], y[RBDI_BATCH];
-    rbdi_fours_of_lanes(K, x);
-    rbdi_fours_of_lanes(rest, y);
-    for (int r = 0; r < RBDI_BATCH; ++r) row[r].x[0] = x[r], row[r].x[1] = y[r];
-#else
-    for (int r = 0; r < RBDI_BATCH; ++r) {
-        for (int j = 0; j < 6; ++j) row[r].x[j] = ((const rbd_real *)&K[j])[r];
-        row[r].x[6] = c->b[s->row + r];
-    }
-#endif
-}
-
-/* Of n rows from `first` on Lambda = L'DL: w = L^-T [K' b], and Lambda^-1 [K' b]. Returns 0 if a pivot is not
-   above `sound` of its diagonal entry, in any lane. */
-RBDI_INLINE int rbdi_limb_factor(rbd_constraints *c, int first, int n, rbd_const sound, rbdi_limb_row *w,
-                                 rbdi_limb_row *solved) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    const int stride = c->stride;
-    const rbd_real *D = &c->D[first * stride + first];
-    rbd_real *inverse = &c->inverse[first], A[6][6];
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero()), weak = none;
-    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
-        const rbd_real *row = D + i * stride;
-        RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = row[j]; }
-    }
-    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k) {
-        const rbd_real whole = c->diagonal[first + k] + D[k * stride + k] + noise;
-        inverse[k] = rbdi_reciprocal(A[k][k], RBDI_TINY, &none);
-        weak = rbdi_or(weak, rbdi_not(rbdi_less(whole * sound, A[k][k])));
-        RBDI_UNROLL_SIX for (int i = 0; i < k; ++i) {
-            const rbd_real l = A[k][i] * inverse[k];
-            RBDI_UNROLL_SIX for (int j = 0; j <= i; ++j) { A[i][j] = A[i][j] - l * A[k][j]; }
-            for (int j = 0; j < RBDI_ROW_PARTS; ++j) w[i].x[j] = w[i].x[j] - w[k].x[j] * l;
-        }
-    }
-    RBDI_UNROLL_SIX for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < RBDI_ROW_PARTS; ++j) {
-            rbdi_row_part x = w[i].x[j];
-            RBDI_UNROLL_SIX for (int k = 0; k < i; ++k) { x = x - solved[k].x[j] * A[i][k]; }
-            solved[i].x[j] = x * inverse[i];
-        }
-    }
-    return !rbdi_any(weak);
-}
-
-/* Whether what n rows add to a link's inertia, of which most[6] is a multiple, leaves enough digits of it. */
-RBDI_INLINE int rbdi_adds_little(const rbdi_limb_row *w, const rbdi_limb_row *share, int n,
-                                 const rbd_real *most) {
-    rbdi_mask little = rbdi_less(rbdi_zero(), most[0]);
-    rbdi_limb_row added;
-    for (int j = 0; j < RBDI_ROW_PARTS; ++j) {
-        rbdi_row_part x = w[0].x[j] * share[0].x[j];
-        RBDI_UNROLL_SIX for (int r = 1; r < n; ++r) { x = x + w[r].x[j] * share[r].x[j]; }
-        added.x[j] = x;
-    }
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-        little = rbdi_and(little, rbdi_less(rbdi_row_entry(&added, j), most[j]));
-    }
-    return !rbdi_any(rbdi_not(little));
-}
-
-/* Adds [IA pA] of n rows, w' share. */
-RBDI_INLINE void rbdi_limb_sum(const rbdi_limb_row *w, const rbdi_limb_row *share, int n,
-                               rbdi_limb_row sum[6]) {
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-        for (int j = i / RBDI_ROW_PART_SIZE; j < RBDI_ROW_PARTS; ++j) {
-            rbdi_row_part x = sum[i].x[j];
-            RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x = x + w[r].x[j] * rbdi_row_entry(&share[r], i); }
-            sum[i].x[j] = x;
-        }
-    }
-}
-
-/* What is summed there goes to a link. */
-RBDI_INLINE void rbdi_add_sum(const rbdi_limb_row sum[6], rbdi_abi *IA, rbdi_force *pA) {
-    rbd_real A[6][6];
-    for (int i = 0; i < 6; ++i)
-        for (int j = i; j < 6; ++j) A[i][j] = rbdi_row_entry(&sum[i], j);
-    *IA = rbdi_abi_add(*IA, rbdi_abi_from_array(A));
-    pA->n = rbdi_sub(
-        pA->n, rbdi_vec(rbdi_row_entry(&sum[0], 6), rbdi_row_entry(&sum[1], 6), rbdi_row_entry(&sum[2], 6)));
-    pA->f = rbdi_sub(
-        pA->f, rbdi_vec(rbdi_row_entry(&sum[3], 6), rbdi_row_entry(&sum[4], 6), rbdi_row_entry(&sum[5], 6)));
-}
-
-/* The n rows of a limb, of so many strands, are eliminated where it ends, if they can be. */
-RBDI_INLINE void rbdi_take_rows(rbd_constraints *c, rbdi_limb *e, int n, int strands, const rbd_real *most,
-                                rbdi_limb_row sum[6]) {
-    const rbdi_strand *s = c->strand + e->strand;
-    rbdi_limb_row *solved = (rbdi_limb_row *)&c->wrench[8 * e->row], w[6], share[6], own[RBDI_BATCH];
-    rbdi_rows_of_strand(c, s, own);
-    RBDI_UNROLL_SIX for (int r = 0, i = 0; r < n; ++r, ++i) {
-        if (i == RBDI_BATCH || (strands > 1 && i == s->rows)) rbdi_rows_of_strand(c, s += 2, own), i = 0;
-        w[r] = own[i];
-    }
-    e->taken = (int16_t)rbdi_limb_factor(c, e->row, n, RBDI_SOUND, w, solved);
-    RBDI_UNROLL_SIX for (int r = 0; r < 6; ++r) {
-        const rbd_real inverse = c->inverse[e->row + (r < n ? r : 0)];
-        for (int j = 0; j < RBDI_ROW_PARTS; ++j) share[r].x[j] = w[r < n ? r : 0].x[j] * inverse;
-    }
-    e->taken = e->taken && rbdi_adds_little(w, share, n, most);
-    if (!e->taken) {
-        for (int r = e->row; r < e->row + n; ++r) rbdi_clear(&c->D[r * c->stride], e->row);
-        return;
-    }
-    rbdi_limb_sum(w, share, n, sum);
-    for (int k = 0; k < strands; ++k) c->strand[e->strand + 2 * k].open = 0;
-}
-
-/* The limbs first .. end - 1, which hang on one link; IA and pA become what it then feels of its children. */
-static void rbdi_take_limbs(const rbd_model *m, rbd_constraints *c, int first, int end, rbdi_abi *IA,
-                            rbdi_force *pA) {
-    const rbdi_link *l = &m->link[c->limb[first].link];
-    rbdi_abi own = l->slot < 0 ? *IA : rbdi_abi_add(*IA, c->w->slot[l->slot].I);
-    rbdi_limb_row sum[6];
-    rbd_real most[6];
-    own = rbdi_abi_add_link(l, RBDI_MASS_KEPT, own);
-    most[0] = own.I.xx * RBDI_ADDED, most[1] = own.I.yy * RBDI_ADDED, most[2] = own.I.zz * RBDI_ADDED;
-    most[3] = own.M.xx * RBDI_ADDED, most[4] = own.M.yy * RBDI_ADDED, most[5] = own.M.zz * RBDI_ADDED;
-    rbdi_clear((rbd_real *)sum, 6 * RBDI_ROW_PARTS * RBDI_ROW_PART_SIZE);
-    for (rbdi_limb *e = c->limb + first; e < c->limb + end; ++e) {
-        const int strands = (e->end - e->strand) / 2;
-        if (e->rows == 3)
-            rbdi_take_rows(c, e, 3, strands, most, sum);
-        else if (e->rows == 6)
-            rbdi_take_rows(c, e, 6, strands, most, sum);
-        else
-            rbdi_take_rows(c, e, e->rows % 6, strands, most, sum); /* 1 .. 5, as the compiler sees */
-    }
-    rbdi_add_sum(sum, IA, pA);
-}
-
-/* lambda of n rows from the acceleration of the link where they were eliminated. */
-RBDI_INLINE void rbdi_rows_lambda(rbd_constraints *c, int first, int n, const rbd_real y[6]) {
-    const rbdi_limb_row *solved = (const rbdi_limb_row *)&c->wrench[8 * first];
-    for (int r = 0; r < n; ++r) {
-        rbd_real x = rbdi_row_entry(&solved[r], 6);
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x = x - rbdi_row_entry(&solved[r], j) * y[j]; }
-        c->lambda[first + r] = x;
-    }
-}
-
-/* The same of a limb. */
-static void rbdi_solve_limb(rbd_constraints *c, const rbdi_limb *e, const rbd_real y[6]) {
-    if (!e->taken) return;
-    rbdi_rows_lambda(c, e->row, e->rows, y);
-    for (rbdi_strand *s = c->strand + e->strand; s < c->strand + e->end; s += 2) s->open = 1;
-}
-
-/* Of the limbs before `end` the first that hangs where the last does. */
-static int rbdi_limbs_together(const rbd_constraints *c, int end) {
-    int first = end;
-    while (first > 0 && c->limb[first - 1].link == c->limb[end - 1].link) --first;
-    return first;
-}
-
-/* ==== src/constraints/passes.h ==== */
-/* ---- passes [passes] ---- */
-
-/* lambda of rows whose sides meet on a link, from its acceleration. */
-static void rbdi_solve_between(rbd_constraints *c, int first, int end, const rbd_real Y[6]) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    for (int r = g.first; r < g.end; ++r)
-        for (int j = 0; j < 6; ++j) c->b[r] = c->b[r] - c->wrench[8 * r + j] * Y[j];
-    rbdi_lambda_solve(c, g);
-}
-
-/* Before other rows are eliminated: those that limbs have taken have nothing to do with them. */
-static void rbdi_skip_limbs(rbd_constraints *c) {
-    for (const rbdi_limb *e = c->limb; e < c->limb + c->limbs; ++e)
-        for (int r = e->row; e->taken && r < e->row + e->rows; ++r) {
-            rbdi_clear(&c->D[r * c->stride], r);
-            c->D[r * c->stride + r] = rbdi_set(RBD_C(1));
-            c->b[r] = rbdi_zero();
-        }
-}
-
-/* As rbdi_eliminate, of the rows that meet in the world, which accelerates as c->world says. */
-static void rbdi_eliminate_at_world(rbd_constraints *c, int end, rbdi_mask *doubt) {
-    const rbdi_v3 g = c->world;
-    const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
-    int open = 0;
-    for (const rbdi_strand *s = c->strand; s < stop; ++s) open |= s->open && s->link >= 0;
-    if (!open) return;
-    rbdi_skip_limbs(c);
-    for (const rbdi_strand *s = c->strand; s < stop; ++s) {
-        const rbdi_batch *K = (const rbdi_batch *)s->K;
-        rbdi_batch *b = (rbdi_batch *)&c->b[s->row];
-        if (s->link >= 0) *b = *b - K[3] * g.x - K[4] * g.y - K[5] * g.z;
-    }
-    rbdi_lambda_factor(c, rbdi_rows_between(c, 0, end), doubt);
-    rbdi_lambda_solve(c, rbdi_rows_between(c, 0, end));
-}
-
-/* Of the constraints before `end` the first that meets where the last does: they are eliminated together. */
-static int rbdi_together(const rbd_constraints *c, int end) {
-    int first = end - 1;
-    while (first > 0 && c->constraint[first - 1].meet == c->constraint[end - 1].meet) --first;
-    return first;
-}
-
-/* Where the constraints before `end` that meet last do, -1: in the world, or none. */
-static int rbdi_meeting(const rbd_constraints *c, int end) {
-    return end > 0 ? c->constraint[end - 1].meet : -1;
-}
-
-/* Pass 2 of links between two places where rows are eliminated. */
-RBDI_PART rbdi_mask rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
-                                          int end, rbdi_abi *IA, rbdi_force *pA, rbdi_mask doubt) {
-    rbdi_aba_pass2_links(m, w, tau, first, end, IA, pA, &doubt);
+    for (rbdi_row_block *on = others; on < stop; ++on)
+        for (int r = 0; on->at == last->ancestor && r < on->rows; ++r)
+            for (int t = low; t < high; ++t)
+                for (int j = 0; j < 6; ++j) {
+                    rbd_real *to = &on->K[j * RBDI_BATCH + r];
+                    *to = *to - c->R[t * c->stride + on->row + r] * c->W[6 * t + j];
+                }
     return doubt;
 }
 
-/* The same with their strands. */
-RBDI_INLINE rbdi_mask rbdi_articulate_part(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
-                                           int first, int end, rbdi_cursor *at, rbdi_abi *IA, rbdi_force *pA,
-                                           rbdi_mask doubt) {
-    if (end > first) doubt = rbdi_articulate_links(m, c->w, tau, first, end, IA, pA, doubt);
-    while (end > first) {
-        end -= c->piece[end - 1].at + 1;
-        rbdi_piece_up(m, c, end, at);
-    }
-    return doubt;
+/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of the links on
+   a path are left. */
+typedef struct rbdi_progress {
+    rbdi_abi IA;
+    rbdi_force pA;
+    rbdi_mask doubt;
+    int link, at;
+} rbdi_progress;
+
+/* Pass 2 of the links behind `stop`. */
+static void rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int stop,
+                                  rbdi_progress *p) {
+    rbdi_aba_pass2_links(m, w, tau, stop + 1, p->link, &p->IA, &p->pA, &p->doubt);
+    p->link = stop + 1;
 }
 
-/* Pass 2 with the strands, and lambda of what meets in the world. */
-static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau,
-                                    rbdi_cursor *at) {
-    rbdi_abi IA = rbdi_abi_zero();
-    rbdi_force pA = rbdi_force0();
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    int link = m->nl, end = c->n, limbs = c->limbs;
-    for (;;) {
-        const int meet = rbdi_meeting(c, end), hang = limbs > 0 ? c->limb[limbs - 1].link : -1,
-                  stop = meet > hang ? meet : hang;
-        doubt = rbdi_articulate_part(m, c, tau, stop + 1, link, at, &IA, &pA, doubt);
-        link = stop + 1;
-        if (stop < 0) break;
-        if (hang == stop) {
-            const int first = rbdi_limbs_together(c, limbs);
-            rbdi_take_limbs(m, c, first, limbs, &IA, &pA);
-            limbs = first;
-        }
-        if (meet == stop) {
-            const int first = rbdi_together(c, end);
-            rbdi_eliminate(c, first, end, at, &IA, &pA, &doubt);
-            end = first;
-        }
-    }
-    rbdi_eliminate_at_world(c, end, &doubt);
-    return doubt;
+/* The row blocks from number `first` on go down to link `stop`. */
+static void rbdi_rows_down(const rbd_model *m, rbd_constraints *c, int stop, int first, rbdi_progress *p) {
+    p->at = rbdi_path_inverse(m, c, p->at, stop + 1);
+    for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
 }
 
-/* Pass 3, and lambda of what meets on links. */
-static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbdi_cursor *at, rbd_real *x) {
-    rbdi_motion world = rbdi_motion0(), y;
+/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
+   a row is in doubt. */
+static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
+    int first = 0;
+    rbdi_progress p;
+    p.IA = rbdi_abi_zero(), p.pA = rbdi_force0(), p.doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    p.link = m->nl, p.at = c->links;
+    for (int end; first < c->n && c->constraint[first].ancestor >= 0; first = end) {
+        const rbdi_constraint *k = &c->constraint[first];
+        for (end = first; end < c->n && c->constraint[end].ancestor == k->ancestor;) ++end;
+        rbdi_articulate_links(m, c->w, tau, k->ancestor, &p);
+        rbdi_rows_down(m, c, k->ancestor, k->block[0], &p);
+        p.doubt = rbdi_or(p.doubt, rbdi_eliminate(c, first, end, &p.IA, &p.pA));
+    }
+    rbdi_articulate_links(m, c->w, tau, -1, &p);
+    rbdi_rows_down(m, c, -1, first < c->n ? c->constraint[first].block[0] : c->blocks, &p);
+    for (; first < c->n; ++first) p.doubt = rbdi_or(p.doubt, rbdi_factor_rows(c, &c->constraint[first], 0));
+    return p.doubt;
+}
+
+/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
+   known. Returns the number of the next. */
+static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int end) {
+    for (; at < c->links && c->link[at] < end; ++at) {
+        const rbdi_link *l = &m->link[c->link[at]];
+        const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
+        rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t, c->passed[l->iv + t]);
+    }
+    return at;
+}
+
+/* lambda of the constraints first .. end - 1 from y, the acceleration of their common ancestor. */
+static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_motion *y) {
+    const rbdi_constraint *k = &c->constraint[end - 1];
     rbd_real Y[6];
-    int link = 0, first = 0, limb = 0;
+    rbdi_motion_to_array(*y, Y);
+    for (int t = c->constraint[first].row; k->ancestor >= 0 && t < k->row + k->rows; ++t)
+        for (int j = 0; j < 6; ++j) {
+            rbd_real *beta = &c->R[t * c->stride + c->rows];
+            *beta = *beta - c->W[6 * t + j] * Y[j];
+        }
+    for (; k >= c->constraint + first; --k) rbdi_back_substitute(c, k->row, k->row + k->rows, k->end);
+}
+
+/* Pass 3, and lambda. */
+static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_real *x) {
+    rbdi_motion world = rbdi_motion0(), y;
     world.v = c->world;
     y = world;
-    rbdi_motion_to_array(y, Y);
-    while (first < c->n && c->constraint[first].meet < 0) ++first;
-    for (;;) {
-        const int met = first < c->n ? c->constraint[first].meet : m->nl - 1,
-                  hung = limb < c->limbs ? c->limb[limb].link : m->nl - 1, last = hung < met ? hung : met;
-        int end = first;
-        rbdi_strands_down(m, c, link, last + 1, at);
+    for (int link = 0, end = c->n, at = 0;;) {
+        int first = end, last;
+        while (first > 0 && c->constraint[first - 1].ancestor == link - 1) --first;
+        if (first < end) rbdi_solve_group(c, first, end, &y);
+        last = first > 0 ? c->constraint[first - 1].ancestor : m->nl - 1;
+        at = rbdi_push_links(m, c, at, last + 1);
         y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
-        link = last + 1;
-        if (link == m->nl) break;
-        rbdi_motion_to_array(y, Y);
-        for (; limb < c->limbs && c->limb[limb].link == last; ++limb) rbdi_solve_limb(c, &c->limb[limb], Y);
-        while (end < c->n && c->constraint[end].meet == last) ++end;
-        if (end > first) rbdi_solve_between(c, first, end, Y);
-        first = end;
+        if (first == 0) return;
+        link = last + 1, end = first;
     }
 }
 
-/* Rows of Lambda, of constraint k, from the first column that they know to the diagonal; of a limb, if it
-   takes them. */
-RBDI_INLINE void rbdi_clear_lambda(const rbd_constraints *c, const rbdi_constraint *k) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    const int stride = c->stride, n = k->row + k->rows - k->near_low;
-    rbd_real *D = &c->D[k->row * stride + k->near_low];
-    for (int r = k->rows; r > 0; --r, D += stride)
-        for (int j = 0; j < n; j += RBDI_BATCH) *(rbdi_batch *)&D[j] = zero;
-}
-
-/* x and lambda from the joints' torques, bias wrenches and b = target. Returns 0, x unknown, if a pivot of a
+/* x and lambda from the joints' torques, bias wrenches and target. Returns 0, x unknown, if a pivot of a
    joint or a row is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
-    rbdi_cursor at;
-    rbdi_mask doubt;
-    at.route = c->route, at.Y = c->Y;
     c->give = rbdi_zero();
-    rbdi_clear(c->diagonal, c->rows);
     rbdi_clear(c->lambda, c->stride);
-    for (int s = 0; s < c->strands; ++s) c->strand[s].open = 1;
-    if (c->used) rbdi_clear(c->D, c->rows * c->stride);
-    for (const rbdi_constraint *k = c->constraint; !c->used && k < c->constraint + c->n; ++k)
-        rbdi_clear_lambda(c, k);
-    c->used = 0;
+    if (c->dirty) rbdi_clear_rows(m, c);
+    c->dirty = 0;
     for (int r = 0; r < c->rows; r += RBDI_BATCH)
         *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
-    doubt = rbdi_articulate_up(m, c, tau, &at);
-    if (rbdi_any(doubt)) return 0;
-    rbdi_articulate_down(m, c, &at, x);
+    if (rbdi_any(rbdi_articulate_up(m, c, tau))) return 0;
+    rbdi_articulate_down(m, c, x);
     c->infeasible = c->w->singular = -1;
     return 1;
 }
@@ -1943,28 +1543,12 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
     c->world = rbdi_world_state(gravity).acc;
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
-    rbdi_kin_of_paths(m, c, v, moving, 0);
+    rbdi_kin_of_paths(m, c, v, moving);
     c->levers = rbdi_set(RBD_C(1));
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
-/* What is left of a contact with the world without stabilisation: gamma, in the link's axes. */
-static void rbdi_articulated_contact(rbd_constraints *c, const rbdi_constraint *k, const rbdi_axes_held *h) {
-    const rbdi_v3 arm = rbdi_vec_c(k->p[0]), omega = c->w->kin[k->link[0]].state.omega,
-                  acc = rbdi_cross(omega, rbdi_cross(omega, arm)), g = c->world;
-    rbdi_start_strand(c, k, h, arm, 0);
-    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        const rbdi_batch *K = (const rbdi_batch *)c->strand[k->strand + 2 * (r / RBDI_BATCH)].K,
-                         *e = (const rbdi_batch *)&h->x[3][r];
-        rbdi_batch *gamma = (rbdi_batch *)&c->gamma[k->row + r], sum = K[3] * acc.x + K[4] * acc.y;
-        sum = sum + K[5] * acc.z - *e * g.x;
-        e = (const rbdi_batch *)&h->x[4][r], sum = sum - *e * g.y;
-        e = (const rbdi_batch *)&h->x[5][r], sum = sum - *e * g.z;
-        *gamma = *gamma + sum;
-    }
-}
-
-/* gamma of a constraint, links steady, and what else is wanted; its strands begin. */
+/* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
 static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
@@ -1973,18 +1557,14 @@ static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, 
         if (k->link[side] >= 0) {
             rbdi_state *s = &c->w->kin[k->link[side]].state;
             s->omega_dot = s->acc = rbdi_vec0();
+            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* unknown, and not wanted */
         }
     rbdi_set_axes(c, k, &h);
-    if (k->link[1] < 0 && !want) {
-        if (!c->moving) c->w->kin[k->link[0]].v = rbdi_vec0(); /* unknown, and nothing depends on it */
-        rbdi_articulated_contact(c, k, &h);
-        return;
-    }
     p = rbdi_constraint_motion(c, k, &h, want, 1);
-    if (k->link[0] >= 0) rbdi_start_strand(c, k, &h, rbdi_vec_c(k->p[0]), 0);
+    if (k->link[0] >= 0) rbdi_start_rows(c, k, &h, rbdi_vec_c(k->p[0]), 0);
     if (k->link[1] >= 0) {
         const rbdi_kin *kin = &c->w->kin[k->link[1]];
-        rbdi_start_strand(c, k, &h, rbdi_mul(kin->X.E, rbdi_sub(p, kin->X.r)), 1);
+        rbdi_start_rows(c, k, &h, rbdi_mul(kin->X.E, rbdi_sub(p, kin->X.r)), 1);
     }
 }
 
@@ -2000,15 +1580,19 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 
 /* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L, int check) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
-    c->used = 1;
-    c->exchanged = !rbdi_delta_factor(m, c);
-    if (c->exchanged) rbdi_orthogonalise(m, c);
-    rbdi_solve_lambda(c, check);
-    rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
+    c->exchanged = 0, c->infeasible = -1;
+    rbdi_clear(c->lambda, c->stride);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 1));
+    if (rbdi_any(doubt))
+        rbdi_solve_dependent(m, c, check);
+    else
+        rbdi_back_substitute(c, 0, c->rows, c->rows);
     rbdi_sweep_down(m, c, L);
 }
 
@@ -2055,6 +1639,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
     for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
     doubt = rbdi_constrained_factor(m, c);
     rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
@@ -2065,9 +1650,9 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
     return status;
 }
 
-/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
+/* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                               const rbd_real *tau, const rbd_real *f_ext) {
+                               const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     if (c->factored) return 0;
     rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
     rbdi_external(m, c->w, f_ext);
@@ -2075,7 +1660,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd
         rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
     }
-    return rbdi_articulated_solve(m, c, tau, c->x);
+    return rbdi_articulated_solve(m, c, tau, a);
 }
 
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
@@ -2083,9 +1668,8 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
                                       rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
     if (status) return status;
-    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext))
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
         return rbdi_factored_fd(m, c, q, v, tau, f_ext, a, lambda);
-    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
     return rbdi_constrained_status(m, c, RBD_OK, lambda);
 }
 
@@ -2096,6 +1680,7 @@ static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, con
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
 /* The rows there. */
@@ -2315,19 +1900,13 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
-        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+        if (rbdi_any(worse))
+            c->infeasible = rbdi_row_of_caller(c, r), open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
 RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
-
-/* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
-    int r = 0;
-    while (c->at[r] != at) ++r;
-    return r;
-}
 
 RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
     for (int i = 0; c && i < c->n; ++i)
@@ -2342,9 +1921,7 @@ RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
     return rank;
 }
 
-RBD_API int rbd_infeasible_row(const rbd_constraints *c) {
-    return c && c->infeasible >= 0 ? rbdi_row_of_caller(c, c->infeasible) : -1;
-}
+RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasible : -1; }
 
 /* ==== src/rbd_constraints.h ==== */
 #ifdef RBDI_CONSTRAINED_DERIVATIVES
@@ -2590,12 +2167,12 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
     rbdi_to_order(c, X, n, n, 1);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
-        for (int i = 0; i < t; ++i) c->b[i] = c->D[i * c->stride + t];
+        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
         rbdi_subtract_rows(c, &X[t * n], X, c->b, t, n);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->D[t * c->stride + t + 1], c->rows - t - 1, n);
+        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->R[t * c->stride + t + 1], c->rows - t - 1, n);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     rbdi_project_columns(c, X, n);
@@ -2755,7 +2332,7 @@ static int rbdi_held_axes(const rbd_constraint *k) {
 }
 
 /* Rows from one dof to the next: two batches may begin at any row. */
-static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + 2 * RBDI_BATCH - 1); }
+static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
     int rows = 0;
@@ -2763,18 +2340,18 @@ static int rbdi_rows_of(const rbd_constraint *list, int n) {
     return rows;
 }
 
-static int rbdi_batches_of(const rbd_constraint *list, int n) {
-    int batches = 0;
-    for (int i = 0; i < n; ++i) batches += rbdi_whole_batches(rbdi_held_axes(&list[i])) / RBDI_BATCH;
-    return batches;
+/* At most so many row blocks. */
+static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
+    int blocks = 0;
+    for (int i = 0; i < n; ++i) blocks += 2 * ((rbdi_held_axes(&list[i]) + RBDI_BATCH - 1) / RBDI_BATCH);
+    return blocks;
 }
 
 RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_batches_of(list, n),
-                                  rbdi_batches_of(list, n) * RBDI_BATCH, RBDI_BATCH);
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_row_blocks_of(list, n));
 }
 
 /* The link that carries a body, -1 = world. */
@@ -2831,8 +2408,8 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The last link that the paths to both have, -1 = none: ancestors have smaller indices. */
-static int rbdi_meeting_link(const rbd_model *m, int one, int two) {
+/* The nearest link that carries both or is one of them, -1 = world: ancestors have smaller indices. */
+static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *behind = one > two ? &one : &two;
         *behind = m->link[*behind].parent;
@@ -2846,7 +2423,7 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
         (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->R[0], &to->p[0]);
     to->link[1] =
         (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->R[1], &to->p[1]);
-    to->meet = (int16_t)rbdi_meeting_link(m, to->link[0], to->link[1]);
+    to->ancestor = (int16_t)rbdi_common_ancestor(m, to->link[0], to->link[1]);
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
     to->rows = to->angular = 0;
@@ -2859,17 +2436,12 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* Whether the part of a path behind `meet`, to `tip`, has link i. */
-static int rbdi_is_between(const rbd_model *m, int meet, int tip, int i) {
-    return i > meet && i <= tip && m->link[tip].first < m->link[i].end;
-}
-
-/* What meets behind goes behind, and so is eliminated before; else the caller's order stays. */
+/* A common ancestor farther from the world comes before; else the caller's order stays. */
 static void rbdi_sort_constraints(rbdi_constraint *list, int n) {
     for (int i = 1; i < n; ++i) {
         const rbdi_constraint k = list[i];
         int at = i;
-        for (; at > 0 && list[at - 1].meet > k.meet; --at) list[at] = list[at - 1];
+        for (; at > 0 && list[at - 1].ancestor < k.ancestor; --at) list[at] = list[at - 1];
         list[at] = k;
     }
 }
@@ -2885,18 +2457,46 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
     return tip;
 }
 
-/* The rows of a constraint reach the dofs of the paths to its bodies: L^-T J' those that J' does not, too. */
-static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+/* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
+   what both paths begin with too; articulated bodies eliminate them before: `passed`. */
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+    const int end = k->row + k->rows;
     k->trunk = 0;
     for (int side = 0; side < 2; ++side) {
         k->tip[side] = (int16_t)rbdi_tip_of(m, k->link[side]);
         for (int i = k->tip[side]; i >= 0; i = m->dof[i].lambda) {
             rbdi_span *s = &c->span[i];
             if (s->end == 0) s->first = k->row;
-            if (side && s->end == k->row + k->rows) ++k->trunk;
-            s->end = (int16_t)(k->row + k->rows);
+            if (side && s->end == end) ++k->trunk;
+            s->end = (int16_t)end;
         }
     }
+    k->dofs = 0;
+    for (int side = 0; side < 2; ++side) {
+        const int least = side ? k->trunk : 0, base = k->dofs - least;
+        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= least; i = m->dof[i].lambda, ++k->dofs)
+            k->dof[base + m->dof[i].depth] = (int16_t)i;
+    }
+    for (int t = k->trunk; t < k->dofs; ++t) {
+        rbdi_span *s = &c->passed[k->dof[t]];
+        if (s->end == 0) s->first = k->row;
+        s->end = (int16_t)end;
+    }
+}
+
+/* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
+static void rbdi_know_each_other(rbd_constraints *c) {
+    const rbdi_constraint *stop = c->constraint + c->n;
+    for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
+        k->low = k->row, k->end = (int16_t)(k->row + k->rows);
+        for (int t = k->trunk; t < k->dofs; ++t)
+            if (c->passed[k->dof[t]].first < k->low) k->low = c->passed[k->dof[t]].first;
+        for (rbdi_constraint *before = c->constraint; before < k; ++before)
+            if (before->row >= k->low) before->end = k->end;
+    }
+    for (rbdi_constraint *k = c->constraint; k < stop; ++k)
+        if (k->end + 2 * RBDI_BATCH > c->rows)
+            k->end = (int16_t)c->rows; /* or the last batches would reach beta */
 }
 
 /* Every dof goes behind those that are behind the dof before it. */
@@ -2912,66 +2512,23 @@ static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
     }
 }
 
-/* Rows from here on are those of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraints *c, rbd_real *K) {
-    rbdi_strand *s = c->strand;
+/* Rows and row blocks in the order of the sorted constraints. */
+static void rbdi_number_rows(rbd_constraints *c) {
     int row = 0;
+    c->blocks = 0;
     for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         for (int r = 0; r < k->rows; ++r) c->at[k->row + r] = (int16_t)(row + r);
-        k->row = k->low = (int16_t)row;
-        k->strand = (int16_t)(s - c->strand);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH)
-            for (int side = 0; side < 2; ++side, ++s, K += 6 * RBDI_BATCH) {
-                s->K = K;
-                s->row = (int16_t)(row + r);
-                s->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                s->link = k->link[side], s->meet = k->meet;
+        k->row = (int16_t)row;
+        for (int side = 0; side < 2; ++side) {
+            k->block[side] = (int16_t)c->blocks;
+            for (int r = 0; k->link[side] >= 0 && r < k->rows; r += RBDI_BATCH) {
+                rbdi_row_block *on = &c->block[c->blocks++];
+                on->row = (int16_t)(row + r);
+                on->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
+                on->at = k->link[side];
             }
-        row += k->rows;
-    }
-    c->strands = (int)(s - c->strand);
-    c->moving = 0;
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        c->moving |= k->kd > 0 || k->kp > 0 || k->link[1] >= 0; /* else: rbdi_articulated_contact */
-}
-
-/* Whether a strand passes the joint of link i. */
-static int rbdi_passes(const rbd_model *m, const rbdi_strand *s, int i) {
-    return rbdi_is_between(m, s->meet, s->link, i);
-}
-
-/* Whether the same strands pass two links. */
-static int rbdi_same_strands(const rbd_model *m, const rbd_constraints *c, int i, int k) {
-    for (int s = 0; s < c->strands; ++s)
-        if (rbdi_passes(m, &c->strand[s], i) != rbdi_passes(m, &c->strand[s], k)) return 0;
-    return 1;
-}
-
-static int rbdi_is_meeting(const rbd_constraints *c, int link) {
-    for (int i = 0; i < c->n; ++i)
-        if (c->constraint[i].meet == link) return 1;
-    return 0;
-}
-
-/* The longest piece of six, three or one dofs that begins at link i; of any number where no strand passes. */
-static int rbdi_piece_dofs(const rbd_model *m, const rbd_constraints *c, int i) {
-    int links = 1, passed = 0;
-    if (m->link[i].kind == RBDI_BLOCK) return rbdi_link_dofs(m, &m->link[i]);
-    for (int s = 0; s < c->strands; ++s) passed |= rbdi_passes(m, &c->strand[s], i);
-    while ((links < 6 || !passed) && i + links < m->nl && m->link[i + links].kind != RBDI_BLOCK &&
-           m->link[i + links].parent == i + links - 1 && rbdi_same_strands(m, c, i, i + links) &&
-           !rbdi_is_meeting(c, i + links - 1))
-        ++links;
-    return links == 6 || !passed ? links : links >= 3 ? 3 : 1;
-}
-
-static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
-    for (int i = 0; i < m->nl;) {
-        const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
-        for (int k = 0; k < links; ++k, ++i) {
-            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
-            c->piece[i].posed = 0;
         }
+        row += k->rows;
     }
 }
 
@@ -3022,89 +2579,30 @@ static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
     return 1;
 }
 
-/* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
-   order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
-static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, const int16_t *route,
-                          rbdi_limb *e) {
-    const int parent = m->link[i].parent, n = c->piece[i].strands;
-    int dofs = 0;
-    if (n == 0 || parent < 0 || (m->link[parent].kind != RBDI_BLOCK && rbdi_same_strands(m, c, i, parent)))
-        return 0;
-    e->link = (int16_t)parent, e->taken = 0;
-    e->strand = route[0], e->end = (int16_t)(route[n - 1] + 2);
-    e->row = c->strand[e->strand].row, e->rows = 0;
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand *on = &c->strand[route[s]], *other = &c->strand[route[s] ^ 1];
-        if (route[s] != e->strand + 2 * s || on->meet >= 0 || other->link >= 0) return 0;
-        for (const rbdi_limb *k = c->limb; k < e; ++k)
-            if (k->strand <= route[s] && route[s] < k->end) return 0;
-        e->rows = (int16_t)(e->rows + on->rows);
-    }
-    for (int k = i, behind = 0; k < m->nl; ++k, behind = 0) {
-        for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
-        if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
-    }
-    return e->rows <= 6 && e->rows <= dofs && rbdi_may_eliminate_at(m, parent);
+/* Whether the rows between the two links of a constraint must depend on each other. */
+static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k) {
+    int rows = 0;
+    for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
+        if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
+            (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+            rows += o->rows;
+    return rows > 6 || rows > k->dofs - k->trunk;
 }
 
-/* By the links that they hang on. */
-static void rbdi_sort_limbs(rbdi_limb *list, int n) {
-    for (int i = 1; i < n; ++i) {
-        const rbdi_limb e = list[i];
-        int at = i;
-        for (; at > 0 && list[at - 1].link > e.link; --at) list[at] = list[at - 1];
-        list[at] = e;
-    }
-}
-
-/* The strands of each link; and of constraints that meet in one place the first row that any of them shares a
-   link with. */
-static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
-    int16_t *route = c->route;
-    rbdi_lay_pieces(m, c);
-    c->posed = 0;
+/* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
+static int rbdi_needs_factor(const rbd_model *m, const rbd_constraints *c) {
+    int needs = m->nmimic > 0 || c->rows > m->nv;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        for (int side = 0; side < 2; ++side)
-            for (int i = k->link[side]; i >= 0; i = m->link[i].parent) {
-                c->piece[i].posed = 1;
-                if (i >= c->posed) c->posed = i + 1;
-            }
-    for (int i = m->nl - 1; i >= 0; --i) {
-        int n = 0;
-        for (int s = 0; s < c->strands; ++s)
-            if (rbdi_passes(m, &c->strand[s], i)) route[n++] = (int16_t)s;
-        for (int s = 1; s < n; ++s)
-            for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-                if (k->meet == c->strand[route[s]].meet && k->low > c->strand[route[0]].row)
-                    k->low = c->strand[route[0]].row;
-        c->piece[i].strands = (int16_t)n;
-        if (rbdi_ends_limb(m, c, i, route, &c->limb[c->limbs])) ++c->limbs;
-        if (c->piece[i].at == 0) route += n;
-    }
-    rbdi_sort_limbs(c->limb, c->limbs);
-    for (int end = c->n, first; end > 0; end = first) {
-        const rbdi_rows g = rbdi_rows_between(c, first = rbdi_together(c, end), end);
-        for (int k = first; k < end; ++k) c->constraint[k].low = c->constraint[k].near_low = (int16_t)g.low;
-    }
-    for (const rbdi_limb *e = c->limb; e < c->limb + c->limbs; ++e)
-        for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-            if (k->row >= e->row && k->row < e->row + e->rows) k->near_low = e->row;
+        needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
+    return needs;
 }
 
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **constraints,
-                                        rbd_report *report) {
-    rbd_report own;
-    rbd_constraints *c;
-    unsigned char *p;
-    rbd_real *K;
-    int rows = 0, batches;
-    if (!report) report = &own;
+/* What rbd_constraints_init was given. */
+static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
+                                  const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (constraints) *constraints = NULL;
-    if (!m || !w || (!list && n) || !memory || !constraints)
-        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!m || !w || (!list && n) || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
@@ -3114,59 +2612,71 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     for (int i = 0; i < n; ++i) {
         const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
         if (status) return status;
-        rows += rbdi_held_axes(&list[i]);
     }
     if (size < rbd_constraints_size(m, list, n)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
-    batches = rbdi_batches_of(list, n);
-    p = rbdi_aligned(memory);
-    c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->n = n, c->rows = rows;
-    c->stride = rbdi_row_stride(rows);
+    return RBD_OK;
+}
+
+/* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
+static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+    const int stride = rbdi_row_stride(rows);
+    unsigned char *p = rbdi_aligned(memory);
+    rbd_constraints *c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
+    rbd_real *x;
+    c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
-    c->strand = (rbdi_strand *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)batches * sizeof(rbdi_strand)));
-    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
+    c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
     c->order = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)m->nv * ((size_t)batches + 1) + (size_t)rows) * sizeof(int16_t)));
-    c->at = c->order + m->nv, c->route = c->at + rows;
-    c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
-    c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
-    c->limbs = 0;
-    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
-    c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
-                                 sizeof(rbd_real));
-    K = (rbd_real *)rbdi_take(&p, 12 * batches * RBDI_BATCH, sizeof(rbd_real));
-    c->wrench = (rbd_real *)rbdi_take(&p, 8 * rows, sizeof(rbd_real));
-    c->D = (rbd_real *)rbdi_take(&p, (int)RBDI_LARGER(rows, m->nv) * c->stride, sizeof(rbd_real));
-    c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
-    c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->before = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->b = (rbd_real *)rbdi_take(&p, 10 * c->stride, sizeof(rbd_real));
-    c->lambda = c->b + c->stride, c->target = c->lambda + c->stride;
-    c->u = c->target + c->stride, c->gamma = c->u + c->stride, c->e = c->gamma + c->stride;
-    c->demand = c->e + c->stride, c->square = c->demand + c->stride;
-    c->share = c->square + c->stride, c->chosen = c->share + c->stride;
-    c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    rbdi_order_dofs(m, c->order);
-    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
-    for (int i = 0, row = 0; i < n; row += c->constraint[i++].rows) {
+        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 2) + (size_t)rows) * sizeof(int16_t)));
+    c->link = c->order + nv, c->at = c->link + nv;
+    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
+    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
+    c->passed = c->span + nv;
+    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
+    c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
+    c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
+    c->W = (rbd_real *)rbdi_take(&p, 6 * rows, sizeof(rbd_real));
+    x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
+    c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
+    x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
+    rbdi_clear(x, 11 * stride);
+    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->u = x + 3 * stride;
+    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->demand = x + 6 * stride, c->square = x + 7 * stride;
+    c->share = x + 8 * stride, c->chosen = x + 9 * stride, c->inverse = x + 10 * stride;
+    return c;
+}
+
+RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
+                                        void *memory, size_t size, rbd_constraints **constraints,
+                                        rbd_report *report) {
+    rbd_report own;
+    rbd_constraints *c;
+    rbd_status status;
+    int row = 0;
+    if (!report) report = &own;
+    status = rbdi_check_list(m, w, list, n, constraints ? memory : NULL, size, report);
+    if (constraints) *constraints = NULL;
+    if (status) return status;
+    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), rbdi_row_blocks_of(list, n), memory);
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
+    c->w = w, c->infeasible = -1, c->exchanged = 0, c->dirty = 1;
+    for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         c->constraint[i].index = (int16_t)i;
     }
     rbdi_sort_constraints(c->constraint, n);
-    rbdi_number_rows(c, K);
-    for (int i = 0; i < n; ++i) rbdi_span_constraint(m, c, &c->constraint[i]);
-    if (!m->nmimic) rbdi_lay_route(m, c);
-    for (int k = 0; k < m->nv; ++k)
-        c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
-    rbdi_clear(c->b, 10 * c->stride);
-    c->used = 1, c->infeasible = -1;
-    c->factored = m->nmimic > 0;
-    for (int i = 0; i < n; ++i) c->factored |= !rbdi_may_eliminate_at(m, c->constraint[i].meet);
-    rbdi_clear(c->inverse, rows);
+    rbdi_number_rows(c);
+    rbdi_order_dofs(m, c->order);
+    for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
+    for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
+    c->links = 0;
+    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+    rbdi_know_each_other(c);
+    c->moving = 0;
+    for (int i = 0; i < n; ++i)
+        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
+    c->factored = rbdi_needs_factor(m, c);
     *constraints = c;
     return RBD_OK;
 }

@@ -20,8 +20,8 @@
      [description] [set] [calls] [batch] [derivatives]
      --- stop here if you only use it ---
      [layout]
-     [design] [tolerances] [kinematics] [rows] [solution] [rank]
-     [articulated] [limbs] [passes]
+     [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
+     [articulated]
      [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
 
    [conventions] Beyond those of rbd.h:
@@ -112,7 +112,7 @@ extern "C" {
 
                                HyQ     Atlas
        rbd_aba                8587     17713
-       articulated bodies    17335     27865
+       articulated bodies    19543     28489
        factor of M           28606     46615
 
    By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
@@ -136,11 +136,10 @@ RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
 #include "constraints/tolerances.h"
 #include "constraints/kinematics.h"
 #include "constraints/rows.h"
-#include "constraints/solution.h"
+#include "constraints/factor.h"
 #include "constraints/rank.h"
+#include "constraints/solution.h"
 #include "constraints/articulated.h"
-#include "constraints/limbs.h"
-#include "constraints/passes.h"
 #include "constraints/calls.h"
 #include "constraints/weights.h"
 #include "constraints/assembly.h"

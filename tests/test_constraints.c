@@ -224,7 +224,11 @@ static int both_ways, both_dependent;
    behind it do not produce, d_i / Delta_ii. */
 static double growth_of(const set *c) {
     double growth = 1;
-    for (int i = 0; i < c->rows; i++) growth = fmax(growth, c->c->diagonal[i] * c->c->inverse[i]);
+    for (int i = 0; i < c->rows; i++) {
+        double diagonal = 0;
+        for (int t = 0; t <= i; t++) diagonal += pow(c->c->R[t * c->c->stride + i], 2);
+        growth = fmax(growth, diagonal * pow(c->c->inverse[i], 2));
+    }
     return growth;
 }
 

@@ -1,65 +1,51 @@
 #ifndef RBDI_CONSTRAINTS_ARTICULATED_H
 #define RBDI_CONSTRAINTS_ARTICULATED_H
 #include "dynamics/aba.h"
-#include "constraints/rank.h"
+#include "constraints/rows.h"
+#include "constraints/solution.h"
 
 /* ---- articulated bodies [articulated] ----
-   Rows as wrenches w of unit force (moment), from body 1 with one sign and body 2 with the other, go down the
-   tree with pass 2 of [aba]: a strand each. Where a joint lets go, with y = X y_p + c from here on its link's
-   acceleration but for S qdd,
+   A row's unit force (moment) acts on body 1 with one sign and on body 2 with the other, as wrenches K on
+   their links. Behind pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
+   the tree. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
 
-       Y = S' K,   K -= U/D Y,   Lambda += Y Y'/D,   epsilon += Y u/D + K' c,   K_p = X' K
+       Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
-   so that w' (acceleration of the tip) = K' y + epsilon + Lambda lambda. Where the two strands of a
-   constraint meet, all that could move it has let go: the rows are eliminated there,
+   so that the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the
+   joints so far. Once both sides have come to the common ancestor of the two links, no other joint moves the
+   rows against each other, and they are eliminated there, [factor]:
 
-       Lambda lambda = b - K' y,  b = r - epsilon     IA += K Lambda^-1 K',   pA -= K Lambda^-1 b
+       W = K R^-1,   R' beta = r - epsilon,   R lambda = beta - W'y      IA += W W',   pA -= W beta
 
-   and from Lambda, K and b of the rows that pass on. Rows that depend on others vanish, K too: of n with
-   Lambda n = 0 all Y'n = 0. In pass 3 lambda follows from y where the strands met, then u/D += Y'lambda / D
-   behind it.
-
-   HyQ on four points, batches of four: each contact has a strand of three rows, that of body 1, and an empty
-   one, the world's. A leg's three joints are a piece, which one strand passes; the base is another, which all
-   four do: its route. Each leg is a limb, [limbs]. */
+   The rows that go on lose what these take: K -= W R, and of Delta and beta by [factor]. Rows that depend on
+   others would vanish, K too: for n with Delta n = 0 all Y'n = 0. They leave a pivot in doubt. In pass 3
+   lambda follows from y of the common ancestor, then u/D += Y'lambda / D of the joints behind it. */
 
 #if RBDI_BATCH > 1
-#define rbdi_rows_up rbdi_batch_up
+#define rbdi_wrenches_up rbdi_batch_up
 #else
-#define rbdi_rows_up rbdi_array_up
+#define rbdi_wrenches_up rbdi_array_up
 #endif
 
-static int rbdi_whole_batches(int n) { return (n + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; }
-
-/* Where a sweep is: in the strands' order, and in Y, which here has each dof of a link by strand. */
-typedef struct rbdi_cursor {
-    const int16_t *route;
-    rbd_real *Y;
-} rbdi_cursor;
-
-/* Wrenches of forces that are `arm` from a link's origin, its axes. */
-RBDI_INLINE void rbdi_set_wrenches(const rbdi_batch f[3], rbdi_v3 arm, rbdi_batch K[6]) {
-    for (int j = 0; j < 3; ++j) K[3 + j] = f[j];
-    K[0] = f[2] * arm.y - f[1] * arm.z;
-    K[1] = f[0] * arm.z - f[2] * arm.x;
-    K[2] = f[1] * arm.x - f[0] * arm.y;
-}
-
 /* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
-RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constraint *k,
-                                   const rbdi_axes_held *h, rbdi_v3 arm, int side) {
-    const rbdi_kin *kin = &c->w->kin[k->link[side]];
+RBDI_INLINE void rbdi_start_rows(const rbd_constraints *c, const rbdi_constraint *k, const rbdi_axes_held *h,
+                                 rbdi_v3 arm, int side) {
+    const rbdi_mat E = c->w->kin[k->link[side]].X.E;
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
-    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(kin->X.E.xx, kin->X.E.xy, kin->X.E.xz)),
-                             rbdi_scale(sign, rbdi_vec(kin->X.E.yx, kin->X.E.yy, kin->X.E.yz)),
-                             rbdi_scale(sign, rbdi_vec(kin->X.E.zx, kin->X.E.zy, kin->X.E.zz))};
+    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(E.xx, E.xy, E.xz)),
+                             rbdi_scale(sign, rbdi_vec(E.yx, E.yy, E.yz)),
+                             rbdi_scale(sign, rbdi_vec(E.zx, E.zy, E.zz))};
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        rbdi_batch f[3], *K = (rbdi_batch *)c->strand[k->strand + 2 * (r / RBDI_BATCH) + side].K;
+        rbdi_row_block *on = &c->block[k->block[side] + r / RBDI_BATCH];
+        rbdi_batch *K = (rbdi_batch *)on->K;
+        on->at = k->link[side];
         for (int j = 0; j < 3; ++j)
-            f[j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
-                   *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
-                   *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
-        rbdi_set_wrenches(f, arm, K);
+            K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
+                       *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
+                       *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
+        K[0] = K[5] * arm.y - K[4] * arm.z;
+        K[1] = K[3] * arm.z - K[5] * arm.x;
+        K[2] = K[4] * arm.x - K[3] * arm.y;
         for (int j = 0; k->angular && j < 3; ++j)
             K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
                    *(const rbdi_batch *)&h->x[1][r] * axis[j].y +
@@ -67,319 +53,293 @@ RBDI_INLINE void rbdi_start_strand(const rbd_constraints *c, const rbdi_constrai
     }
 }
 
-/* What a sweep up carries of a strand: wrenches K' of its rows, and b. */
+/* K of a row block, and its b, on the way down the tree. */
 typedef struct rbdi_carried {
-    rbdi_batch x[6], b;
+    rbdi_batch K[6], b;
 } rbdi_carried;
 
-/* One-axis link i: what a strand has left when the joint has let go, in the parent's axes; Y = S' K. */
-RBDI_INLINE void rbdi_strand_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *k,
-                                  rbdi_batch *Y) {
+/* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
+RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *on,
+                                rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
-    rbdi_batch *x = k->x, y = x[2], z = x[2], term;
-    if (form & RBDI_SLIDES) y = x[2] * l->rho + x[5] * l->kappa;
+    rbdi_batch *K = on->K, y = K[2], z = K[2], term;
+    if (form & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
-    x[0] = x[0] - y * own->U_D.n.x, x[1] = x[1] - y * own->U_D.n.y;
-    x[2] = rbdi_zero_batch(); /* U_z/D = 1 */
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) x[2] = z - y * own->U_D.n.z;
-    x[3] = x[3] - y * own->U_D.f.x, x[4] = x[4] - y * own->U_D.f.y, x[5] = x[5] - y * own->U_D.f.z;
-    term = y * own->u_D + x[0] * own->c.omega.x + x[1] * own->c.omega.y;
-    term = term + x[3] * own->c.v.x + x[4] * own->c.v.y + x[5] * own->c.v.z;
-    k->b = k->b - term;
-    rbdi_rows_up(l, form, rbdi_trig_of(m, w, i, form), x);
+    K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
+    K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
+    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
+    K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
+    term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
+    term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
+    on->b = on->b - term;
+    rbdi_wrenches_up(l, form, rbdi_trig_of(m, w, i, form), K);
 }
 
-/* The same of the n links from i on. */
-RBDI_INLINE void rbdi_strand_axes(const rbd_model *m, rbd_constraints *c, int i, int n, const rbdi_strand *on,
-                                  rbdi_batch *Y) {
-    rbdi_batch *K = (rbdi_batch *)on->K, *b = (rbdi_batch *)&c->b[on->row];
-    rbdi_carried k;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { k.x[j] = K[j]; }
-    k.b = *b;
-    for (int t = n - 1; t >= 0; --t)
-        RBDI_BY_FORM(form, &m->link[i + t], rbdi_strand_axis(m, c->w, i + t, form, &k, &Y[t]));
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = k.x[j]; }
-    *b = k.b;
-}
-
-/* The dofs of a block let go; of a free base x keeps what those before have to give. Returns Y u/D. */
-RBDI_INLINE rbdi_batch rbdi_strand_release(const rbdi_block_work *bw, int first, int n, int free_base,
-                                           rbdi_batch x[6], rbdi_batch *Y) {
-    rbdi_batch term = rbdi_zero_batch();
-    RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
-        const rbdi_batch y = x[first + d];
-        const int end = free_base ? d : 6;
-        Y[d] = y;
-        term = term + y * bw->u_D[d];
-        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { x[j] = x[j] - y * bw->U_D[d][j]; }
-    }
-    return term;
-}
-
-/* x = X' x of a block. */
-RBDI_INLINE void rbdi_strand_up_block(const rbdi_pose *X, rbdi_batch x[6]) {
+/* K = X' K of a block link. */
+RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     const rbdi_mat E = X->E;
     const rbdi_v3 r = X->r;
     for (int j = 0; j < 6; j += 3) {
-        const rbdi_batch a = x[j], b = x[j + 1], c = x[j + 2];
-        x[j] = a * E.xx + b * E.yx + c * E.zx;
-        x[j + 1] = a * E.xy + b * E.yy + c * E.zy;
-        x[j + 2] = a * E.xz + b * E.yz + c * E.zz;
+        const rbdi_batch x = K[j], y = K[j + 1], z = K[j + 2];
+        K[j] = x * E.xx + y * E.yx + z * E.zx;
+        K[j + 1] = x * E.xy + y * E.yy + z * E.zy;
+        K[j + 2] = x * E.xz + y * E.yz + z * E.zz;
     }
-    x[0] = x[0] + x[5] * r.y - x[4] * r.z;
-    x[1] = x[1] + x[3] * r.z - x[5] * r.x;
-    x[2] = x[2] + x[4] * r.x - x[3] * r.y;
+    K[0] = K[0] + K[5] * r.y - K[4] * r.z;
+    K[1] = K[1] + K[3] * r.z - K[5] * r.x;
+    K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* The same of block link i. A free base leaves nothing. */
-static void rbdi_strand_block(const rbd_model *m, rbd_constraints *c, int i, const rbdi_strand *on,
-                              rbdi_batch *Y) {
+/* Past the n dofs of block link i; their rows of Y are `stride` apart. Of a free base, which nothing of K
+   passes, U/D has only what its dofs before d need. */
+RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
+                                rbd_real *Y, int stride) {
+    RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
+        const rbdi_batch y = on->K[first + d];
+        const int end = free_base ? d : 6;
+        *(rbdi_batch *)&Y[d * stride] = y;
+        on->b = on->b - y * bw->u_D[d];
+        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { on->K[j] = on->K[j] - y * bw->U_D[d][j]; }
+    }
+}
+static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_carried on,
+                                    rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_block_work *bw = &c->w->block[l->block];
-    rbdi_batch *K = (rbdi_batch *)on->K, x[6], term;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { x[j] = K[j]; }
+    const rbdi_block_work *bw = &w->block[l->block];
     if (rbdi_free_base(l, b)) {
-        term = rbdi_strand_release(bw, 0, 6, 1, x, Y);
-        for (int j = 3; j < 6; ++j) x[j] = rbdi_zero_batch();
+        rbdi_rows_dofs(bw, 0, 6, 1, &on, Y, stride);
+        for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
-        rbdi_motion_to_array(c->w->scratch[i].c, C);
-        term = rbdi_strand_release(bw, b->first, b->n, 0, x, Y);
-        for (int j = 0; j < 6; ++j) term = term + x[j] * C[j];
-        rbdi_strand_up_block(&bw->X, x);
+        rbdi_motion_to_array(w->scratch[i].c, C);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
+        for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
+        rbdi_wrenches_up_block(&bw->X, on.K);
     }
-    *(rbdi_batch *)&c->b[on->row] = *(const rbdi_batch *)&c->b[on->row] - term;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { K[j] = x[j]; }
+    return on;
 }
 
-/* Lambda += Y D^-1 Y' of a piece's n dofs, for a row of a and those of b, which stands before it or is a. */
-RBDI_INLINE void rbdi_share_row(rbd_real *D, const rbd_real *ya, const rbdi_batch *zb, int n) {
-    rbdi_batch sum = *(const rbdi_batch *)D;
-    RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) { sum = sum + zb[t] * ya[t * RBDI_BATCH]; }
-    *(rbdi_batch *)D = sum;
+/* A row block goes down the tree to link `stop`, if it is on the way; -1: to the world, which accelerates. */
+static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block *block, int stop) {
+    const int stride = c->stride;
+    rbd_real *to = c->Y + block->row;
+    rbdi_carried on;
+    int i = block->at;
+    if (i <= stop) return;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { on.K[j] = ((const rbdi_batch *)block->K)[j]; }
+    on.b = *(const rbdi_batch *)&c->b[block->row];
+    for (; i > stop; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        rbd_real *Y = to + l->iv * stride;
+        if (l->kind == RBDI_BLOCK)
+            on = rbdi_rows_block(m, c->w, i, on, Y, stride);
+        else
+            RBDI_BY_FORM(form, l, rbdi_rows_axis(m, c->w, i, form, &on, (rbdi_batch *)Y));
+    }
+    if (i < 0) on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
+    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { ((rbdi_batch *)block->K)[j] = on.K[j]; }
+    *(rbdi_batch *)&c->b[block->row] = on.b;
+    block->at = (int16_t)i;
 }
 
-/* 1/D of the n dofs of the piece that begins at link i. */
-RBDI_INLINE void rbdi_piece_inverse(const rbd_model *m, rbd_constraints *c, int i, int n, rbd_real *inverse) {
-    const rbdi_link *l = &m->link[i];
-    const rbd_work *w = c->w;
-    const int block = l->kind == RBDI_BLOCK;
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+/* 1/D of the links on a path from `first` on, of those before number `at`. Returns how many are left. */
+static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int first) {
+    rbdi_mask none = rbdi_less(c->give, c->give);
     rbd_real give = c->give;
-    RBDI_UNROLL_SIX for (int t = 0; t < n; ++t) {
-        const int k = block ? l->iv + t : l[t].iv;
-        c->D_inverse[k] = inverse[t] = rbdi_reciprocal(w->pivot[k], RBDI_TINY, &none);
-        give = give + inverse[t];
+    for (; at > 0 && c->link[at - 1] >= first; --at) {
+        const rbdi_link *l = &m->link[c->link[at - 1]];
+        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k) {
+            const rbd_real inverse = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
+            c->D_inverse[k] = inverse;
+            give = give + inverse;
+        }
     }
     c->give = give;
+    return at;
 }
 
-/* rbdi_share_row of all pairs of strands. */
-RBDI_INLINE void rbdi_share_piece(const rbd_model *m, rbd_constraints *c, int i, const int16_t *route,
-                                  int strands, const rbd_real *Y, int n) {
-    const rbdi_strand *strand = c->strand;
-    const int stride = c->stride;
-    rbd_real *D = c->D, inverse[6];
-    rbdi_piece_inverse(m, c, i, n, inverse);
-    for (int t = 0; t < strands; ++t) {
-        const rbdi_strand *b = &strand[route[t]];
-        const rbd_real *ya = Y + t * n * RBDI_BATCH;
-        rbdi_batch z[6];
-        RBDI_UNROLL_SIX for (int d = 0; d < n; ++d) { z[d] = ((const rbdi_batch *)ya)[d] * inverse[d]; }
-        for (int s = t; s < strands; ++s, ya += n * RBDI_BATCH) {
-            const rbdi_strand *a = &strand[route[s]];
-            rbd_real *to = &D[a->row * stride + b->row];
-            for (int r = 0, rows = a->rows; r < rows; ++r, to += stride) rbdi_share_row(to, ya + r, z, n);
-        }
-    }
-}
-
-/* Whether any strand has rows that wait. */
-RBDI_INLINE int rbdi_any_open(const rbd_constraints *c, const int16_t *route, int n) {
-    for (int s = 0; s < n; ++s)
-        if (c->strand[route[s]].open) return 1;
-    return 0;
-}
-
-/* The strands of the piece that begins at link i, whose joints have let go. */
-RBDI_INLINE void rbdi_piece_up(const rbd_model *m, rbd_constraints *c, int i, rbdi_cursor *at) {
-    const rbdi_link *l = &m->link[i];
-    const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
-    const int16_t *route = at->route;
-    rbd_real *Y = at->Y;
-    at->route += n;
-    if (!rbdi_any_open(c, route, n)) return;
-    at->Y += n * dofs * RBDI_BATCH;
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand *on = &c->strand[route[s]];
-        rbdi_batch *own = (rbdi_batch *)Y + s * dofs;
-        if (!on->open)
-            rbdi_clear(Y + s * dofs * RBDI_BATCH, dofs * RBDI_BATCH);
-        else if (l->kind == RBDI_BLOCK)
-            rbdi_strand_block(m, c, i, on, own);
-        else
-            rbdi_strand_axes(m, c, i, dofs, on, own);
-    }
-    if (dofs == 1)
-        rbdi_share_piece(m, c, i, route, n, Y, 1);
-    else if (dofs == 3)
-        rbdi_share_piece(m, c, i, route, n, Y, 3);
-    else
-        rbdi_share_piece(m, c, i, route, n, Y, 6);
-}
-
-/* Y'lambda of a dof of n strands; Y: stride apart. */
-RBDI_INLINE rbd_real rbdi_strands_sum(const rbd_constraints *c, const int16_t *route, int n,
-                                      const rbdi_batch *Y, int stride) {
-    const rbdi_strand *strand = c->strand;
-    const rbd_real *lambda = c->lambda;
-    rbdi_batch sum = *Y * *(const rbdi_batch *)&lambda[strand[route[0]].row];
-    for (int s = 1; s < n; ++s)
-        sum = sum + Y[s * stride] * *(const rbdi_batch *)&lambda[strand[route[s]].row];
-    return rbdi_sum_lanes(sum);
-}
-
-/* u/D of the links first .. end - 1, once lambda of their strands is known. */
-RBDI_INLINE void rbdi_strands_down(const rbd_model *m, rbd_constraints *c, int first, int end,
-                                   rbdi_cursor *at) {
-    for (int i = first, links; i < end; i += links) {
-        const rbdi_link *l = &m->link[i];
-        const int n = c->piece[i].strands, dofs = c->piece[i].dofs;
-        const rbdi_batch *Y;
-        links = l->kind == RBDI_BLOCK ? 1 : dofs;
-        at->route -= n;
-        if (!rbdi_any_open(c, at->route, n)) continue;
-        at->Y -= n * dofs * RBDI_BATCH;
-        Y = (const rbdi_batch *)at->Y;
-        if (l->kind == RBDI_BLOCK) {
-            rbd_real *u_D = c->w->block[l->block].u_D;
-            for (int t = 0; t < dofs; ++t)
-                u_D[t] = u_D[t] + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l->iv + t];
-        } else {
-            rbdi_scratch *own = &c->w->scratch[i];
-            for (int t = 0; t < dofs; ++t)
-                own[t].u_D =
-                    own[t].u_D + rbdi_strands_sum(c, at->route, n, Y + t, dofs) * c->D_inverse[l[t].iv];
-        }
-    }
-}
-
-/* Rows that are eliminated together, and the first of those before them that they know. carried: their sides
-   meet on a link, and elimination goes on in c->wrench. */
-typedef struct rbdi_rows {
-    int first, end, low, carried;
-} rbdi_rows;
-
-/* 1/d of row k; in doubt if d is small beside what it is the difference of. */
-RBDI_INLINE rbd_real rbdi_lambda_pivot(const rbd_constraints *c, int k, rbd_real noise, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    const rbd_real d = c->D[k * c->stride + k];
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less((c->diagonal[k] + noise) * RBDI_CLEAR, d)));
-    return c->inverse[k] = rbdi_reciprocal(d, RBDI_TINY, &none);
-}
-
-/* Lambda = L'DL, D L in place of Lambda, and b = L^-T b. Rows k and k - 1 are taken from those before them
-   together: these are read and written half as often. c->diagonal has what rows have lost before. */
-static void rbdi_lambda_factor(rbd_constraints *c, rbdi_rows g, rbdi_mask *doubt) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    const int stride = c->stride, low = g.low;
-    rbd_real *D = c->D, *b = c->b, *w = c->wrench;
-    for (int i = g.first; i < g.end; ++i) c->diagonal[i] = c->diagonal[i] + D[i * stride + i];
-    for (int k = g.end - 1; k >= g.first; k -= 2) {
-        const rbd_real *u = &D[k * stride], first = rbdi_lambda_pivot(c, k, noise, doubt);
-        rbd_real *v, l, second;
-        if (k == g.first) return;
-        v = &D[(k - 1) * stride], l = u[k - 1] * first;
-        rbdi_subtract_two(&v[low], l, &u[low], rbdi_zero(), &u[low], k - low);
-        b[k - 1] = b[k - 1] - l * b[k];
-        if (g.carried) rbdi_subtract(&w[8 * (k - 1)], l, &w[8 * k], 6);
-        second = rbdi_lambda_pivot(c, k - 1, noise, doubt);
-        for (int i = k - 2; i >= g.first; --i) {
-            const rbd_real n = v[i] * second;
-            l = u[i] * first;
-            rbdi_subtract_two(&D[i * stride + low], l, &u[low], n, &v[low], i + 1 - low);
-            b[i] = b[i] - l * b[k] - n * b[k - 1];
-            if (!g.carried) continue;
-            rbdi_subtract(&w[8 * i], l, &w[8 * k], 6);
-            rbdi_subtract(&w[8 * i], n, &w[8 * (k - 1)], 6);
-        }
-    }
-}
-
-/* lambda = L^-1 D^-1 b. */
-static void rbdi_lambda_solve(rbd_constraints *c, rbdi_rows g) {
-    for (int i = g.first; i < g.end; ++i)
-        c->lambda[i] = c->inverse[i] * (c->b[i] - rbdi_rows_product(&c->D[i * c->stride + g.low],
-                                                                    &c->lambda[g.low], i - g.low));
-}
-
-/* The rows of the constraints first .. end - 1, which meet on one link or in the world. */
-static rbdi_rows rbdi_rows_between(const rbd_constraints *c, int first, int end) {
-    rbdi_rows g = {0, 0, 0, 0};
-    g.carried = c->constraint[first].meet >= 0;
-    g.first = g.low = c->constraint[first].row;
-    g.end = c->constraint[end - 1].row + c->constraint[end - 1].rows;
-    for (int k = first; k < end; ++k)
-        if (c->constraint[k].low < g.low) g.low = c->constraint[k].low;
-    return g;
-}
-
-/* What row r, eliminated, takes from the n strands that pass on; those that begin here do not know it. */
-static void rbdi_pass_on(rbd_constraints *c, int r, int meet, const int16_t *route, int n) {
-    const rbd_real *d = &c->D[r * c->stride], *w = &c->wrench[8 * r];
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand a = c->strand[route[s]];
-        for (int i = 0; a.link != meet && i < a.rows; ++i) {
-            const int row = a.row + i;
-            const rbd_real l = d[row] * c->inverse[r];
-            c->diagonal[row] = c->diagonal[row] + l * d[row];
-            c->b[row] = c->b[row] - l * c->b[r];
-            for (int j = 0; j < 6; ++j) a.K[j * RBDI_BATCH + i] = a.K[j * RBDI_BATCH + i] - l * w[j];
-            for (int t = 0; t <= s; ++t) {
-                const rbdi_strand b = c->strand[route[t]];
-                rbd_real *to = &c->D[row * c->stride + b.row];
-                for (int j = 0; j < b.rows; ++j) to[j] = to[j] - l * d[b.row + j];
+/* W = K R^-1 of the rows first .. end - 1, which the blocks from `on` on carry, before `stop`. */
+static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, const rbdi_row_block *on,
+                                 const rbdi_row_block *stop) {
+    rbdi_clear(&c->W[6 * first], 6 * (end - first));
+    for (; on < stop; ++on)
+        for (int r = 0; r < on->rows; ++r)
+            for (int j = 0; j < 6; ++j) {
+                rbd_real *w = &c->W[6 * (on->row + r) + j];
+                *w = *w + on->K[j * RBDI_BATCH + r];
             }
-        }
+    for (int t = first; t < end; ++t) {
+        rbd_real *w = &c->W[6 * t];
+        for (int s = first; s < t; ++s) rbdi_subtract(w, c->R[s * c->stride + t], &c->W[6 * s], 6);
+        rbdi_multiply(w, c->inverse[t], 6);
     }
 }
 
-/* Eliminates rows whose sides meet on a link; IA and pA become what it then feels of its children. */
-static void rbdi_eliminate_rows(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA,
-                                rbdi_mask *doubt) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    const rbdi_strand *stop = c->strand + (end < c->n ? c->constraint[end].strand : c->strands);
+/* Eliminates the rows of the constraints first .. end - 1 on their common ancestor. IA and pA: what it feels
+   of its children. */
+static rbdi_mask rbdi_eliminate(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
+    const rbdi_constraint *k = &c->constraint[first], *last = &c->constraint[end - 1];
+    const int low = k->row, high = last->row + last->rows;
+    rbdi_row_block *own = &c->block[k->block[0]], *stop = c->block + c->blocks,
+                   *others = end < c->n ? &c->block[last[1].block[0]] : stop;
+    rbdi_mask doubt = rbdi_less(c->give, c->give);
     rbd_real A[6][6], P[6];
-    for (const rbdi_strand *s = c->strand + c->constraint[first].strand; s < stop; s += 2)
-        for (int r = 0; r < s->rows; ++r)
-            for (int j = 0; j < 6; ++j)
-                c->wrench[8 * (s->row + r) + j] = s[0].K[j * RBDI_BATCH + r] + s[1].K[j * RBDI_BATCH + r];
-    rbdi_lambda_factor(c, g, doubt);
+    for (; k <= last; ++k) doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 0));
+    rbdi_scaled_wrenches(c, low, high, own, others);
     rbdi_abi_to_array(*IA, A);
     rbdi_store_force(P, 1, *pA);
-    for (int r = g.first; r < g.end; ++r) {
-        const rbd_real *w = &c->wrench[8 * r];
+    for (int t = low; t < high; ++t) {
+        const rbd_real *w = &c->W[6 * t];
         RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-            const rbd_real l = w[i] * c->inverse[r];
-            P[i] = P[i] - l * c->b[r];
+            P[i] = P[i] - w[i] * c->R[t * c->stride + c->rows];
             RBDI_UNROLL_SIX for (int j = i; j < 6; ++j)
-                A[i][j] = A[i][j] + l * w[j];
+                A[i][j] = A[i][j] + w[i] * w[j];
         }
     }
     *IA = rbdi_abi_from_array(A);
     *pA = rbdi_load_force(P, 1);
+    for (rbdi_row_block *on = others; on < stop; ++on)
+        for (int r = 0; on->at == last->ancestor && r < on->rows; ++r)
+            for (int t = low; t < high; ++t)
+                for (int j = 0; j < 6; ++j) {
+                    rbd_real *to = &on->K[j * RBDI_BATCH + r];
+                    *to = *to - c->R[t * c->stride + on->row + r] * c->W[6 * t + j];
+                }
+    return doubt;
 }
 
-/* So, and the strands that pass on lose what these rows take. */
-static void rbdi_eliminate(rbd_constraints *c, int first, int end, const rbdi_cursor *at, rbdi_abi *IA,
-                           rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_rows g = rbdi_rows_between(c, first, end);
-    const int meet = c->constraint[first].meet;
-    rbdi_eliminate_rows(c, first, end, IA, pA, doubt);
-    for (int r = g.end - 1; r >= g.first && c->piece[meet].strands > 0; --r)
-        rbdi_pass_on(c, r, meet, at->route, c->piece[meet].strands);
+/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of the links on
+   a path are left. */
+typedef struct rbdi_progress {
+    rbdi_abi IA;
+    rbdi_force pA;
+    rbdi_mask doubt;
+    int link, at;
+} rbdi_progress;
+
+/* Pass 2 of the links behind `stop`. */
+static void rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int stop,
+                                  rbdi_progress *p) {
+    rbdi_aba_pass2_links(m, w, tau, stop + 1, p->link, &p->IA, &p->pA, &p->doubt);
+    p->link = stop + 1;
+}
+
+/* The row blocks from number `first` on go down to link `stop`. */
+static void rbdi_rows_down(const rbd_model *m, rbd_constraints *c, int stop, int first, rbdi_progress *p) {
+    p->at = rbdi_path_inverse(m, c, p->at, stop + 1);
+    for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
+}
+
+/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
+   a row is in doubt. */
+static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
+    int first = 0;
+    rbdi_progress p;
+    p.IA = rbdi_abi_zero(), p.pA = rbdi_force0(), p.doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    p.link = m->nl, p.at = c->links;
+    for (int end; first < c->n && c->constraint[first].ancestor >= 0; first = end) {
+        const rbdi_constraint *k = &c->constraint[first];
+        for (end = first; end < c->n && c->constraint[end].ancestor == k->ancestor;) ++end;
+        rbdi_articulate_links(m, c->w, tau, k->ancestor, &p);
+        rbdi_rows_down(m, c, k->ancestor, k->block[0], &p);
+        p.doubt = rbdi_or(p.doubt, rbdi_eliminate(c, first, end, &p.IA, &p.pA));
+    }
+    rbdi_articulate_links(m, c->w, tau, -1, &p);
+    rbdi_rows_down(m, c, -1, first < c->n ? c->constraint[first].block[0] : c->blocks, &p);
+    for (; first < c->n; ++first) p.doubt = rbdi_or(p.doubt, rbdi_factor_rows(c, &c->constraint[first], 0));
+    return p.doubt;
+}
+
+/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
+   known. Returns the number of the next. */
+static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int end) {
+    for (; at < c->links && c->link[at] < end; ++at) {
+        const rbdi_link *l = &m->link[c->link[at]];
+        const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
+        rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t, c->passed[l->iv + t]);
+    }
+    return at;
+}
+
+/* lambda of the constraints first .. end - 1 from y, the acceleration of their common ancestor. */
+static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_motion *y) {
+    const rbdi_constraint *k = &c->constraint[end - 1];
+    rbd_real Y[6];
+    rbdi_motion_to_array(*y, Y);
+    for (int t = c->constraint[first].row; k->ancestor >= 0 && t < k->row + k->rows; ++t)
+        for (int j = 0; j < 6; ++j) {
+            rbd_real *beta = &c->R[t * c->stride + c->rows];
+            *beta = *beta - c->W[6 * t + j] * Y[j];
+        }
+    for (; k >= c->constraint + first; --k) rbdi_back_substitute(c, k->row, k->row + k->rows, k->end);
+}
+
+/* Pass 3, and lambda. */
+static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_real *x) {
+    rbdi_motion world = rbdi_motion0(), y;
+    world.v = c->world;
+    y = world;
+    for (int link = 0, end = c->n, at = 0;;) {
+        int first = end, last;
+        while (first > 0 && c->constraint[first - 1].ancestor == link - 1) --first;
+        if (first < end) rbdi_solve_group(c, first, end, &y);
+        last = first > 0 ? c->constraint[first - 1].ancestor : m->nl - 1;
+        at = rbdi_push_links(m, c, at, last + 1);
+        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
+        if (first == 0) return;
+        link = last + 1, end = first;
+    }
+}
+
+/* x and lambda from the joints' torques, bias wrenches and target. Returns 0, x unknown, if a pivot of a
+   joint or a row is in doubt. */
+static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
+    c->give = rbdi_zero();
+    rbdi_clear(c->lambda, c->stride);
+    if (c->dirty) rbdi_clear_rows(m, c);
+    c->dirty = 0;
+    for (int r = 0; r < c->rows; r += RBDI_BATCH)
+        *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
+    if (rbdi_any(rbdi_articulate_up(m, c, tau))) return 0;
+    rbdi_articulate_down(m, c, x);
+    c->infeasible = c->w->singular = -1;
+    return 1;
+}
+
+/* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
+static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+                                   const rbd_real *v, rbdi_c3 gravity, int moving) {
+    rbd_work *w = c->w;
+    w->have_kinematics = 0;
+    c->world = rbdi_world_state(gravity).acc;
+    rbdi_joints(m, w, q);
+    rbdi_aba_velocities(m, w, v, 1);
+    rbdi_kin_of_paths(m, c, v, moving);
+    c->levers = rbdi_set(RBD_C(1));
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+}
+
+/* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
+static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
+    rbdi_axes_held h;
+    rbdi_v3 p;
+    rbdi_add_levers(c, k);
+    for (int side = 0; side < 2; ++side)
+        if (k->link[side] >= 0) {
+            rbdi_state *s = &c->w->kin[k->link[side]].state;
+            s->omega_dot = s->acc = rbdi_vec0();
+            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* unknown, and not wanted */
+        }
+    rbdi_set_axes(c, k, &h);
+    p = rbdi_constraint_motion(c, k, &h, want, 1);
+    if (k->link[0] >= 0) rbdi_start_rows(c, k, &h, rbdi_vec_c(k->p[0]), 0);
+    if (k->link[1] >= 0) {
+        const rbdi_kin *kin = &c->w->kin[k->link[1]];
+        rbdi_start_rows(c, k, &h, rbdi_mul(kin->X.E, rbdi_sub(p, kin->X.r)), 1);
+    }
 }
 
 #endif

@@ -92,19 +92,13 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
-        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+        if (rbdi_any(worse))
+            c->infeasible = rbdi_row_of_caller(c, r), open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
 RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
-
-/* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
-    int r = 0;
-    while (c->at[r] != at) ++r;
-    return r;
-}
 
 RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
     for (int i = 0; c && i < c->n; ++i)
@@ -119,8 +113,6 @@ RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
     return rank;
 }
 
-RBD_API int rbd_infeasible_row(const rbd_constraints *c) {
-    return c && c->infeasible >= 0 ? rbdi_row_of_caller(c, c->infeasible) : -1;
-}
+RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasible : -1; }
 
 #endif

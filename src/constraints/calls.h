@@ -2,7 +2,8 @@
 #define RBDI_CONSTRAINTS_CALLS_H
 #include "dynamics/rnea.h"
 #include "dynamics/gather.h"
-#include "constraints/passes.h"
+#include "constraints/rank.h"
+#include "constraints/articulated.h"
 
 /* ---- call code [call code] ---- */
 
@@ -15,15 +16,19 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 
 /* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L, int check) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
     for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
-    c->used = 1;
-    c->exchanged = !rbdi_delta_factor(m, c);
-    if (c->exchanged) rbdi_orthogonalise(m, c);
-    rbdi_solve_lambda(c, check);
-    rbdi_clear(&c->lambda[c->rows], c->stride - c->rows);
+    c->exchanged = 0, c->infeasible = -1;
+    rbdi_clear(c->lambda, c->stride);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 1));
+    if (rbdi_any(doubt))
+        rbdi_solve_dependent(m, c, check);
+    else
+        rbdi_back_substitute(c, 0, c->rows, c->rows);
     rbdi_sweep_down(m, c, L);
 }
 
@@ -70,6 +75,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
     for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
     doubt = rbdi_constrained_factor(m, c);
     rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
@@ -80,9 +86,9 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
     return status;
 }
 
-/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
+/* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                               const rbd_real *tau, const rbd_real *f_ext) {
+                               const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     if (c->factored) return 0;
     rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
     rbdi_external(m, c->w, f_ext);
@@ -90,7 +96,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd
         rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
     }
-    return rbdi_articulated_solve(m, c, tau, c->x);
+    return rbdi_articulated_solve(m, c, tau, a);
 }
 
 RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
@@ -98,9 +104,8 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
                                       rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
     if (status) return status;
-    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext))
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
         return rbdi_factored_fd(m, c, q, v, tau, f_ext, a, lambda);
-    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
     return rbdi_constrained_status(m, c, RBD_OK, lambda);
 }
 
@@ -111,6 +116,7 @@ static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, con
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
 /* The rows there. */

@@ -246,12 +246,12 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
     rbdi_to_order(c, X, n, n, 1);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
-        for (int i = 0; i < t; ++i) c->b[i] = c->D[i * c->stride + t];
+        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
         rbdi_subtract_rows(c, &X[t * n], X, c->b, t, n);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->D[t * c->stride + t + 1], c->rows - t - 1, n);
+        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->R[t * c->stride + t + 1], c->rows - t - 1, n);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     rbdi_project_columns(c, X, n);

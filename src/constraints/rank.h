@@ -1,9 +1,8 @@
 #ifndef RBDI_CONSTRAINTS_RANK_H
 #define RBDI_CONSTRAINTS_RANK_H
 #include "dynamics/pivots.h"
-#include "constraints/tolerances.h"
 #include "constraints/kinematics.h"
-#include "constraints/solution.h"
+#include "constraints/factor.h"
 
 /* ---- rank [rank] ----
    Which rows are independent of each other is decided without Delta, whose condition is the square of that of
@@ -62,7 +61,7 @@ static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
         for (int k = t; k < nv; ++k) {
-            const rbdi_batch z = *(const rbdi_batch *)&c->D[k * c->stride + j];
+            const rbdi_batch z = *(const rbdi_batch *)&c->R[k * c->stride + j];
             sum = sum + z * z;
         }
         *(rbdi_batch *)&c->square[j] = sum;
@@ -78,7 +77,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
         best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
     }
     c->chosen[t] = at;
-    rbdi_exchange(c, t, c->D, 1, nv, c->stride);
+    rbdi_exchange(c, t, c->R, 1, nv, c->stride);
     rbdi_exchange(c, t, c->square, 1, 1, 0);
     rbdi_exchange(c, t, c->share, 1, 1, 0);
 }
@@ -86,7 +85,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
 /* Householder's reflection that leaves of column t but R_tt nothing below row t. */
 static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->D, *v = c->stack;
+    rbd_real *Z = c->R, *v = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
@@ -105,12 +104,7 @@ static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
     Z[t * stride + t] = R;
 }
 
-/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
-static rbd_real rbdi_row_noise(const rbd_constraints *c) {
-    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
-}
-
-/* By Householder: R of all rows, in c->D; 1/R_tt, 0 if row t depends on those before it. */
+/* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -118,9 +112,9 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
     for (int k = 0; k < nv; ++k) {
         const rbd_real root = rbdi_sqrt(c->D_inverse[k]);
         for (int j = 0; j < c->stride; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->D[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
+            *(rbdi_batch *)&c->R[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
     }
-    if (c->rows > nv) rbdi_clear(&c->D[nv * c->stride], (c->rows - nv) * c->stride);
+    if (c->rows > nv) rbdi_clear(&c->R[nv * c->stride], (c->rows - nv) * c->stride);
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -134,80 +128,26 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
         if (!rbdi_any(taken)) return;
         rbdi_reflect(c, nv, t);
         c->inverse[t] =
-            rbdi_select(taken, one / rbdi_select(taken, c->D[t * c->stride + t], one), rbdi_zero());
+            rbdi_select(taken, one / rbdi_select(taken, c->R[t * c->stride + t], one), rbdi_zero());
     }
-}
-
-/* x -= l u + n v, in whole batches. */
-RBDI_INLINE void rbdi_subtract_two(rbd_real *x, rbd_real l, const rbd_real *u, rbd_real n, const rbd_real *v,
-                                   int count) {
-    for (int j = 0; j < count; j += RBDI_BATCH)
-        *(rbdi_batch *)&x[j] =
-            *(const rbdi_batch *)&x[j] - *(const rbdi_batch *)&u[j] * l - *(const rbdi_batch *)&v[j] * n;
-}
-
-/* Row i of Delta loses what the rows of R before it give, two at a time. */
-RBDI_INLINE void rbdi_subtract_past(const rbd_constraints *c, int i) {
-    rbd_real *row = &c->D[i * c->stride + i];
-    const int count = c->rows - i;
-    for (int t = 0; t < i; t += 2) {
-        const rbd_real *u = &c->D[t * c->stride + i], *v = t + 1 < i ? u + c->stride : u;
-        rbdi_subtract_two(row, u[0], u, t + 1 < i ? v[0] : rbdi_zero(), v, count);
-    }
-}
-
-/* Rows of Delta = Y' D^-1 Y from the diagonal on, of a constraint and those behind it, three at a time. */
-static void rbdi_delta_rows(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k) {
-    const int n = rbdi_lay_path(m, c, k), last = k->row + k->rows - 1;
-    for (int i0 = k->row; i0 <= last; i0 += 3) {
-        const int i1 = i0 < last ? i0 + 1 : last, i2 = i1 < last ? i1 + 1 : last;
-        rbd_real *d = c->D + i0 * c->stride, *d1 = c->D + i1 * c->stride, *d2 = c->D + i2 * c->stride;
-        for (int j = i0; j < c->rows; j += RBDI_BATCH) {
-            rbdi_batch x0 = rbdi_zero_batch(), x1 = x0, x2 = x0;
-            for (int t = 0; t < n; ++t) {
-                const rbd_real *y = c->Y + c->path[t];
-                const rbdi_batch z = *(const rbdi_batch *)&y[j] * c->stack[t];
-                x0 = x0 + z * y[i0], x1 = x1 + z * y[i1], x2 = x2 + z * y[i2];
-            }
-            *(rbdi_batch *)&d[j] = x0, *(rbdi_batch *)&d1[j] = x1, *(rbdi_batch *)&d2[j] = x2;
-        }
-    }
-}
-
-/* By Cholesky, Delta = R'R: the same where no row is in doubt. Returns 0 if one is. */
-static int rbdi_delta_factor(const rbd_model *m, rbd_constraints *c) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) rbdi_delta_rows(m, c, k);
-    for (int t = 0; t < c->rows; ++t) c->diagonal[t] = (c->D[t * c->stride + t] + noise) * RBDI_CLEAR;
-    for (int t = 0; t < c->rows; ++t) {
-        rbd_real *R = &c->D[t * c->stride];
-        rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-        doubt = rbdi_or(doubt, rbdi_not(rbdi_less(c->diagonal[t], R[t])));
-        c->inverse[t] = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
-        for (int j = t; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&R[j] = *(const rbdi_batch *)&R[j] * c->inverse[t];
-        if (t + 1 < c->rows) rbdi_subtract_past(c, t + 1);
-    }
-    return !rbdi_any(doubt);
 }
 
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
 static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
     n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
     for (int i = t - 1; i >= 0; --i)
-        n[i] = -c->inverse[i] * rbdi_rows_product(&c->D[i * c->stride + i + 1], &n[i + 1], t - i);
+        n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
 }
 
-/* It is kept as row t of c->D, in the lanes that have no other use for that. */
+/* It is kept as row t of c->R, in the lanes that have no other use for that. */
 static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
-    rbd_real *to = &c->D[t * c->stride];
+    rbd_real *to = &c->R[t * c->stride];
     for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
 }
 static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
-    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->D[t * c->stride + j], rbdi_zero());
+    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
 }
 
 /* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
@@ -244,6 +184,13 @@ static void rbdi_bound_demand(rbd_constraints *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
+/* The row of the caller's that stands at `at`. */
+static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
+    int r = 0;
+    while (c->at[r] != at) ++r;
+    return r;
+}
+
 /* Notes the row that stands at t if the targets have a component along its null vector n. */
 static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
@@ -255,8 +202,8 @@ static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
     rbdi_to_order(c, c->share, 1, 1, 0);
     for (int r = 0; r < c->rows; ++r)
         if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
-            (c->infeasible < 0 || r < c->infeasible))
-            c->infeasible = r;
+            (c->infeasible < 0 || rbdi_row_of_caller(c, r) < c->infeasible))
+            c->infeasible = rbdi_row_of_caller(c, r);
 }
 
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
@@ -293,27 +240,25 @@ static void rbdi_check_rows(rbd_constraints *c) {
     }
 }
 
-/* Delta lambda = b, of least norm: R' w = b, R lambda = w. What rows ask for is brought into agreement
-   before: b loses its components along the null vectors, too. check: whether to note where they do not
-   agree. */
-static void rbdi_solve_lambda(rbd_constraints *c, int check) {
-    rbd_real *x = c->lambda;
-    c->infeasible = -1;
+/* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
+   agreement before: b loses its components along the null vectors, too. check: whether to note where they do
+   not agree. */
+static void rbdi_solve_dependent(const rbd_model *m, rbd_constraints *c, int check) {
+    c->exchanged = 1;
+    rbdi_orthogonalise(m, c);
     rbdi_to_order(c, c->b, 1, 1, 0);
-    if (c->exchanged) rbdi_null_space(c);
-    if (c->exchanged && check) rbdi_check_rows(c);
+    rbdi_null_space(c);
+    if (check) rbdi_check_rows(c);
     rbdi_project_rows(c, c->b);
     for (int t = 0; t < c->rows; ++t) {
-        const rbd_real *R = &c->D[t * c->stride];
-        x[t] = c->b[t] * c->inverse[t];
+        rbd_real *R = &c->R[t * c->stride];
+        R[c->rows] = c->b[t] * c->inverse[t];
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * x[t];
+            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
     }
-    for (int t = c->rows - 1; t >= 0; --t)
-        x[t] = c->inverse[t] *
-               (x[t] - rbdi_rows_product(&c->D[t * c->stride + t + 1], &x[t + 1], c->rows - t - 1));
-    rbdi_project_rows(c, x);
-    rbdi_from_order(c, x, 1, 1, 0);
+    rbdi_back_substitute(c, 0, c->rows, c->rows);
+    rbdi_project_rows(c, c->lambda);
+    rbdi_from_order(c, c->lambda, 1, 1, 0);
 }
 
 RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {

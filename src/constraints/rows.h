@@ -41,17 +41,13 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path, all or those of strands, and, if moving, velocities of their origins; all
-   turn as is known. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving,
-                              int all) {
-    const rbdi_link *l = m->link;
-    const int end = all ? m->nl : c->posed;
-    for (int i = 0, first = 0; i <= end; ++i, ++l) {
-        if (i < end && (all ? c->span[rbdi_source(m, l->iv)].end : c->piece[i].posed) > 0) continue;
-        if (i > first) rbdi_kin_links(m, c->w, first, i, v, moving);
-        first = i + 1;
+/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+    for (int n = 0, first, end; n < c->links;) {
+        for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
+        rbdi_kin_links(m, c->w, first, end, v, moving);
     }
+    if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
 /* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
@@ -68,13 +64,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
         s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
         w->kin[i].state = s;
     }
-    rbdi_kin_of_paths(m, c, v, 1, 1);
+    rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Before the rows of all constraints. */
+/* Before Y and R are filled in another pattern. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    rbdi_clear(c->R, c->rows * c->stride);
+    c->dirty = 1;
 }
 
 /* Y = J', gamma, and what else is wanted, of a constraint. */

@@ -1,8 +1,9 @@
 #ifndef RBDI_CONSTRAINTS_SET_H
 #define RBDI_CONSTRAINTS_SET_H
+#include "dynamics/crba.h"
 #include "model/text.h"
 #include "model/wide.h"
-#include "constraints/passes.h"
+#include "constraints/layout.h"
 
 /* ---- set code [set code] ---- */
 
@@ -85,7 +86,7 @@ static int rbdi_held_axes(const rbd_constraint *k) {
 }
 
 /* Rows from one dof to the next: two batches may begin at any row. */
-static int rbdi_row_stride(int rows) { return rbdi_whole_batches(rows + 2 * RBDI_BATCH - 1); }
+static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
     int rows = 0;
@@ -93,18 +94,18 @@ static int rbdi_rows_of(const rbd_constraint *list, int n) {
     return rows;
 }
 
-static int rbdi_batches_of(const rbd_constraint *list, int n) {
-    int batches = 0;
-    for (int i = 0; i < n; ++i) batches += rbdi_whole_batches(rbdi_held_axes(&list[i])) / RBDI_BATCH;
-    return batches;
+/* At most so many row blocks. */
+static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
+    int blocks = 0;
+    for (int i = 0; i < n; ++i) blocks += 2 * ((rbdi_held_axes(&list[i]) + RBDI_BATCH - 1) / RBDI_BATCH);
+    return blocks;
 }
 
 RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_batches_of(list, n),
-                                  rbdi_batches_of(list, n) * RBDI_BATCH, RBDI_BATCH);
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_row_blocks_of(list, n));
 }
 
 /* The link that carries a body, -1 = world. */
@@ -161,8 +162,8 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The last link that the paths to both have, -1 = none: ancestors have smaller indices. */
-static int rbdi_meeting_link(const rbd_model *m, int one, int two) {
+/* The nearest link that carries both or is one of them, -1 = world: ancestors have smaller indices. */
+static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *behind = one > two ? &one : &two;
         *behind = m->link[*behind].parent;
@@ -176,7 +177,7 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
         (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->R[0], &to->p[0]);
     to->link[1] =
         (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->R[1], &to->p[1]);
-    to->meet = (int16_t)rbdi_meeting_link(m, to->link[0], to->link[1]);
+    to->ancestor = (int16_t)rbdi_common_ancestor(m, to->link[0], to->link[1]);
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
     to->rows = to->angular = 0;
@@ -189,17 +190,12 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* Whether the part of a path behind `meet`, to `tip`, has link i. */
-static int rbdi_is_between(const rbd_model *m, int meet, int tip, int i) {
-    return i > meet && i <= tip && m->link[tip].first < m->link[i].end;
-}
-
-/* What meets behind goes behind, and so is eliminated before; else the caller's order stays. */
+/* A common ancestor farther from the world comes before; else the caller's order stays. */
 static void rbdi_sort_constraints(rbdi_constraint *list, int n) {
     for (int i = 1; i < n; ++i) {
         const rbdi_constraint k = list[i];
         int at = i;
-        for (; at > 0 && list[at - 1].meet > k.meet; --at) list[at] = list[at - 1];
+        for (; at > 0 && list[at - 1].ancestor < k.ancestor; --at) list[at] = list[at - 1];
         list[at] = k;
     }
 }
@@ -215,18 +211,46 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
     return tip;
 }
 
-/* The rows of a constraint reach the dofs of the paths to its bodies: L^-T J' those that J' does not, too. */
-static void rbdi_span_constraint(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+/* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
+   what both paths begin with too; articulated bodies eliminate them before: `passed`. */
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+    const int end = k->row + k->rows;
     k->trunk = 0;
     for (int side = 0; side < 2; ++side) {
         k->tip[side] = (int16_t)rbdi_tip_of(m, k->link[side]);
         for (int i = k->tip[side]; i >= 0; i = m->dof[i].lambda) {
             rbdi_span *s = &c->span[i];
             if (s->end == 0) s->first = k->row;
-            if (side && s->end == k->row + k->rows) ++k->trunk;
-            s->end = (int16_t)(k->row + k->rows);
+            if (side && s->end == end) ++k->trunk;
+            s->end = (int16_t)end;
         }
     }
+    k->dofs = 0;
+    for (int side = 0; side < 2; ++side) {
+        const int least = side ? k->trunk : 0, base = k->dofs - least;
+        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= least; i = m->dof[i].lambda, ++k->dofs)
+            k->dof[base + m->dof[i].depth] = (int16_t)i;
+    }
+    for (int t = k->trunk; t < k->dofs; ++t) {
+        rbdi_span *s = &c->passed[k->dof[t]];
+        if (s->end == 0) s->first = k->row;
+        s->end = (int16_t)end;
+    }
+}
+
+/* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
+static void rbdi_know_each_other(rbd_constraints *c) {
+    const rbdi_constraint *stop = c->constraint + c->n;
+    for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
+        k->low = k->row, k->end = (int16_t)(k->row + k->rows);
+        for (int t = k->trunk; t < k->dofs; ++t)
+            if (c->passed[k->dof[t]].first < k->low) k->low = c->passed[k->dof[t]].first;
+        for (rbdi_constraint *before = c->constraint; before < k; ++before)
+            if (before->row >= k->low) before->end = k->end;
+    }
+    for (rbdi_constraint *k = c->constraint; k < stop; ++k)
+        if (k->end + 2 * RBDI_BATCH > c->rows)
+            k->end = (int16_t)c->rows; /* or the last batches would reach beta */
 }
 
 /* Every dof goes behind those that are behind the dof before it. */
@@ -242,66 +266,23 @@ static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
     }
 }
 
-/* Rows from here on are those of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraints *c, rbd_real *K) {
-    rbdi_strand *s = c->strand;
+/* Rows and row blocks in the order of the sorted constraints. */
+static void rbdi_number_rows(rbd_constraints *c) {
     int row = 0;
+    c->blocks = 0;
     for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         for (int r = 0; r < k->rows; ++r) c->at[k->row + r] = (int16_t)(row + r);
-        k->row = k->low = (int16_t)row;
-        k->strand = (int16_t)(s - c->strand);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH)
-            for (int side = 0; side < 2; ++side, ++s, K += 6 * RBDI_BATCH) {
-                s->K = K;
-                s->row = (int16_t)(row + r);
-                s->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                s->link = k->link[side], s->meet = k->meet;
+        k->row = (int16_t)row;
+        for (int side = 0; side < 2; ++side) {
+            k->block[side] = (int16_t)c->blocks;
+            for (int r = 0; k->link[side] >= 0 && r < k->rows; r += RBDI_BATCH) {
+                rbdi_row_block *on = &c->block[c->blocks++];
+                on->row = (int16_t)(row + r);
+                on->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
+                on->at = k->link[side];
             }
-        row += k->rows;
-    }
-    c->strands = (int)(s - c->strand);
-    c->moving = 0;
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        c->moving |= k->kd > 0 || k->kp > 0 || k->link[1] >= 0; /* else: rbdi_articulated_contact */
-}
-
-/* Whether a strand passes the joint of link i. */
-static int rbdi_passes(const rbd_model *m, const rbdi_strand *s, int i) {
-    return rbdi_is_between(m, s->meet, s->link, i);
-}
-
-/* Whether the same strands pass two links. */
-static int rbdi_same_strands(const rbd_model *m, const rbd_constraints *c, int i, int k) {
-    for (int s = 0; s < c->strands; ++s)
-        if (rbdi_passes(m, &c->strand[s], i) != rbdi_passes(m, &c->strand[s], k)) return 0;
-    return 1;
-}
-
-static int rbdi_is_meeting(const rbd_constraints *c, int link) {
-    for (int i = 0; i < c->n; ++i)
-        if (c->constraint[i].meet == link) return 1;
-    return 0;
-}
-
-/* The longest piece of six, three or one dofs that begins at link i; of any number where no strand passes. */
-static int rbdi_piece_dofs(const rbd_model *m, const rbd_constraints *c, int i) {
-    int links = 1, passed = 0;
-    if (m->link[i].kind == RBDI_BLOCK) return rbdi_link_dofs(m, &m->link[i]);
-    for (int s = 0; s < c->strands; ++s) passed |= rbdi_passes(m, &c->strand[s], i);
-    while ((links < 6 || !passed) && i + links < m->nl && m->link[i + links].kind != RBDI_BLOCK &&
-           m->link[i + links].parent == i + links - 1 && rbdi_same_strands(m, c, i, i + links) &&
-           !rbdi_is_meeting(c, i + links - 1))
-        ++links;
-    return links == 6 || !passed ? links : links >= 3 ? 3 : 1;
-}
-
-static void rbdi_lay_pieces(const rbd_model *m, rbd_constraints *c) {
-    for (int i = 0; i < m->nl;) {
-        const int dofs = rbdi_piece_dofs(m, c, i), links = m->link[i].kind == RBDI_BLOCK ? 1 : dofs;
-        for (int k = 0; k < links; ++k, ++i) {
-            c->piece[i].dofs = (int16_t)dofs, c->piece[i].at = (int16_t)k;
-            c->piece[i].posed = 0;
         }
+        row += k->rows;
     }
 }
 
@@ -352,89 +333,30 @@ static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
     return 1;
 }
 
-/* Whether a limb ends at link i: which only contacts with the world pass, one behind the other in their
-   order, with no more rows than dofs, and which hangs on a block or on what other strands pass too. */
-static int rbdi_ends_limb(const rbd_model *m, const rbd_constraints *c, int i, const int16_t *route,
-                          rbdi_limb *e) {
-    const int parent = m->link[i].parent, n = c->piece[i].strands;
-    int dofs = 0;
-    if (n == 0 || parent < 0 || (m->link[parent].kind != RBDI_BLOCK && rbdi_same_strands(m, c, i, parent)))
-        return 0;
-    e->link = (int16_t)parent, e->taken = 0;
-    e->strand = route[0], e->end = (int16_t)(route[n - 1] + 2);
-    e->row = c->strand[e->strand].row, e->rows = 0;
-    for (int s = 0; s < n; ++s) {
-        const rbdi_strand *on = &c->strand[route[s]], *other = &c->strand[route[s] ^ 1];
-        if (route[s] != e->strand + 2 * s || on->meet >= 0 || other->link >= 0) return 0;
-        for (const rbdi_limb *k = c->limb; k < e; ++k)
-            if (k->strand <= route[s] && route[s] < k->end) return 0;
-        e->rows = (int16_t)(e->rows + on->rows);
-    }
-    for (int k = i, behind = 0; k < m->nl; ++k, behind = 0) {
-        for (int s = 0; s < n; ++s) behind |= rbdi_passes(m, &c->strand[route[s]], k);
-        if (behind) dofs += rbdi_link_dofs(m, &m->link[k]);
-    }
-    return e->rows <= 6 && e->rows <= dofs && rbdi_may_eliminate_at(m, parent);
+/* Whether the rows between the two links of a constraint must depend on each other. */
+static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k) {
+    int rows = 0;
+    for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
+        if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
+            (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+            rows += o->rows;
+    return rows > 6 || rows > k->dofs - k->trunk;
 }
 
-/* By the links that they hang on. */
-static void rbdi_sort_limbs(rbdi_limb *list, int n) {
-    for (int i = 1; i < n; ++i) {
-        const rbdi_limb e = list[i];
-        int at = i;
-        for (; at > 0 && list[at - 1].link > e.link; --at) list[at] = list[at - 1];
-        list[at] = e;
-    }
-}
-
-/* The strands of each link; and of constraints that meet in one place the first row that any of them shares a
-   link with. */
-static void rbdi_lay_route(const rbd_model *m, rbd_constraints *c) {
-    int16_t *route = c->route;
-    rbdi_lay_pieces(m, c);
-    c->posed = 0;
+/* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
+static int rbdi_needs_factor(const rbd_model *m, const rbd_constraints *c) {
+    int needs = m->nmimic > 0 || c->rows > m->nv;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        for (int side = 0; side < 2; ++side)
-            for (int i = k->link[side]; i >= 0; i = m->link[i].parent) {
-                c->piece[i].posed = 1;
-                if (i >= c->posed) c->posed = i + 1;
-            }
-    for (int i = m->nl - 1; i >= 0; --i) {
-        int n = 0;
-        for (int s = 0; s < c->strands; ++s)
-            if (rbdi_passes(m, &c->strand[s], i)) route[n++] = (int16_t)s;
-        for (int s = 1; s < n; ++s)
-            for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-                if (k->meet == c->strand[route[s]].meet && k->low > c->strand[route[0]].row)
-                    k->low = c->strand[route[0]].row;
-        c->piece[i].strands = (int16_t)n;
-        if (rbdi_ends_limb(m, c, i, route, &c->limb[c->limbs])) ++c->limbs;
-        if (c->piece[i].at == 0) route += n;
-    }
-    rbdi_sort_limbs(c->limb, c->limbs);
-    for (int end = c->n, first; end > 0; end = first) {
-        const rbdi_rows g = rbdi_rows_between(c, first = rbdi_together(c, end), end);
-        for (int k = first; k < end; ++k) c->constraint[k].low = c->constraint[k].near_low = (int16_t)g.low;
-    }
-    for (const rbdi_limb *e = c->limb; e < c->limb + c->limbs; ++e)
-        for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-            if (k->row >= e->row && k->row < e->row + e->rows) k->near_low = e->row;
+        needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
+    return needs;
 }
 
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **constraints,
-                                        rbd_report *report) {
-    rbd_report own;
-    rbd_constraints *c;
-    unsigned char *p;
-    rbd_real *K;
-    int rows = 0, batches;
-    if (!report) report = &own;
+/* What rbd_constraints_init was given. */
+static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
+                                  const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (constraints) *constraints = NULL;
-    if (!m || !w || (!list && n) || !memory || !constraints)
-        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!m || !w || (!list && n) || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
@@ -444,59 +366,71 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
     for (int i = 0; i < n; ++i) {
         const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
         if (status) return status;
-        rows += rbdi_held_axes(&list[i]);
     }
     if (size < rbd_constraints_size(m, list, n)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
-    batches = rbdi_batches_of(list, n);
-    p = rbdi_aligned(memory);
-    c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->n = n, c->rows = rows;
-    c->stride = rbdi_row_stride(rows);
+    return RBD_OK;
+}
+
+/* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
+static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+    const int stride = rbdi_row_stride(rows);
+    unsigned char *p = rbdi_aligned(memory);
+    rbd_constraints *c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
+    rbd_real *x;
+    c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
-    c->strand = (rbdi_strand *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)batches * sizeof(rbdi_strand)));
-    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_span)));
+    c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
     c->order = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)m->nv * ((size_t)batches + 1) + (size_t)rows) * sizeof(int16_t)));
-    c->at = c->order + m->nv, c->route = c->at + rows;
-    c->piece = (rbdi_piece *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(rbdi_piece)));
-    c->limb = (rbdi_limb *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_limb)));
-    c->limbs = 0;
-    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nv * sizeof(int32_t)));
-    c->Y = (rbd_real *)rbdi_take(&p, m->nv * (int)RBDI_LARGER(c->stride, batches * RBDI_BATCH),
-                                 sizeof(rbd_real));
-    K = (rbd_real *)rbdi_take(&p, 12 * batches * RBDI_BATCH, sizeof(rbd_real));
-    c->wrench = (rbd_real *)rbdi_take(&p, 8 * rows, sizeof(rbd_real));
-    c->D = (rbd_real *)rbdi_take(&p, (int)RBDI_LARGER(rows, m->nv) * c->stride, sizeof(rbd_real));
-    c->P = (rbd_real *)rbdi_take(&p, m->nv * RBDI_BATCH, sizeof(rbd_real));
-    c->x = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->stack = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->before = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->D_inverse = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    c->b = (rbd_real *)rbdi_take(&p, 10 * c->stride, sizeof(rbd_real));
-    c->lambda = c->b + c->stride, c->target = c->lambda + c->stride;
-    c->u = c->target + c->stride, c->gamma = c->u + c->stride, c->e = c->gamma + c->stride;
-    c->demand = c->e + c->stride, c->square = c->demand + c->stride;
-    c->share = c->square + c->stride, c->chosen = c->share + c->stride;
-    c->inverse = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    c->diagonal = (rbd_real *)rbdi_take(&p, rows, sizeof(rbd_real));
-    rbdi_order_dofs(m, c->order);
-    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
-    for (int i = 0, row = 0; i < n; row += c->constraint[i++].rows) {
+        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 2) + (size_t)rows) * sizeof(int16_t)));
+    c->link = c->order + nv, c->at = c->link + nv;
+    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
+    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
+    c->passed = c->span + nv;
+    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
+    c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
+    c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
+    c->W = (rbd_real *)rbdi_take(&p, 6 * rows, sizeof(rbd_real));
+    x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
+    c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
+    x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
+    rbdi_clear(x, 11 * stride);
+    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->u = x + 3 * stride;
+    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->demand = x + 6 * stride, c->square = x + 7 * stride;
+    c->share = x + 8 * stride, c->chosen = x + 9 * stride, c->inverse = x + 10 * stride;
+    return c;
+}
+
+RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
+                                        void *memory, size_t size, rbd_constraints **constraints,
+                                        rbd_report *report) {
+    rbd_report own;
+    rbd_constraints *c;
+    rbd_status status;
+    int row = 0;
+    if (!report) report = &own;
+    status = rbdi_check_list(m, w, list, n, constraints ? memory : NULL, size, report);
+    if (constraints) *constraints = NULL;
+    if (status) return status;
+    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), rbdi_row_blocks_of(list, n), memory);
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
+    c->w = w, c->infeasible = -1, c->exchanged = 0, c->dirty = 1;
+    for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         c->constraint[i].index = (int16_t)i;
     }
     rbdi_sort_constraints(c->constraint, n);
-    rbdi_number_rows(c, K);
-    for (int i = 0; i < n; ++i) rbdi_span_constraint(m, c, &c->constraint[i]);
-    if (!m->nmimic) rbdi_lay_route(m, c);
-    for (int k = 0; k < m->nv; ++k)
-        c->span[k].n = (int16_t)rbdi_whole_batches(c->span[k].end - c->span[k].first);
-    rbdi_clear(c->b, 10 * c->stride);
-    c->used = 1, c->infeasible = -1;
-    c->factored = m->nmimic > 0;
-    for (int i = 0; i < n; ++i) c->factored |= !rbdi_may_eliminate_at(m, c->constraint[i].meet);
-    rbdi_clear(c->inverse, rows);
+    rbdi_number_rows(c);
+    rbdi_order_dofs(m, c->order);
+    for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
+    for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
+    c->links = 0;
+    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+    rbdi_know_each_other(c);
+    c->moving = 0;
+    for (int i = 0; i < n; ++i)
+        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
+    c->factored = rbdi_needs_factor(m, c);
     *constraints = c;
     return RBD_OK;
 }

@@ -11,15 +11,11 @@
    leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
    lightest joints magnify them: such a row moves nothing but for rounding.
    RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
-   terms: drift contradicts itself by that.
-   RBDI_SOUND, RBDI_ADDED: a limb's rows are eliminated early if each pivot exceeds RBDI_SOUND of its diagonal
-   entry, and they add to no diagonal entry of the link's inertia more than RBDI_ADDED times it. */
+   terms: drift contradicts itself by that. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
 #define RBDI_RANK 1e-20
-#define RBDI_SOUND 1e-3
-#define RBDI_ADDED 1e2
 #define RBDI_FEASIBLE 1e-6
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
@@ -28,8 +24,6 @@
 #define RBDI_CLEAR 1e-3f
 #define RBDI_MOTIONLESS 4e-6f
 #define RBDI_RANK 1e-8f
-#define RBDI_SOUND 1e-2f
-#define RBDI_ADDED 1e2f
 #define RBDI_FEASIBLE 1e-2f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
@@ -38,8 +32,6 @@
 #define RBDI_CLEAR RBD_C(1e-10)
 #define RBDI_MOTIONLESS RBD_C(2e-31)
 #define RBDI_RANK RBD_C(1e-54)
-#define RBDI_SOUND RBD_C(1e-3)
-#define RBDI_ADDED RBD_C(1e2)
 #define RBDI_FEASIBLE RBD_C(1e-12)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)

@@ -2,8 +2,7 @@
 #define RBDI_DYNAMICS_ABA_H
 #include "dynamics/state.h"
 
-/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_abi_add_link,
-   rbdi_free_base */
+/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_free_base */
 
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
