@@ -1055,8 +1055,8 @@ typedef struct rbdi_wide_pose {
     rbdi_wide E[9], r[3];
 } rbdi_wide_pose;
 
-/* A link while it is being built. Later fields overwrite what earlier steps left. */
-typedef struct rbdi_draft {
+/* A link while it is being built. Later steps overwrite what earlier ones left. */
+typedef struct rbdi_build_link {
     rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
     rbdi_wide_pose solver;          /* solver frame in the user's link frame */
@@ -1065,16 +1065,19 @@ typedef struct rbdi_draft {
     rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
     rbdi_wide trace, moment, all_mass,
         subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_draft_scale */
-    int parent, kind, type, iq, iv; /* parent: index among drafts */
-    int body, joint_dof;            /* body that it belongs to; first of the joint's dofs that is its */
-    int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
-} rbdi_draft;
+    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_build_scale */
+    int parent, kind, type, iq, iv; /* parent: index among the links being built */
+    int body, joint_dof;            /* its body; its first dof among those of the body's joint */
+    int size, favourite;  /* links of the subtree; the child that comes next in the solver's order */
+    int position, cursor; /* in the solver's order: its own; where its next child goes */
+    int order;            /* the link at this position */
+    int dh;               /* has Denavit and Hartenberg's form */
+} rbdi_build_link;
 
 /* Where a body of the description sits while the model is built. */
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
-    int link;         /* draft, -1 = world */
+    int link;         /* -1 = world */
     int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
@@ -1082,19 +1085,19 @@ typedef struct rbdi_place {
 /* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
-/* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
-   can drop what a common form does not need (see RBDI_BY_FORM). */
+/* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
+   the common combinations are compiled with constant flags (see RBDI_BY_FORM). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
     RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
-                               the link before it, or which has no Denavit-Hartenberg form */
+    RBDI_APART = 1024     /* not a simple link of a chain: a block, a link with a slot, a link whose parent is
+                               not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
@@ -1103,7 +1106,7 @@ typedef struct rbdi_link {
     int16_t parent;     /* an earlier link, -1 = world */
     int16_t iq, iv;     /* first coordinate and degree of freedom */
     int16_t block;      /* index into blocks, -1 = none */
-    int16_t slot;       /* where what a child that is not the next link needs is kept, -1 = no such child */
+    int16_t slot;       /* index into rbd_work.slot, -1 = its only child, if any, is the next link */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
@@ -1129,16 +1132,16 @@ typedef struct rbdi_block {
 /* A degree of freedom; those that mimic others follow the nv that do not. */
 typedef struct rbdi_dof {
     int16_t body;   /* index in the description */
-    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
+    int16_t lambda; /* parent in the matrix's elimination tree, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
-    int16_t depth;  /* number of dofs before it towards the root; of mimic dofs these three mean nothing */
-    int16_t before, level; /* lambda and depth in the mechanism, of mimic dofs too */
+    int16_t depth; /* number of ancestors in that tree. Of mimic dofs lambda, row and depth have no meaning */
+    int16_t before, level; /* parent and number of ancestors in the mechanism, of mimic dofs too */
     rbd_const armature, damping, friction;
-    rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
+    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is judged */
 } rbdi_dof;
 
-/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
-   it, of level + 1 entries: that of dof, or with mimic joints one behind the packed matrix. */
+/* The dof at an index of the solver's order, depth first, and the row of level + 1 entries that crba writes
+   for it: the dof's own or, with mimic joints, a row behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -1180,7 +1183,7 @@ struct rbd_model {
     const rbdi_order *order; /* nv + nmimic */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
-    uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
+    uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
 };
 
 /* A built model as a table, which rbd-model writes: declared in every file, defined in one. */
@@ -1206,7 +1209,7 @@ typedef struct rbdi_scratch { /* per link, of one call */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_slot { /* per link with a child that is not the next link */
+typedef struct rbdi_slot { /* per link with a child that is not the next link: what those children share */
     rbdi_state state;      /* rnea, kinematics; aba's pass 1: omega */
     rbdi_motion y;         /* aba's pass 3 */
     rbdi_abi I;            /* aba's pass 2; pass 1 clears it */
@@ -1229,10 +1232,11 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
-    rbd_real *rotors;            /* 1: kinetic energy of the armatures */
-    rbd_real *angle, *quarters;  /* nl, padded to RBDI_ALIGN: joint angles but for right angles; those */
-    rbd_real *c, *s;             /* so too: cosines and sines of both */
-    rbd_real *d;                 /* nl: slides of screw links */
+    rbd_real *rotors; /* 1: kinetic energy of the armatures */
+    rbd_real *angle,
+        *quarters;   /* nl, padded to RBDI_ALIGN: joint angles without their right angles; the right angles */
+    rbd_real *c, *s; /* nl, padded: cosines and sines of the whole angles */
+    rbd_real *d;     /* nl: slides of screw links */
     rbdi_scratch *scratch;       /* nl */
     rbdi_kin *kin;               /* nl */
     rbdi_slot *slot;             /* nslot */
@@ -1284,7 +1288,7 @@ struct rbd_work {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
      RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + \
-     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_draft)) + \
+     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + \
      RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 /* ==== src/rbd.h ==== */
@@ -1297,55 +1301,53 @@ struct rbd_work {
 
 /* ---- design [design] ----
    Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables
-   5.1, 6.2, 6.3 and 7.1; what differs is the form of the constants that they run on. The build works it out
-   once:
+   5.1, 6.2, 6.3 and 7.1. They run on constants of another form, which the build computes once:
 
-   Frames. Every link of a one-axis joint has its axis on z. Its frame may still be turned about z and
-   shifted along z without any result knowing; that freedom brings the way from the parent to the form of
-   Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
-   by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
-   four multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
-   about its z. Children that cannot have it (all but one of a link with several; those of the world, under a
-   block, or nearly parallel) keep a general shift r and a turn by beta about the parent's z before the twist.
-   A body of the description, the user's frame, is a
-   constant pose on its link (rbdi_frame): poses, wrenches and results are converted there and nowhere else.
+   Frames. Every link of a one-axis joint has its axis on z. Turning its frame about z or shifting it along z
+   changes no result. The build uses this freedom to give the transform from the parent the form of Denavit
+   and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist by alpha
+   about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs four
+   multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
+   about its z. Only one child of a link can have this form, and no child of the world, of a block or with a
+   nearly parallel axis. The others keep a general shift r and a turn by beta about the parent's z before the
+   twist. The user's frame of a body is a constant pose on its link (rbdi_frame).
 
    Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
    m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
    Sigma than in I.
 
-   Regrouping (Khalil and Gautier 1990; Gautier 1990). What does not depend on a joint's motion is moved to
-   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m; seven constants of ten remain), of a
-   sliding one all of Sigma (four remain); others: rbdi_draft_regroup. M, c and tau stay, exactly. After it a
-   link's numbers are no body's any more: m and Sigma may be zero or below.
+   Regrouping (Khalil and Gautier 1990; Gautier 1990). Inertia that a joint's motion does not change moves to
+   the parent: of a revolute link Sigma_zz, h_z and m (seven of ten constants remain), of a sliding one all of
+   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a link
+   may be zero or negative.
 
-   Classical accelerations. A link's state is omega, its rate, and the acceleration of the frame's origin as
-   a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
-   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is f = Omega h + m acc, n = axial part
-   of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
-   that is in Omega. Where a spatial acceleration is meant, rbd_body_acceleration takes omega x v away; of
-   floating and planar joints, whose v is in body axes, c adds it (rbdi_joint_product).
+   Classical accelerations. The state of a link is omega, its rate, and the acceleration of the frame's origin
+   as a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x,
+   Omega = [omega_dot]x + [omega]x [omega]x. The wrench for this is f = Omega h + m acc, n = axial part of
+   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that is
+   in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
+   planar joints, whose v is in body axes, c contains it (rbdi_joint_product).
 
-   Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
-   the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
+   Cyclic axes. The turn about x is the turn about z with the axes renamed, (x, y, z) -> (y, z, x): _cycle
+   renames, _uncycle renames back.
 
-   Order. Links stand depth first, behind each the child with the largest subtree (under a one-axis link a
-   one-axis child before blocks), so that on most steps the parent is link i - 1, and what goes between the
-   two stays in registers: up the wrench F, IA and pA, or the composite C (`carried` in rnea and crba), down
-   the state s, y or omega. For its other children a link has a slot, which keeps state and y and sums IA and
-   C; wrenches are added to the parent's scratch.f:
+   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a one-axis
+   link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities passed between
+   the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba), down s, y or
+   omega. A link with further children has a slot, an accumulator in memory: the slot keeps state and y for
+   them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
-             |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
-             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 in registers, 4, 3 added
+             |    '--- 3          links 0 and 1 have a slot, for 4 and 3
+             '--- 4 -- 5          through registers: 1, 2, 5; through slots: 3, 4
 
-   The dofs of a subtree are thus contiguous in the solver's order, order[]: link.first .. end - 1.
+   So the dofs of a subtree are contiguous in the solver's order, order[]: link.first .. end - 1.
 
-   Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
-   has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
-   and Euler joints are chains of one-axis links without mass between. "down" takes a vector from the
-   parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
-   (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
+   Blocks. A joint with several axes through one point (spherical, planar, translation, floating) is a block:
+   its pose is computed per state, and its functions are called name_block. Universal, cylindrical and Euler
+   joints are chains of one-axis links, massless but for the last. "down" takes a vector from the parent's
+   frame to the child's, "up" back. rnea: one pass down (forward), one up. aba: pass 1 down (velocities), pass
+   2 up (articulated inertias), pass 3 down (accelerations).
 
    Headers that build on this one are implemented in the same file by the same RBD_IMPLEMENTATION. They keep
    memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
@@ -1511,7 +1513,7 @@ RBDI_CODE_BEGIN
 #endif
 #define RBDI_BUILD \
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
-#define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_draft_scale */
+#define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
 
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
@@ -2449,7 +2451,7 @@ RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv
    rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
 
 /* ---- joints [joints] ----
-   What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
+   What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
    rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
    (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
    first two only. */
@@ -3371,13 +3373,13 @@ RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 
        pass 1   omega_i, c_i,  pA_i = wrench with omega_dot = acc = 0   rbdi_aba_velocity, rbdi_wrench
                 pA_i -= X* f_ext                                    rbdi_external
-       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_release
+       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_eliminate
                 Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
                 IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays so through the shift along z and the turn about it, which rbdi_aba_release and
+   zero and stays so through the shift along z and the turn about it, which rbdi_aba_eliminate and
    rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
    feels about the joint's axis is its torque. */
 
@@ -3477,7 +3479,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
     return omega;
 }
 
-/* keep: each link's omega, in its kin. */
+/* keep: stores omega in each link's kin. */
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
@@ -3504,11 +3506,11 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
     return U;
 }
 
-/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
-   Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
-   about z is tau: above. c.omega.z = 0 (omega x z turn). */
-RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
-                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c +
+   U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is
+   tau, see [aba]. c.omega.z is always 0. */
+RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+                                    rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
@@ -3565,12 +3567,11 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     }
 }
 
-/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
-   without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
-   axes before it still need is kept up: the lower triangle. */
-RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
-                                       rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
-                                       rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
+/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
+   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is updated. */
+RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
+                                         rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
+                                         rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
     const rbdi_dof *dof = &m->dof[l->iv + k];
     const int s = first + k, end = keep ? 6 : s;
     rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
@@ -3587,16 +3588,16 @@ RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rb
         P[i] = P[i] + U[i] * bw->u_D[k];
     }
 }
-RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
-                                        int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
-                                        rbdi_mask *doubt) {
+RBDI_INLINE void rbdi_aba_eliminate_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first,
+                                          int n, int keep, const rbd_real *tau, rbd_real A[6][6],
+                                          rbd_real P[6], rbdi_mask *doubt) {
     rbdi_block_work *bw = &w->block[l->block];
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
-        rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
+        rbdi_aba_eliminate_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
 
-/* What link i hands on goes to its parent's slot, unless that is link i - 1. */
-RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+/* Adds IA and pA to the parent's slot, unless the parent is link i - 1, which takes them from registers. */
+RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
     if (parent >= 0) {
@@ -3621,10 +3622,10 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
     if (rbdi_free_base(l, b)) {
-        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
+        rbdi_aba_eliminate_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
         return;
     }
-    rbdi_aba_release_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
+    rbdi_aba_eliminate_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
     if (l->parent < 0) return;
     rbdi_motion_to_array(w->scratch[i_link].c, C);
     RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
@@ -3633,26 +3634,27 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
 
-/* Pass 2, one-axis link: IA and pA, those of the children summed, become what the parent feels. */
+/* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */
 RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     *IA = rbdi_abi_add_link(l, form, *IA);
-    rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
+    rbdi_aba_eliminate(m, w, i, form, tau[l->iv], IA, pA, doubt);
     if (form & RBDI_ROOT) return;
     *IA = rbdi_abi_up(l, form, t, *IA);
     *pA = rbdi_force_up(l, form, t, *pA);
 }
 
-/* Pass 2, link i: IA and pA, what link i + 1 hands on, become what link i does. */
+/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const int apart = form & RBDI_APART;
     if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
-    if (rbdi_block_link(l, form)) { /* copies, so that the other forms keep theirs in registers */
+    if (rbdi_block_link(
+            l, form)) { /* copies: without an address taken IA and pA of other links stay in registers */
         rbdi_abi copy_IA = *IA;
         rbdi_force copy_pA = *pA;
         rbdi_mask copy_doubt = *doubt;
@@ -3661,10 +3663,10 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     } else {
         rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
     }
-    if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
+    if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2, what is left of the way up of a link that begins a branch. */
+/* Pass 2: the turn and shift between a branch's first link and its parent. */
 RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const rbdi_link *l = &m->link[i];
     const rbdi_v3 r = rbdi_vec_c(l->r);
@@ -3676,10 +3678,10 @@ RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi
     }
     *IA = rbdi_abi_shift(r, *IA);
     pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
-    rbdi_aba_hand_on(m, w, i, IA, pA);
+    rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
+/* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {
@@ -3704,8 +3706,7 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's, but for
-   c + S qdd: X y. */
+/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity). */
 RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
@@ -3726,7 +3727,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+/* qdd = u/D - (U/D)' y. For a revolute joint without armature U_z/D = 1: x is the link's omega_dot_z. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -4243,7 +4244,7 @@ RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real
 
    Description. An axis is off by eps, and so is a position or a centre of mass by eps of its lever. These
    errors move a mass m that should stand still by eps L. Its share of D is m (eps L)^2, exactly computed: the
-   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_draft_scale), so
+   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_build_scale), so
    that K_jj covers it.
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
@@ -5875,14 +5876,13 @@ RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
 
 /* ==== src/model/check.h ==== */
 /* ---- model build [model build] ----
-   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
-   steps:
+   Description to model, in the caller's memory. Steps:
      checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
-     1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
-     3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
-     5        rbdi_draft_measure: mass and moments of each subtree
-     6        rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
-     7, 8     rbdi_draft_scale: bounds for the pivots; rbdi_draft_regroup: leaves to root, base parameters
+     1, 2     rbdi_build_joint, rbdi_build_mass: links of each joint, in the users' frames; their moments
+     3, 4     rbdi_build_axis: joint axis on z; rbdi_build_order: depth first, favourite child next
+     5        rbdi_build_measure: mass and moments of each subtree
+     6        rbdi_build_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
+     7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
 #ifndef RBD_NO_BUILD
@@ -5948,7 +5948,7 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
 
 /* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
    h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
-static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3],
+static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
                              const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
@@ -5966,8 +5966,8 @@ static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wi
 }
 
 /* Sees the moments of a link in the frame x' = A x + t. */
-static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
-    rbdi_draft old = *l;
+static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
+    rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
     l->mass = 0;
@@ -6113,8 +6113,8 @@ typedef struct rbdi_build {
     rbdi_order *order;
     rbdi_mimic *mimic;
     rbdi_frame *frame;
-    rbdi_draft *draft; /* n.nl */
-    rbdi_place *place; /* nb */
+    rbdi_build_link *links; /* n.nl */
+    rbdi_place *place;      /* nb */
 } rbdi_build;
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
@@ -6136,7 +6136,7 @@ static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
 
 #endif /* RBD_NO_BUILD */
 
-/* ==== src/model/draft.h ==== */
+/* ==== src/model/links.h ==== */
 #ifndef RBD_NO_BUILD
 
 /* Axis of the k-th link of a joint, unit length, joint frame. */
@@ -6147,20 +6147,21 @@ static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_draft_clear(rbdi_draft *l) {
+static void rbdi_clear_link(rbdi_build_link *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
-static void rbdi_draft_reach(rbdi_draft *l, rbdi_wide reach) {
+static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
-/* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
+/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal,
    cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
-static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl) {
+static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_build_link *links,
+                             int *nl) {
     const rbd_body *b = &bodies[i];
-    const int type = (int)b->type, links = rbdi_links_of(type);
+    const int type = (int)b->type, n = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
     rbdi_wide R[9];
     rbdi_wide_pose X;
@@ -6174,9 +6175,9 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
         parent = place[b->parent].link;
         X = rbdi_w_compose(&X, &place[b->parent].X);
     }
-    for (int k = 0; k < links; ++k) {
-        rbdi_draft *l = &draft[*nl];
-        rbdi_draft_clear(l);
+    for (int k = 0; k < n; ++k) {
+        rbdi_build_link *l = &links[*nl];
+        rbdi_clear_link(l);
         l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
         l->favourite = -1;
@@ -6198,11 +6199,11 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     }
     place[i].link = parent;
     place[i].X = X;
-    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(X.r));
+    if (parent >= 0) rbdi_build_reach(&links[parent], rbdi_w_length(X.r));
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
-static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft) {
+static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
     rbdi_widen(b->inertia, 6, Sigma);
@@ -6212,11 +6213,11 @@ static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_dra
     rbdi_w_transpose(place->X.E, A);
     rbdi_w_apply(A, t, t);
     for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
-    rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
+    rbdi_add_moments(&links[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
 }
 
 /* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
-static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+static void rbdi_build_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
     rbdi_wide length;
     int least = 0;
     for (int k = 1; k < 3; ++k)
@@ -6228,60 +6229,60 @@ static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
-static void rbdi_draft_axis(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_axis(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
-    if (l->kind != RBDI_BLOCK) rbdi_draft_basis(l->axis, l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_build_basis(l->axis, l->solver.E);
     l->X = rbdi_w_compose(&l->solver, &l->X);
-    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &draft[l->parent].solver);
+    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &links[l->parent].solver);
     rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have the cheap form). draft[p].order = who stands at p. */
-static void rbdi_draft_order(rbdi_draft *draft, int nl) {
+   others, under a one-axis parent: only they can have the cheap form). links[p].order = who stands at p. */
+static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
-    for (int i = 0; i < nl; ++i) draft[i].size = 1;
+    for (int i = 0; i < nl; ++i) links[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
-        if (draft[i].parent >= 0) draft[draft[i].parent].size += draft[i].size;
+        if (links[i].parent >= 0) links[links[i].parent].size += links[i].size;
     for (int i = 0; i < nl; ++i) {
-        rbdi_draft *up;
+        rbdi_build_link *up;
         int best, first;
-        if (draft[i].parent < 0) continue;
-        up = &draft[draft[i].parent];
+        if (links[i].parent < 0) continue;
+        up = &links[links[i].parent];
         best = up->favourite;
         first = up->kind != RBDI_BLOCK;
-        if (best < 0 || (first && draft[best].kind == RBDI_BLOCK && draft[i].kind != RBDI_BLOCK) ||
-            (draft[i].size > draft[best].size &&
-             !(first && draft[best].kind != RBDI_BLOCK && draft[i].kind == RBDI_BLOCK)))
+        if (best < 0 || (first && links[best].kind == RBDI_BLOCK && links[i].kind != RBDI_BLOCK) ||
+            (links[i].size > links[best].size &&
+             !(first && links[best].kind != RBDI_BLOCK && links[i].kind == RBDI_BLOCK)))
             up->favourite = i;
     }
     for (int i = 0; i < nl; ++i) {
-        rbdi_draft *l = &draft[i];
+        rbdi_build_link *l = &links[i];
         if (l->parent < 0) {
             l->position = next_root;
             next_root += l->size;
-        } else if (draft[l->parent].favourite == i) {
-            l->position = draft[l->parent].position + 1;
+        } else if (links[l->parent].favourite == i) {
+            l->position = links[l->parent].position + 1;
         } else {
-            l->position = draft[l->parent].cursor;
-            draft[l->parent].cursor += l->size;
+            l->position = links[l->parent].cursor;
+            links[l->parent].cursor += l->size;
         }
-        l->cursor = l->position + 1 + (l->favourite >= 0 ? draft[l->favourite].size : 0);
-        draft[l->position].order = i;
+        l->cursor = l->position + 1 + (l->favourite >= 0 ? links[l->favourite].size : 0);
+        links[l->position].order = i;
     }
 }
 
 /* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
    and results stay, the constants around it change. */
-static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
+    rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
     rbdi_w_turn_z(c, s, turn.E);
     turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
     for (int j = i + 1; j < nl; ++j)
-        if (draft[j].parent == i) draft[j].X = rbdi_w_relative(&draft[j].X, &turn);
+        if (links[j].parent == i) links[j].X = rbdi_w_relative(&links[j].X, &turn);
     rbdi_change_moments(l, turn.E, down);
     l->solver = rbdi_w_compose(&turn, &l->solver);
     if (l->dh) l->d += t, turn.r[2] = 0;
@@ -6290,7 +6291,7 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
-static void rbdi_draft_angles(rbdi_draft *l) {
+static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
@@ -6311,17 +6312,17 @@ static void rbdi_draft_angles(rbdi_draft *l) {
 /* Moments of mass, sums of m |x|^2 and of m |x|, that the subtree of f can have about a point at this
    distance from f's origin, its links stretched out away from it: what numbers about that point are the size
    of. */
-static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance) {
+static rbdi_wide rbdi_build_spread(const rbdi_build_link *f, rbdi_wide distance) {
     return f->all * (f->radius + distance) * (f->radius + distance);
 }
-static rbdi_wide rbdi_draft_lever(const rbdi_draft *f, rbdi_wide distance) {
+static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) {
     return f->lever + f->all * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the subtree, so stretched, about the
    link's own origin. Where the root stands is no part of it. */
-static void rbdi_draft_measure(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_measure(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
     if (own > 0) l->radius += own; /* else no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
@@ -6329,9 +6330,9 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
     l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
     if (l->parent < 0) return;
     /* sums, until the parent's turn comes */
-    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->X.r));
-    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->X.r));
-    draft[l->parent].all += l->all;
+    links[l->parent].radius += rbdi_build_spread(l, rbdi_w_length(l->X.r));
+    links[l->parent].lever += rbdi_build_lever(l, rbdi_w_length(l->X.r));
+    links[l->parent].all += l->all;
 }
 
 /* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
@@ -6339,47 +6340,47 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
    wanted is their differences, so those of this subtree must stay of the size that they have about the origin
    that the user chose, 4 times at most. Errors grow by as much; right-angled and parallel axes pass
    (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
-static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
-    const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
+static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
+    const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
-        const rbdi_draft *c = &draft[j];
+        const rbdi_build_link *c = &links[j];
         rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
         if (c->parent == i && c != f && c->all > 0 &&
             c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
             return 0;
     }
-    return rest * t * t + rbdi_draft_spread(f, distance) - rbdi_draft_spread(f, from_f) <
-               3 * rbdi_draft_spread(l, 0) &&
-           rest * step + rbdi_draft_lever(f, distance) - rbdi_draft_lever(f, from_f) <
-               3 * rbdi_draft_lever(l, 0);
+    return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <
+               3 * rbdi_build_spread(l, 0) &&
+           rest * step + rbdi_build_lever(f, distance) - rbdi_build_lever(f, from_f) <
+               3 * rbdi_build_lever(l, 0);
 }
 
 /* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
    shift: all that it carries is farther then, 4 times at most. */
-static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
-    return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
+static int rbdi_build_near_alone(const rbdi_build_link *l, rbdi_wide distance) {
+    return rbdi_build_spread(l, distance) <= 16 * rbdi_build_spread(l, 0);
 }
 
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
-static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
-    rbdi_draft *l = &draft[i], *f;
+static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
+    rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
 #ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
-    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(draft, nl, i)) l->favourite = -1;
+    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
-    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK) {
-        const int moves = l->dh && rbdi_draft_near_alone(l, rbdi_w_abs(l->d));
-        rbdi_draft_angles(l);
-        rbdi_draft_turn(draft, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
+    if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
+        const int moves = l->dh && rbdi_build_near_alone(l, rbdi_w_abs(l->d));
+        rbdi_build_angles(l);
+        rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
     }
-    f = &draft[l->favourite];
-    rbdi_draft_angles(l);
-    rbdi_draft_angles(f);
+    f = &links[l->favourite];
+    rbdi_build_angles(l);
+    rbdi_build_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
         /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
@@ -6389,13 +6390,13 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
-        rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
+        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
-        if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
-        rbdi_draft_turn(draft, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
+        if (!rbdi_build_near(links, nl, i, t, a)) d = t * f->ca, t = 0;
+        rbdi_build_turn(links, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
     f->dh = 1;
     f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
@@ -6403,7 +6404,7 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
-static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
+static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
@@ -6413,7 +6414,7 @@ static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
 #ifndef RBD_NO_BUILD
 
 /* Whether a joint moves points by more than their turn. */
-static int rbdi_draft_slides(const rbdi_draft *l) {
+static int rbdi_build_slides(const rbdi_build_link *l) {
     return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
 }
 
@@ -6425,8 +6426,8 @@ static int rbdi_draft_slides(const rbdi_draft *l) {
    of the description is in doubt: of a rod, and of the levers that the description has. These begin where
    the user's frames are: |b| from the link's origin, and as far as fixed bodies are placed (reach, of this
    link or one behind it). A slide is taken to move by 1. */
-static void rbdi_draft_scale(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i], *up;
+static void rbdi_build_scale(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i], *up;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
@@ -6436,21 +6437,21 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
-    up = &draft[l->parent];
-    rbdi_draft_origin(l, r);
+    up = &links[l->parent];
+    rbdi_build_origin(l, r);
     distance = rbdi_w_length(r);
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
-    reach += rbdi_draft_slides(l);
-    rbdi_draft_reach(up, reach);
+    reach += rbdi_build_slides(l);
+    rbdi_build_reach(up, reach);
 }
 
 /* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
-static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_regroup(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
@@ -6466,9 +6467,9 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
         }
     }
     if (l->parent < 0) return;
-    rbdi_draft_origin(l, r);
+    rbdi_build_origin(l, r);
     rbdi_w_transpose(l->X.E, T);
-    rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
+    rbdi_add_moments(&links[l->parent], T, r, Sigma, h, m);
 }
 
 #endif /* RBD_NO_BUILD */
@@ -6489,7 +6490,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
 }
 
 /* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
-static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
+static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
     rbdi_wide c = l->cg, s = l->sg, next;
     int quarters = 0;
     out->cg = RBD_C(c), out->sg = RBD_C(s);
@@ -6499,8 +6500,8 @@ static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
 }
 
 /* Step 9: the solver's constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p) {
-    const rbdi_draft *l = &draft[draft[p].order];
+static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *links, int p) {
+    const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
@@ -6514,7 +6515,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
     if (!block && !rbdi_nonzero(l->ca) && l->sa > 0) flags |= RBDI_TWIST_90;
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
-    out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
+    out.parent = (int16_t)(l->parent < 0 ? -1 : links[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
     out.block = out.slot = -1;
     out.first = out.end = 0;
@@ -6531,7 +6532,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     return out;
 }
 
-static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
+static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_wide one[9];
     rbdi_block out;
@@ -6547,21 +6548,21 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
 }
 
 /* Bound of the inertia that dof k of a link moves. */
-static rbdi_wide rbdi_draft_dof_scale(const rbdi_draft *l, int k) {
+static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
 }
 
 /* The dofs of link p. */
-static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
+static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_build_link *links, int p,
                            rbdi_dof *dof) {
-    const rbdi_draft *l = &draft[draft[p].order];
+    const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = rbdi_draft_dof_scale(l, k);
+        const rbdi_wide scale = rbdi_build_dof_scale(l, k);
         d->body = (int16_t)l->body;
         d->before = -1;
         if (k > 0) {
@@ -6579,7 +6580,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
 }
 
 /* What the user sees of body i. */
-static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
+static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
     rbdi_frame out;
@@ -6587,8 +6588,8 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
     if (place->link >= 0) {
-        out.link = (int16_t)draft[place->link].position;
-        X = rbdi_w_relative(&X, &draft[place->link].solver);
+        out.link = (int16_t)links[place->link].position;
+        X = rbdi_w_relative(&X, &links[place->link].solver);
     }
     out.name = b->name, out.joint = b->joint;
     out.parent = (int16_t)b->parent;
@@ -6609,20 +6610,20 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     return out;
 }
 
-/* The steps that turn drafts in the users' frames into drafts in the solver's. */
-static void rbdi_draft_solve(rbdi_draft *draft, int nl) {
-    for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
-    rbdi_draft_order(draft, nl);
-    for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
-    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order);
+/* Steps 3 to 8: from the users' frames to the solver's. */
+static void rbdi_build_solve(rbdi_build_link *links, int nl) {
+    for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
+    rbdi_build_order(links, nl);
+    for (int i = nl - 1; i >= 0; --i) rbdi_build_measure(links, i);
+    for (int p = 0; p < nl; ++p) rbdi_build_normalise(links, nl, links[p].order);
     for (int i = 0; i < nl; ++i)
-        if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
-    for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
-    for (int p = nl - 1; p >= 0; --p) rbdi_draft_regroup(draft, draft[p].order);
+        if (links[i].kind != RBDI_BLOCK) rbdi_build_angles(&links[i]);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_scale(links, links[p].order);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_regroup(links, links[p].order);
     for (int p = nl - 1; p >= 0; --p) {
-        rbdi_draft *l = &draft[draft[p].order];
+        rbdi_build_link *l = &links[links[p].order];
         l->subtree_mass += l->mass;
-        if (l->parent >= 0) draft[l->parent].subtree_mass += l->subtree_mass;
+        if (l->parent >= 0) links[l->parent].subtree_mass += l->subtree_mass;
     }
 }
 
@@ -6692,14 +6693,14 @@ static void rbdi_emit_links(const rbdi_build *b) {
     m->nslot = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        *l = rbdi_emit_link(b->bodies, b->draft, p);
+        *l = rbdi_emit_link(b->bodies, b->links, p);
         if (l->kind == RBDI_BLOCK) {
             l->block = (int16_t)block;
-            b->block[block++] = rbdi_emit_block(&b->draft[b->draft[p].order]);
+            b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
         }
         if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
             b->link[l->parent].slot = m->nslot++;
-        rbdi_emit_dofs(b->bodies, m, b->draft, p, b->dof);
+        rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
@@ -6712,7 +6713,7 @@ static void rbdi_emit_links(const rbdi_build *b) {
 static void rbdi_emit_frames(const rbdi_build *b) {
     int next = 0;
     for (int i = 0; i < b->nb; ++i) {
-        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->draft);
+        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->links);
         if (!b->bodies[i].mimic) continue;
         const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
         rbdi_mimic *k = &b->mimic[next++];
@@ -6739,7 +6740,7 @@ static void rbdi_emit_order(const rbdi_build *b) {
         }
     }
     for (int p = 0; p < m->nl; ++p) {
-        const int behind = p + b->draft[b->draft[p].order].size;
+        const int behind = p + b->links[b->links[p].order].size;
         b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
     }
 }
@@ -6775,7 +6776,7 @@ static void rbdi_build_take(rbdi_build *b, void *memory) {
     b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
     b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
     b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
-    b->draft = (rbdi_draft *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_draft)));
+    b->links = (rbdi_build_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_build_link)));
     b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
@@ -6803,11 +6804,11 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(bodies, nb, b.n, b.place);
     for (int i = 0, nl = 0; i < nb; ++i) {
-        rbdi_draft_joint(bodies, i, b.place, b.draft, &nl);
-        rbdi_draft_mass(&bodies[i], &b.place[i], b.draft);
+        rbdi_build_joint(bodies, i, b.place, b.links, &nl);
+        rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
     if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
-    rbdi_draft_solve(b.draft, b.n.nl);
+    rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;
     return RBD_OK;
@@ -6853,11 +6854,11 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* A draft of link i of a built model, without its mass; its parent, if it has one, is draft 0. */
-static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
+/* Link i of a built model as the build had it, without its mass; its parent, if it has one, is links[0]. */
+static rbdi_build_link rbdi_rebuild_link(const rbd_model *m, int i) {
     const rbdi_link *l = &m->link[i];
-    rbdi_draft out;
-    rbdi_draft_clear(&out);
+    rbdi_build_link out;
+    rbdi_clear_link(&out);
     out.parent = l->parent < 0 ? -1 : 0;
     out.kind = l->kind;
     out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa;
@@ -6866,16 +6867,16 @@ static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
     return out;
 }
 
-/* Draft 1 becomes link i with what draft 0 has collected, draft 0 an empty parent. */
-static void rbdi_draft_climb(const rbd_model *m, int i, rbdi_draft pair[2]) {
-    const rbdi_draft all = pair[0];
-    pair[1] = rbdi_draft_of(m, i);
+/* pair[1] becomes link i with the mass that pair[0] has collected, pair[0] an empty parent. */
+static void rbdi_build_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+    const rbdi_build_link all = pair[0];
+    pair[1] = rbdi_rebuild_link(m, i);
     for (int k = 0; k < 6; ++k) pair[1].Sigma[k] = all.Sigma[k];
     for (int k = 0; k < 3; ++k) pair[1].h[k] = all.h[k];
     pair[1].mass = all.mass;
     pair[1].trace = all.trace, pair[1].moment = all.moment, pair[1].all_mass = all.all_mass;
     pair[1].reach = all.reach;
-    rbdi_draft_clear(&pair[0]);
+    rbdi_clear_link(&pair[0]);
 }
 
 static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
@@ -6887,22 +6888,22 @@ static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
 static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
-    rbdi_draft pair[2];
+    rbdi_build_link pair[2];
     load.mass *= sign;
     for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
-    rbdi_draft_clear(&pair[0]);
-    rbdi_draft_mass(&load, place, pair);
+    rbdi_clear_link(&pair[0]);
+    rbdi_build_mass(&load, place, pair);
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
-        rbdi_draft_climb(m, i, pair);
+        rbdi_build_climb(m, i, pair);
         for (int b = 0; b < m->nb; ++b) {
             const rbdi_c3 at = m->frame[b].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
-            if (m->frame[b].link == i) rbdi_draft_reach(&pair[1], rbdi_w_length(r));
+            if (m->frame[b].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
         }
-        rbdi_draft_scale(pair, 1);
+        rbdi_build_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
-            const rbdi_wide x = (rbdi_wide)sign * rbdi_draft_dof_scale(&pair[1], k);
+            const rbdi_wide x = (rbdi_wide)sign * rbdi_build_dof_scale(&pair[1], k);
             rbdi_payload_scale(&dof[iv + k], x);
             if (iv >= m->nv) { /* which has one dof */
                 const rbdi_mimic *f = &m->mimic[iv - m->nv];
@@ -6915,14 +6916,14 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
 /* Step 8, regrouping, which is linear, for the payload alone: what stays on its link, and what goes on. */
 static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
-    rbdi_draft pair[2];
+    rbdi_build_link pair[2];
     rbdi_wide kept = 0;
-    rbdi_draft_clear(&pair[0]);
-    rbdi_draft_mass(load, place, pair);
+    rbdi_clear_link(&pair[0]);
+    rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
         rbdi_csym *S = &link[i].Sigma, x;
-        rbdi_draft_climb(m, i, pair);
-        rbdi_draft_regroup(pair, 1);
+        rbdi_build_climb(m, i, pair);
+        rbdi_build_regroup(pair, 1);
         x = rbdi_round6(pair[1].Sigma);
         S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);

@@ -162,55 +162,53 @@ RBDI_EXTERN_C_END
 
 /* ---- design [design] ----
    Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables
-   5.1, 6.2, 6.3 and 7.1; what differs is the form of the constants that they run on. The build works it out
-   once:
+   5.1, 6.2, 6.3 and 7.1. They run on constants of another form, which the build computes once:
 
-   Frames. Every link of a one-axis joint has its axis on z. Its frame may still be turned about z and
-   shifted along z without any result knowing; that freedom brings the way from the parent to the form of
-   Denavit and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist
-   by alpha about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs
-   four multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
-   about its z. Children that cannot have it (all but one of a link with several; those of the world, under a
-   block, or nearly parallel) keep a general shift r and a turn by beta about the parent's z before the twist.
-   A body of the description, the user's frame, is a
-   constant pose on its link (rbdi_frame): poses, wrenches and results are converted there and nowhere else.
+   Frames. Every link of a one-axis joint has its axis on z. Turning its frame about z or shifting it along z
+   changes no result. The build uses this freedom to give the transform from the parent the form of Denavit
+   and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist by alpha
+   about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs four
+   multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
+   about its z. Only one child of a link can have this form, and no child of the world, of a block or with a
+   nearly parallel axis. The others keep a general shift r and a turn by beta about the parent's z before the
+   twist. The user's frame of a body is a constant pose on its link (rbdi_frame).
 
    Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
    m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
    Sigma than in I.
 
-   Regrouping (Khalil and Gautier 1990; Gautier 1990). What does not depend on a joint's motion is moved to
-   its parent: of a revolute link the rod on its axis (Sigma_zz, h_z, m; seven constants of ten remain), of a
-   sliding one all of Sigma (four remain); others: rbdi_draft_regroup. M, c and tau stay, exactly. After it a
-   link's numbers are no body's any more: m and Sigma may be zero or below.
+   Regrouping (Khalil and Gautier 1990; Gautier 1990). Inertia that a joint's motion does not change moves to
+   the parent: of a revolute link Sigma_zz, h_z and m (seven of ten constants remain), of a sliding one all of
+   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a link
+   may be zero or negative.
 
-   Classical accelerations. A link's state is omega, its rate, and the acceleration of the frame's origin as
-   a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x, Omega
-   = [omega_dot]x + [omega]x [omega]x, and the wrench that this takes is f = Omega h + m acc, n = axial part
-   of (Omega Sigma + acc h'). Linear velocity appears nowhere: of v x v only omega x (omega x r) is left, and
-   that is in Omega. Where a spatial acceleration is meant, rbd_body_acceleration takes omega x v away; of
-   floating and planar joints, whose v is in body axes, c adds it (rbdi_joint_product).
+   Classical accelerations. The state of a link is omega, its rate, and the acceleration of the frame's origin
+   as a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x,
+   Omega = [omega_dot]x + [omega]x [omega]x. The wrench for this is f = Omega h + m acc, n = axial part of
+   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that is
+   in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
+   planar joints, whose v is in body axes, c contains it (rbdi_joint_product).
 
-   Cyclic axes. What a turn about z and a shift along z do is written once. About x they are the same after
-   the change of names (x, y, z) -> (y, z, x): rbdi_..._cycle, and back by _uncycle.
+   Cyclic axes. The turn about x is the turn about z with the axes renamed, (x, y, z) -> (y, z, x): _cycle
+   renames, _uncycle renames back.
 
-   Order. Links stand depth first, behind each the child with the largest subtree (under a one-axis link a
-   one-axis child before blocks), so that on most steps the parent is link i - 1, and what goes between the
-   two stays in registers: up the wrench F, IA and pA, or the composite C (`carried` in rnea and crba), down
-   the state s, y or omega. For its other children a link has a slot, which keeps state and y and sums IA and
-   C; wrenches are added to the parent's scratch.f:
+   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a one-axis
+   link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities passed between
+   the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba), down s, y or
+   omega. A link with further children has a slot, an accumulator in memory: the slot keeps state and y for
+   them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
-             |    '--- 3          links 0 and 1 have a slot: 4 and 3 are not the next link
-             '--- 4 -- 5          down 1, 2, 5 take s, 3 and 4 the slot's; up 5, 2, 1 in registers, 4, 3 added
+             |    '--- 3          links 0 and 1 have a slot, for 4 and 3
+             '--- 4 -- 5          through registers: 1, 2, 5; through slots: 3, 4
 
-   The dofs of a subtree are thus contiguous in the solver's order, order[]: link.first .. end - 1.
+   So the dofs of a subtree are contiguous in the solver's order, order[]: link.first .. end - 1.
 
-   Twins. A joint with several axes on one point (spherical, planar, translation, floating) is a block: it
-   has a pose of its own per state and a function name_block beside the one-axis name. Universal, cylindrical
-   and Euler joints are chains of one-axis links without mass between. "down" takes a vector from the
-   parent's frame to the child's, "up" back. rnea: one sweep down (forward), one up. aba: pass 1 down
-   (velocities), pass 2 up (articulated inertias), pass 3 down (accelerations).
+   Blocks. A joint with several axes through one point (spherical, planar, translation, floating) is a block:
+   its pose is computed per state, and its functions are called name_block. Universal, cylindrical and Euler
+   joints are chains of one-axis links, massless but for the last. "down" takes a vector from the parent's
+   frame to the child's, "up" back. rnea: one pass down (forward), one up. aba: pass 1 down (velocities), pass
+   2 up (articulated inertias), pass 3 down (accelerations).
 
    Headers that build on this one are implemented in the same file by the same RBD_IMPLEMENTATION. They keep
    memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
@@ -280,7 +278,7 @@ RBDI_CODE_END
 #include "model/wide.h"
 #include "model/describe.h"
 #include "model/check.h"
-#include "model/draft.h"
+#include "model/links.h"
 #include "model/regroup.h"
 #include "model/emit.h"
 #include "model/build.h"

@@ -9,13 +9,13 @@
 
        pass 1   omega_i, c_i,  pA_i = wrench with omega_dot = acc = 0   rbdi_aba_velocity, rbdi_wrench
                 pA_i -= X* f_ext                                    rbdi_external
-       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_release
+       pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_eliminate
                 Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
                 IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays so through the shift along z and the turn about it, which rbdi_aba_release and
+   zero and stays so through the shift along z and the turn about it, which rbdi_aba_eliminate and
    rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
    feels about the joint's axis is its torque. */
 
@@ -115,7 +115,7 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
     return omega;
 }
 
-/* keep: each link's omega, in its kin. */
+/* keep: stores omega in each link's kin. */
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
@@ -142,11 +142,11 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
     return U;
 }
 
-/* Pass 2, one-axis link: the joint lets its own axis go. IA becomes Ia = IA - U U'/D, pA becomes pa = pA +
-   Ia c + U u/D. Of a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa
-   about z is tau: above. c.omega.z = 0 (omega x z turn). */
-RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
-                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c +
+   U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is
+   tau, see [aba]. c.omega.z is always 0. */
+RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+                                    rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
@@ -203,12 +203,11 @@ RBDI_INLINE void rbdi_aba_release(const rbd_model *m, rbd_work *w, int i, int fo
     }
 }
 
-/* Pass 2, block link: its axes are let go one by one, the last first, as if each were a joint of its own
-   without a body between; so the pivots are those of M = L'DL. Of a free base (keep = 0) only what the
-   axes before it still need is kept up: the lower triangle. */
-RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
-                                       rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
-                                       rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
+/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
+   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is updated. */
+RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
+                                         rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
+                                         rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
     const rbdi_dof *dof = &m->dof[l->iv + k];
     const int s = first + k, end = keep ? 6 : s;
     rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
@@ -225,16 +224,16 @@ RBDI_INLINE void rbdi_aba_release_axis(const rbd_model *m, rbd_work *w, const rb
         P[i] = P[i] + U[i] * bw->u_D[k];
     }
 }
-RBDI_INLINE void rbdi_aba_release_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first, int n,
-                                        int keep, const rbd_real *tau, rbd_real A[6][6], rbd_real P[6],
-                                        rbdi_mask *doubt) {
+RBDI_INLINE void rbdi_aba_eliminate_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first,
+                                          int n, int keep, const rbd_real *tau, rbd_real A[6][6],
+                                          rbd_real P[6], rbdi_mask *doubt) {
     rbdi_block_work *bw = &w->block[l->block];
     RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
-        rbdi_aba_release_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
+        rbdi_aba_eliminate_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
 
-/* What link i hands on goes to its parent's slot, unless that is link i - 1. */
-RBDI_INLINE void rbdi_aba_hand_on(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+/* Adds IA and pA to the parent's slot, unless the parent is link i - 1, which takes them from registers. */
+RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
     if (parent >= 0) {
@@ -259,10 +258,10 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
     if (rbdi_free_base(l, b)) {
-        rbdi_aba_release_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
+        rbdi_aba_eliminate_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
         return;
     }
-    rbdi_aba_release_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
+    rbdi_aba_eliminate_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
     if (l->parent < 0) return;
     rbdi_motion_to_array(w->scratch[i_link].c, C);
     RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
@@ -271,26 +270,27 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
 }
 
-/* Pass 2, one-axis link: IA and pA, those of the children summed, become what the parent feels. */
+/* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */
 RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, form);
     *IA = rbdi_abi_add_link(l, form, *IA);
-    rbdi_aba_release(m, w, i, form, tau[l->iv], IA, pA, doubt);
+    rbdi_aba_eliminate(m, w, i, form, tau[l->iv], IA, pA, doubt);
     if (form & RBDI_ROOT) return;
     *IA = rbdi_abi_up(l, form, t, *IA);
     *pA = rbdi_force_up(l, form, t, *pA);
 }
 
-/* Pass 2, link i: IA and pA, what link i + 1 hands on, become what link i does. */
+/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const int apart = form & RBDI_APART;
     if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
-    if (rbdi_block_link(l, form)) { /* copies, so that the other forms keep theirs in registers */
+    if (rbdi_block_link(
+            l, form)) { /* copies: without an address taken IA and pA of other links stay in registers */
         rbdi_abi copy_IA = *IA;
         rbdi_force copy_pA = *pA;
         rbdi_mask copy_doubt = *doubt;
@@ -299,10 +299,10 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     } else {
         rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
     }
-    if (apart) rbdi_aba_hand_on(m, w, i, IA, pA);
+    if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2, what is left of the way up of a link that begins a branch. */
+/* Pass 2: the turn and shift between a branch's first link and its parent. */
 RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const rbdi_link *l = &m->link[i];
     const rbdi_v3 r = rbdi_vec_c(l->r);
@@ -314,10 +314,10 @@ RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi
     }
     *IA = rbdi_abi_shift(r, *IA);
     pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
-    rbdi_aba_hand_on(m, w, i, IA, pA);
+    rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, the last first; IA and pA: carried to link end - 1, from first. */
+/* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {
@@ -342,8 +342,7 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     return doubt;
 }
 
-/* Pass 3: y = (omega_dot, classical acceleration minus gravity) of the parent becomes the link's, but for
-   c + S qdd: X y. */
+/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity). */
 RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
@@ -364,7 +363,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* qdd = u/D - (U/D)' y. Where U_z/D = 1 this is the link's omega_dot_z less what the parent gives. */
+/* qdd = u/D - (U/D)' y. For a revolute joint without armature U_z/D = 1: x is the link's omega_dot_z. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];

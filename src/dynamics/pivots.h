@@ -17,7 +17,7 @@
 
    Description. An axis is off by eps, and so is a position or a centre of mass by eps of its lever. These
    errors move a mass m that should stand still by eps L. Its share of D is m (eps L)^2, exactly computed: the
-   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_draft_scale), so
+   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_build_scale), so
    that K_jj covers it.
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.

@@ -16,7 +16,7 @@ static void rbdi_build_take(rbdi_build *b, void *memory) {
     b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
     b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
     b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
-    b->draft = (rbdi_draft *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_draft)));
+    b->links = (rbdi_build_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_build_link)));
     b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
@@ -44,11 +44,11 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(bodies, nb, b.n, b.place);
     for (int i = 0, nl = 0; i < nb; ++i) {
-        rbdi_draft_joint(bodies, i, b.place, b.draft, &nl);
-        rbdi_draft_mass(&bodies[i], &b.place[i], b.draft);
+        rbdi_build_joint(bodies, i, b.place, b.links, &nl);
+        rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
     if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
-    rbdi_draft_solve(b.draft, b.n.nl);
+    rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;
     return RBD_OK;

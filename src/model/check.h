@@ -5,14 +5,13 @@
 #include "model/wide.h"
 
 /* ---- model build [model build] ----
-   Description to model, in the caller's memory. A draft is a link in the making; bodies become links in
-   steps:
+   Description to model, in the caller's memory. Steps:
      checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
-     1, 2     rbdi_draft_joint, rbdi_draft_mass: links of each joint, in the users' frames; their moments
-     3, 4     rbdi_draft_axis: joint axis on z; rbdi_draft_order: depth first, favourite child next
-     5        rbdi_draft_measure: mass and moments of each subtree
-     6        rbdi_draft_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
-     7, 8     rbdi_draft_scale: bounds for the pivots; rbdi_draft_regroup: leaves to root, base parameters
+     1, 2     rbdi_build_joint, rbdi_build_mass: links of each joint, in the users' frames; their moments
+     3, 4     rbdi_build_axis: joint axis on z; rbdi_build_order: depth first, favourite child next
+     5        rbdi_build_measure: mass and moments of each subtree
+     6        rbdi_build_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
+     7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
 #ifndef RBD_NO_BUILD
@@ -78,7 +77,7 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
 
 /* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
    h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
-static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wide t[3],
+static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
                              const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
@@ -96,8 +95,8 @@ static void rbdi_add_moments(rbdi_draft *to, const rbdi_wide A[9], const rbdi_wi
 }
 
 /* Sees the moments of a link in the frame x' = A x + t. */
-static void rbdi_change_moments(rbdi_draft *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
-    rbdi_draft old = *l;
+static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
+    rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
     l->mass = 0;
@@ -243,8 +242,8 @@ typedef struct rbdi_build {
     rbdi_order *order;
     rbdi_mimic *mimic;
     rbdi_frame *frame;
-    rbdi_draft *draft; /* n.nl */
-    rbdi_place *place; /* nb */
+    rbdi_build_link *links; /* n.nl */
+    rbdi_place *place;      /* nb */
 } rbdi_build;
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {

@@ -17,7 +17,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
 }
 
 /* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
-static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
+static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
     rbdi_wide c = l->cg, s = l->sg, next;
     int quarters = 0;
     out->cg = RBD_C(c), out->sg = RBD_C(s);
@@ -27,8 +27,8 @@ static void rbdi_emit_angle(const rbdi_draft *l, rbdi_link *out) {
 }
 
 /* Step 9: the solver's constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft, int p) {
-    const rbdi_draft *l = &draft[draft[p].order];
+static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *links, int p) {
+    const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
@@ -42,7 +42,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
     if (!block && !rbdi_nonzero(l->ca) && l->sa > 0) flags |= RBDI_TWIST_90;
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
-    out.parent = (int16_t)(l->parent < 0 ? -1 : draft[l->parent].position);
+    out.parent = (int16_t)(l->parent < 0 ? -1 : links[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
     out.block = out.slot = -1;
     out.first = out.end = 0;
@@ -59,7 +59,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_draft *draft,
     return out;
 }
 
-static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
+static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_wide one[9];
     rbdi_block out;
@@ -75,21 +75,21 @@ static rbdi_block rbdi_emit_block(const rbdi_draft *l) {
 }
 
 /* Bound of the inertia that dof k of a link moves. */
-static rbdi_wide rbdi_draft_dof_scale(const rbdi_draft *l, int k) {
+static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
 }
 
 /* The dofs of link p. */
-static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_draft *draft, int p,
+static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_build_link *links, int p,
                            rbdi_dof *dof) {
-    const rbdi_draft *l = &draft[draft[p].order];
+    const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = rbdi_draft_dof_scale(l, k);
+        const rbdi_wide scale = rbdi_build_dof_scale(l, k);
         d->body = (int16_t)l->body;
         d->before = -1;
         if (k > 0) {
@@ -107,7 +107,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
 }
 
 /* What the user sees of body i. */
-static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_draft *draft) {
+static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
     rbdi_frame out;
@@ -115,8 +115,8 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
     if (place->link >= 0) {
-        out.link = (int16_t)draft[place->link].position;
-        X = rbdi_w_relative(&X, &draft[place->link].solver);
+        out.link = (int16_t)links[place->link].position;
+        X = rbdi_w_relative(&X, &links[place->link].solver);
     }
     out.name = b->name, out.joint = b->joint;
     out.parent = (int16_t)b->parent;
@@ -137,20 +137,20 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     return out;
 }
 
-/* The steps that turn drafts in the users' frames into drafts in the solver's. */
-static void rbdi_draft_solve(rbdi_draft *draft, int nl) {
-    for (int i = 0; i < nl; ++i) rbdi_draft_axis(draft, i);
-    rbdi_draft_order(draft, nl);
-    for (int i = nl - 1; i >= 0; --i) rbdi_draft_measure(draft, i);
-    for (int p = 0; p < nl; ++p) rbdi_draft_normalise(draft, nl, draft[p].order);
+/* Steps 3 to 8: from the users' frames to the solver's. */
+static void rbdi_build_solve(rbdi_build_link *links, int nl) {
+    for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
+    rbdi_build_order(links, nl);
+    for (int i = nl - 1; i >= 0; --i) rbdi_build_measure(links, i);
+    for (int p = 0; p < nl; ++p) rbdi_build_normalise(links, nl, links[p].order);
     for (int i = 0; i < nl; ++i)
-        if (draft[i].kind != RBDI_BLOCK) rbdi_draft_angles(&draft[i]);
-    for (int p = nl - 1; p >= 0; --p) rbdi_draft_scale(draft, draft[p].order);
-    for (int p = nl - 1; p >= 0; --p) rbdi_draft_regroup(draft, draft[p].order);
+        if (links[i].kind != RBDI_BLOCK) rbdi_build_angles(&links[i]);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_scale(links, links[p].order);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_regroup(links, links[p].order);
     for (int p = nl - 1; p >= 0; --p) {
-        rbdi_draft *l = &draft[draft[p].order];
+        rbdi_build_link *l = &links[links[p].order];
         l->subtree_mass += l->mass;
-        if (l->parent >= 0) draft[l->parent].subtree_mass += l->subtree_mass;
+        if (l->parent >= 0) links[l->parent].subtree_mass += l->subtree_mass;
     }
 }
 
@@ -220,14 +220,14 @@ static void rbdi_emit_links(const rbdi_build *b) {
     m->nslot = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        *l = rbdi_emit_link(b->bodies, b->draft, p);
+        *l = rbdi_emit_link(b->bodies, b->links, p);
         if (l->kind == RBDI_BLOCK) {
             l->block = (int16_t)block;
-            b->block[block++] = rbdi_emit_block(&b->draft[b->draft[p].order]);
+            b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
         }
         if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
             b->link[l->parent].slot = m->nslot++;
-        rbdi_emit_dofs(b->bodies, m, b->draft, p, b->dof);
+        rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
@@ -240,7 +240,7 @@ static void rbdi_emit_links(const rbdi_build *b) {
 static void rbdi_emit_frames(const rbdi_build *b) {
     int next = 0;
     for (int i = 0; i < b->nb; ++i) {
-        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->draft);
+        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->links);
         if (!b->bodies[i].mimic) continue;
         const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
         rbdi_mimic *k = &b->mimic[next++];
@@ -267,7 +267,7 @@ static void rbdi_emit_order(const rbdi_build *b) {
         }
     }
     for (int p = 0; p < m->nl; ++p) {
-        const int behind = p + b->draft[b->draft[p].order].size;
+        const int behind = p + b->links[b->links[p].order].size;
         b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
     }
 }

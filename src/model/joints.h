@@ -8,7 +8,7 @@
    rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
 
 /* ---- joints [joints] ----
-   What a joint type does: rbdi_joint_facts, rbdi_draft_joint, rbdi_draft_regroup, rbdi_can_mimic (build),
+   What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
    rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
    (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
    first two only. */

@@ -14,8 +14,8 @@ typedef struct rbdi_wide_pose {
     rbdi_wide E[9], r[3];
 } rbdi_wide_pose;
 
-/* A link while it is being built. Later fields overwrite what earlier steps left. */
-typedef struct rbdi_draft {
+/* A link while it is being built. Later steps overwrite what earlier ones left. */
+typedef struct rbdi_build_link {
     rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
     rbdi_wide_pose solver;          /* solver frame in the user's link frame */
@@ -24,16 +24,19 @@ typedef struct rbdi_draft {
     rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
     rbdi_wide trace, moment, all_mass,
         subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_draft_scale */
-    int parent, kind, type, iq, iv; /* parent: index among drafts */
-    int body, joint_dof;            /* body that it belongs to; first of the joint's dofs that is its */
-    int size, favourite, position, cursor, order, dh; /* order: the draft at this position */
-} rbdi_draft;
+    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_build_scale */
+    int parent, kind, type, iq, iv; /* parent: index among the links being built */
+    int body, joint_dof;            /* its body; its first dof among those of the body's joint */
+    int size, favourite;  /* links of the subtree; the child that comes next in the solver's order */
+    int position, cursor; /* in the solver's order: its own; where its next child goes */
+    int order;            /* the link at this position */
+    int dh;               /* has Denavit and Hartenberg's form */
+} rbdi_build_link;
 
 /* Where a body of the description sits while the model is built. */
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
-    int link;         /* draft, -1 = world */
+    int link;         /* -1 = world */
     int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
@@ -41,19 +44,19 @@ typedef struct rbdi_place {
 /* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
-/* What the constants of a link spare. The algorithms take the flags as an argument, so that the compiler
-   can drop what a common form does not need (see RBDI_BY_FORM). */
+/* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
+   the common combinations are compiled with constant flags (see RBDI_BY_FORM). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,   /* so, or the parent-side shift has y and z components */
+    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
     RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_APART = 1024     /* a block, or a link with a slot, or one that begins a branch: whose parent is not
-                               the link before it, or which has no Denavit-Hartenberg form */
+    RBDI_APART = 1024     /* not a simple link of a chain: a block, a link with a slot, a link whose parent is
+                               not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
@@ -62,7 +65,7 @@ typedef struct rbdi_link {
     int16_t parent;     /* an earlier link, -1 = world */
     int16_t iq, iv;     /* first coordinate and degree of freedom */
     int16_t block;      /* index into blocks, -1 = none */
-    int16_t slot;       /* where what a child that is not the next link needs is kept, -1 = no such child */
+    int16_t slot;       /* index into rbd_work.slot, -1 = its only child, if any, is the next link */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
@@ -88,16 +91,16 @@ typedef struct rbdi_block {
 /* A degree of freedom; those that mimic others follow the nv that do not. */
 typedef struct rbdi_dof {
     int16_t body;   /* index in the description */
-    int16_t lambda; /* the dof before it towards the root, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
+    int16_t lambda; /* parent in the matrix's elimination tree, -1 = none (RBDA 6.5; see rbdi_emit_tree) */
     int32_t row;    /* where its row starts in the packed tree matrix; the diagonal is its last entry */
-    int16_t depth;  /* number of dofs before it towards the root; of mimic dofs these three mean nothing */
-    int16_t before, level; /* lambda and depth in the mechanism, of mimic dofs too */
+    int16_t depth; /* number of ancestors in that tree. Of mimic dofs lambda, row and depth have no meaning */
+    int16_t before, level; /* parent and number of ancestors in the mechanism, of mimic dofs too */
     rbd_const armature, damping, friction;
-    rbd_const scale; /* bound of the inertia that it moves: a pivot below RBDI_DOUBT times this is judged */
+    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is judged */
 } rbdi_dof;
 
-/* The dof that the solver meets at an index of its own order, depth first, and the row that crba writes for
-   it, of level + 1 entries: that of dof, or with mimic joints one behind the packed matrix. */
+/* The dof at an index of the solver's order, depth first, and the row of level + 1 entries that crba writes
+   for it: the dof's own or, with mimic joints, a row behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -139,7 +142,7 @@ struct rbd_model {
     const rbdi_order *order; /* nv + nmimic */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
-    uint64_t shape[RBDI_SHAPE]; /* what the sizes of a work's and a batch's arrays depend on: rbdi_shape */
+    uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
 };
 
 /* A built model as a table, which rbd-model writes: declared in every file, defined in one. */

@@ -41,11 +41,11 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* A draft of link i of a built model, without its mass; its parent, if it has one, is draft 0. */
-static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
+/* Link i of a built model as the build had it, without its mass; its parent, if it has one, is links[0]. */
+static rbdi_build_link rbdi_rebuild_link(const rbd_model *m, int i) {
     const rbdi_link *l = &m->link[i];
-    rbdi_draft out;
-    rbdi_draft_clear(&out);
+    rbdi_build_link out;
+    rbdi_clear_link(&out);
     out.parent = l->parent < 0 ? -1 : 0;
     out.kind = l->kind;
     out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa;
@@ -54,16 +54,16 @@ static rbdi_draft rbdi_draft_of(const rbd_model *m, int i) {
     return out;
 }
 
-/* Draft 1 becomes link i with what draft 0 has collected, draft 0 an empty parent. */
-static void rbdi_draft_climb(const rbd_model *m, int i, rbdi_draft pair[2]) {
-    const rbdi_draft all = pair[0];
-    pair[1] = rbdi_draft_of(m, i);
+/* pair[1] becomes link i with the mass that pair[0] has collected, pair[0] an empty parent. */
+static void rbdi_build_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+    const rbdi_build_link all = pair[0];
+    pair[1] = rbdi_rebuild_link(m, i);
     for (int k = 0; k < 6; ++k) pair[1].Sigma[k] = all.Sigma[k];
     for (int k = 0; k < 3; ++k) pair[1].h[k] = all.h[k];
     pair[1].mass = all.mass;
     pair[1].trace = all.trace, pair[1].moment = all.moment, pair[1].all_mass = all.all_mass;
     pair[1].reach = all.reach;
-    rbdi_draft_clear(&pair[0]);
+    rbdi_clear_link(&pair[0]);
 }
 
 static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
@@ -75,22 +75,22 @@ static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
 static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
-    rbdi_draft pair[2];
+    rbdi_build_link pair[2];
     load.mass *= sign;
     for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
-    rbdi_draft_clear(&pair[0]);
-    rbdi_draft_mass(&load, place, pair);
+    rbdi_clear_link(&pair[0]);
+    rbdi_build_mass(&load, place, pair);
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
-        rbdi_draft_climb(m, i, pair);
+        rbdi_build_climb(m, i, pair);
         for (int b = 0; b < m->nb; ++b) {
             const rbdi_c3 at = m->frame[b].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
-            if (m->frame[b].link == i) rbdi_draft_reach(&pair[1], rbdi_w_length(r));
+            if (m->frame[b].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
         }
-        rbdi_draft_scale(pair, 1);
+        rbdi_build_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
-            const rbdi_wide x = (rbdi_wide)sign * rbdi_draft_dof_scale(&pair[1], k);
+            const rbdi_wide x = (rbdi_wide)sign * rbdi_build_dof_scale(&pair[1], k);
             rbdi_payload_scale(&dof[iv + k], x);
             if (iv >= m->nv) { /* which has one dof */
                 const rbdi_mimic *f = &m->mimic[iv - m->nv];
@@ -103,14 +103,14 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
 /* Step 8, regrouping, which is linear, for the payload alone: what stays on its link, and what goes on. */
 static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
-    rbdi_draft pair[2];
+    rbdi_build_link pair[2];
     rbdi_wide kept = 0;
-    rbdi_draft_clear(&pair[0]);
-    rbdi_draft_mass(load, place, pair);
+    rbdi_clear_link(&pair[0]);
+    rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
         rbdi_csym *S = &link[i].Sigma, x;
-        rbdi_draft_climb(m, i, pair);
-        rbdi_draft_regroup(pair, 1);
+        rbdi_build_climb(m, i, pair);
+        rbdi_build_regroup(pair, 1);
         x = rbdi_round6(pair[1].Sigma);
         S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);

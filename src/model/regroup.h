@@ -1,11 +1,11 @@
 #ifndef RBDI_MODEL_REGROUP_H
 #define RBDI_MODEL_REGROUP_H
-#include "model/draft.h"
+#include "model/links.h"
 
 #ifndef RBD_NO_BUILD
 
 /* Whether a joint moves points by more than their turn. */
-static int rbdi_draft_slides(const rbdi_draft *l) {
+static int rbdi_build_slides(const rbdi_build_link *l) {
     return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
 }
 
@@ -17,8 +17,8 @@ static int rbdi_draft_slides(const rbdi_draft *l) {
    of the description is in doubt: of a rod, and of the levers that the description has. These begin where
    the user's frames are: |b| from the link's origin, and as far as fixed bodies are placed (reach, of this
    link or one behind it). A slide is taken to move by 1. */
-static void rbdi_draft_scale(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i], *up;
+static void rbdi_build_scale(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i], *up;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
@@ -28,21 +28,21 @@ static void rbdi_draft_scale(rbdi_draft *draft, int i) {
     reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
-    up = &draft[l->parent];
-    rbdi_draft_origin(l, r);
+    up = &links[l->parent];
+    rbdi_build_origin(l, r);
     distance = rbdi_w_length(r);
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
-    reach += rbdi_draft_slides(l);
-    rbdi_draft_reach(up, reach);
+    reach += rbdi_build_slides(l);
+    rbdi_build_reach(up, reach);
 }
 
 /* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
-static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_regroup(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
@@ -58,9 +58,9 @@ static void rbdi_draft_regroup(rbdi_draft *draft, int i) {
         }
     }
     if (l->parent < 0) return;
-    rbdi_draft_origin(l, r);
+    rbdi_build_origin(l, r);
     rbdi_w_transpose(l->X.E, T);
-    rbdi_add_moments(&draft[l->parent], T, r, Sigma, h, m);
+    rbdi_add_moments(&links[l->parent], T, r, Sigma, h, m);
 }
 
 #endif /* RBD_NO_BUILD */

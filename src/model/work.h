@@ -11,7 +11,7 @@ typedef struct rbdi_scratch { /* per link, of one call */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_slot { /* per link with a child that is not the next link */
+typedef struct rbdi_slot { /* per link with a child that is not the next link: what those children share */
     rbdi_state state;      /* rnea, kinematics; aba's pass 1: omega */
     rbdi_motion y;         /* aba's pass 3 */
     rbdi_abi I;            /* aba's pass 2; pass 1 clears it */
@@ -34,10 +34,11 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
-    rbd_real *rotors;            /* 1: kinetic energy of the armatures */
-    rbd_real *angle, *quarters;  /* nl, padded to RBDI_ALIGN: joint angles but for right angles; those */
-    rbd_real *c, *s;             /* so too: cosines and sines of both */
-    rbd_real *d;                 /* nl: slides of screw links */
+    rbd_real *rotors; /* 1: kinetic energy of the armatures */
+    rbd_real *angle,
+        *quarters;   /* nl, padded to RBDI_ALIGN: joint angles without their right angles; the right angles */
+    rbd_real *c, *s; /* nl, padded: cosines and sines of the whole angles */
+    rbd_real *d;     /* nl: slides of screw links */
     rbdi_scratch *scratch;       /* nl */
     rbdi_kin *kin;               /* nl */
     rbdi_slot *slot;             /* nslot */

@@ -274,7 +274,7 @@ def stages(header):
     def axes(scalar_name):
         flag = f"-DRBD_REAL={scalar_name}"
         return Stage("axes " + scalar_name, (("rbd.c", ("-O0", APART, flag)),),
-                     (("test_axes.c", ("-O1", flag)), ("textbook.c", ("-O1", flag))), functions="draft|parallel|snap|zxz")
+                     (("test_axes.c", ("-O1", flag)), ("textbook.c", ("-O1", flag))), functions="build_|parallel|snap|zxz")
 
     def spatial(name, *flags, link=()):
         return Stage("spatial " + name, (("test_spatial.c", ("-O0", *flags)),), (("reference.c", ("-O1",)),),

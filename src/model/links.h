@@ -1,5 +1,5 @@
-#ifndef RBDI_MODEL_DRAFT_H
-#define RBDI_MODEL_DRAFT_H
+#ifndef RBDI_MODEL_LINKS_H
+#define RBDI_MODEL_LINKS_H
 #include "model/check.h"
 
 #ifndef RBD_NO_BUILD
@@ -12,20 +12,21 @@ static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_draft_clear(rbdi_draft *l) {
+static void rbdi_clear_link(rbdi_build_link *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
-static void rbdi_draft_reach(rbdi_draft *l, rbdi_wide reach) {
+static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
-/* Step 1: where body i sits, and a draft for each link of its joint, in the user's frames. Universal,
+/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal,
    cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
-static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_draft *draft, int *nl) {
+static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_build_link *links,
+                             int *nl) {
     const rbd_body *b = &bodies[i];
-    const int type = (int)b->type, links = rbdi_links_of(type);
+    const int type = (int)b->type, n = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
     rbdi_wide R[9];
     rbdi_wide_pose X;
@@ -39,9 +40,9 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
         parent = place[b->parent].link;
         X = rbdi_w_compose(&X, &place[b->parent].X);
     }
-    for (int k = 0; k < links; ++k) {
-        rbdi_draft *l = &draft[*nl];
-        rbdi_draft_clear(l);
+    for (int k = 0; k < n; ++k) {
+        rbdi_build_link *l = &links[*nl];
+        rbdi_clear_link(l);
         l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
         l->favourite = -1;
@@ -63,11 +64,11 @@ static void rbdi_draft_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     }
     place[i].link = parent;
     place[i].X = X;
-    if (parent >= 0) rbdi_draft_reach(&draft[parent], rbdi_w_length(X.r));
+    if (parent >= 0) rbdi_build_reach(&links[parent], rbdi_w_length(X.r));
 }
 
 /* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
-static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_draft *draft) {
+static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
     rbdi_widen(b->inertia, 6, Sigma);
@@ -77,11 +78,11 @@ static void rbdi_draft_mass(const rbd_body *b, const rbdi_place *place, rbdi_dra
     rbdi_w_transpose(place->X.E, A);
     rbdi_w_apply(A, t, t);
     for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
-    rbdi_add_moments(&draft[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
+    rbdi_add_moments(&links[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
 }
 
 /* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
-static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+static void rbdi_build_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
     rbdi_wide length;
     int least = 0;
     for (int k = 1; k < 3; ++k)
@@ -93,60 +94,60 @@ static void rbdi_draft_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
-static void rbdi_draft_axis(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_axis(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
-    if (l->kind != RBDI_BLOCK) rbdi_draft_basis(l->axis, l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_build_basis(l->axis, l->solver.E);
     l->X = rbdi_w_compose(&l->solver, &l->X);
-    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &draft[l->parent].solver);
+    if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &links[l->parent].solver);
     rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have the cheap form). draft[p].order = who stands at p. */
-static void rbdi_draft_order(rbdi_draft *draft, int nl) {
+   others, under a one-axis parent: only they can have the cheap form). links[p].order = who stands at p. */
+static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
-    for (int i = 0; i < nl; ++i) draft[i].size = 1;
+    for (int i = 0; i < nl; ++i) links[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
-        if (draft[i].parent >= 0) draft[draft[i].parent].size += draft[i].size;
+        if (links[i].parent >= 0) links[links[i].parent].size += links[i].size;
     for (int i = 0; i < nl; ++i) {
-        rbdi_draft *up;
+        rbdi_build_link *up;
         int best, first;
-        if (draft[i].parent < 0) continue;
-        up = &draft[draft[i].parent];
+        if (links[i].parent < 0) continue;
+        up = &links[links[i].parent];
         best = up->favourite;
         first = up->kind != RBDI_BLOCK;
-        if (best < 0 || (first && draft[best].kind == RBDI_BLOCK && draft[i].kind != RBDI_BLOCK) ||
-            (draft[i].size > draft[best].size &&
-             !(first && draft[best].kind != RBDI_BLOCK && draft[i].kind == RBDI_BLOCK)))
+        if (best < 0 || (first && links[best].kind == RBDI_BLOCK && links[i].kind != RBDI_BLOCK) ||
+            (links[i].size > links[best].size &&
+             !(first && links[best].kind != RBDI_BLOCK && links[i].kind == RBDI_BLOCK)))
             up->favourite = i;
     }
     for (int i = 0; i < nl; ++i) {
-        rbdi_draft *l = &draft[i];
+        rbdi_build_link *l = &links[i];
         if (l->parent < 0) {
             l->position = next_root;
             next_root += l->size;
-        } else if (draft[l->parent].favourite == i) {
-            l->position = draft[l->parent].position + 1;
+        } else if (links[l->parent].favourite == i) {
+            l->position = links[l->parent].position + 1;
         } else {
-            l->position = draft[l->parent].cursor;
-            draft[l->parent].cursor += l->size;
+            l->position = links[l->parent].cursor;
+            links[l->parent].cursor += l->size;
         }
-        l->cursor = l->position + 1 + (l->favourite >= 0 ? draft[l->favourite].size : 0);
-        draft[l->position].order = i;
+        l->cursor = l->position + 1 + (l->favourite >= 0 ? links[l->favourite].size : 0);
+        links[l->position].order = i;
     }
 }
 
 /* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
    and results stay, the constants around it change. */
-static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
+    rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
     rbdi_w_turn_z(c, s, turn.E);
     turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
     for (int j = i + 1; j < nl; ++j)
-        if (draft[j].parent == i) draft[j].X = rbdi_w_relative(&draft[j].X, &turn);
+        if (links[j].parent == i) links[j].X = rbdi_w_relative(&links[j].X, &turn);
     rbdi_change_moments(l, turn.E, down);
     l->solver = rbdi_w_compose(&turn, &l->solver);
     if (l->dh) l->d += t, turn.r[2] = 0;
@@ -155,7 +156,7 @@ static void rbdi_draft_turn(rbdi_draft *draft, int nl, int i, rbdi_wide c, rbdi_
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
    everything that follows, pose and dynamics, works with one model. */
-static void rbdi_draft_angles(rbdi_draft *l) {
+static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
     l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
@@ -176,17 +177,17 @@ static void rbdi_draft_angles(rbdi_draft *l) {
 /* Moments of mass, sums of m |x|^2 and of m |x|, that the subtree of f can have about a point at this
    distance from f's origin, its links stretched out away from it: what numbers about that point are the size
    of. */
-static rbdi_wide rbdi_draft_spread(const rbdi_draft *f, rbdi_wide distance) {
+static rbdi_wide rbdi_build_spread(const rbdi_build_link *f, rbdi_wide distance) {
     return f->all * (f->radius + distance) * (f->radius + distance);
 }
-static rbdi_wide rbdi_draft_lever(const rbdi_draft *f, rbdi_wide distance) {
+static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) {
     return f->lever + f->all * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the subtree, so stretched, about the
    link's own origin. Where the root stands is no part of it. */
-static void rbdi_draft_measure(rbdi_draft *draft, int i) {
-    rbdi_draft *l = &draft[i];
+static void rbdi_build_measure(rbdi_build_link *links, int i) {
+    rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
     if (own > 0) l->radius += own; /* else no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
@@ -194,9 +195,9 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
     l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
     if (l->parent < 0) return;
     /* sums, until the parent's turn comes */
-    draft[l->parent].radius += rbdi_draft_spread(l, rbdi_w_length(l->X.r));
-    draft[l->parent].lever += rbdi_draft_lever(l, rbdi_w_length(l->X.r));
-    draft[l->parent].all += l->all;
+    links[l->parent].radius += rbdi_build_spread(l, rbdi_w_length(l->X.r));
+    links[l->parent].lever += rbdi_build_lever(l, rbdi_w_length(l->X.r));
+    links[l->parent].all += l->all;
 }
 
 /* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
@@ -204,47 +205,47 @@ static void rbdi_draft_measure(rbdi_draft *draft, int i) {
    wanted is their differences, so those of this subtree must stay of the size that they have about the origin
    that the user chose, 4 times at most. Errors grow by as much; right-angled and parallel axes pass
    (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
-static int rbdi_draft_near(const rbdi_draft *draft, int nl, int i, rbdi_wide t, rbdi_wide distance) {
-    const rbdi_draft *l = &draft[i], *f = &draft[l->favourite];
+static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
+    const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
-        const rbdi_draft *c = &draft[j];
+        const rbdi_build_link *c = &links[j];
         rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
         if (c->parent == i && c != f && c->all > 0 &&
             c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
             return 0;
     }
-    return rest * t * t + rbdi_draft_spread(f, distance) - rbdi_draft_spread(f, from_f) <
-               3 * rbdi_draft_spread(l, 0) &&
-           rest * step + rbdi_draft_lever(f, distance) - rbdi_draft_lever(f, from_f) <
-               3 * rbdi_draft_lever(l, 0);
+    return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <
+               3 * rbdi_build_spread(l, 0) &&
+           rest * step + rbdi_build_lever(f, distance) - rbdi_build_lever(f, from_f) <
+               3 * rbdi_build_lever(l, 0);
 }
 
 /* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
    shift: all that it carries is farther then, 4 times at most. */
-static int rbdi_draft_near_alone(const rbdi_draft *l, rbdi_wide distance) {
-    return rbdi_draft_spread(l, distance) <= 16 * rbdi_draft_spread(l, 0);
+static int rbdi_build_near_alone(const rbdi_build_link *l, rbdi_wide distance) {
+    return rbdi_build_spread(l, distance) <= 16 * rbdi_build_spread(l, 0);
 }
 
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
-static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
-    rbdi_draft *l = &draft[i], *f;
+static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
+    rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
 #ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
-    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(draft, nl, i)) l->favourite = -1;
+    if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
-    if (l->favourite < 0 || draft[l->favourite].kind == RBDI_BLOCK) {
-        const int moves = l->dh && rbdi_draft_near_alone(l, rbdi_w_abs(l->d));
-        rbdi_draft_angles(l);
-        rbdi_draft_turn(draft, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
+    if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
+        const int moves = l->dh && rbdi_build_near_alone(l, rbdi_w_abs(l->d));
+        rbdi_build_angles(l);
+        rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
     }
-    f = &draft[l->favourite];
-    rbdi_draft_angles(l);
-    rbdi_draft_angles(f);
+    f = &links[l->favourite];
+    rbdi_build_angles(l);
+    rbdi_build_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
         /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
@@ -254,13 +255,13 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (!rbdi_draft_near(draft, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
-        rbdi_draft_turn(draft, nl, i, f->cb, f->sb, t);
+        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
         a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
-        if (!rbdi_draft_near(draft, nl, i, t, a)) d = t * f->ca, t = 0;
-        rbdi_draft_turn(draft, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
+        if (!rbdi_build_near(links, nl, i, t, a)) d = t * f->ca, t = 0;
+        rbdi_build_turn(links, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
     f->dh = 1;
     f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
@@ -268,7 +269,7 @@ static void rbdi_draft_normalise(rbdi_draft *draft, int nl, int i) {
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
-static void rbdi_draft_origin(const rbdi_draft *l, rbdi_wide r[3]) {
+static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
