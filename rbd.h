@@ -25,7 +25,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
-     [rnea] [crba] [aba] [cholesky] [pivots] [hybrid] [forward dynamics code]
+     [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
@@ -1046,9 +1046,9 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 /* ==== src/model/layout.h ==== */
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_order, RBDI_APART, RBDI_ARMATURE, RBDI_BLOCK,
-   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
-   RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART,
+   RBDI_ARMATURE, RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
+   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r). */
 typedef struct rbdi_wide_pose {
@@ -1147,6 +1147,12 @@ typedef struct rbdi_order {
     int32_t row;
 } rbdi_order;
 
+/* A dof of the packed matrix, in a depth-first order of its tree: its descendants follow it. */
+typedef struct rbdi_node {
+    int16_t dof, descendants;
+    int32_t row; /* dof[].row */
+} rbdi_node;
+
 /* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
 typedef struct rbdi_mimic {
     int16_t source_q, source_v;
@@ -1181,6 +1187,7 @@ struct rbd_model {
     const rbdi_block *block; /* nblock */
     const rbdi_dof *dof;     /* nv + nmimic */
     const rbdi_order *order; /* nv + nmimic */
+    const rbdi_node *node;   /* nv */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
     uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
@@ -1287,9 +1294,9 @@ struct rbd_work {
 #define RBDI_MODEL_BYTES(nb, nl, k, n, mimics) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
      RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + \
-     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + \
-     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_node)) + \
+     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
+     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 /* ==== src/rbd.h ==== */
 #endif /* RBDI_LAYOUT */
@@ -3809,12 +3816,30 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_subtract,
+   rbdi_subtract_product */
 
-/* ---- cholesky [cholesky] ----
-   M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
-   changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
-   path, root first, the diagonal last; after the factorisation L, and 1/D on the diagonal. */
+/* ---- packed matrix of a tree [packed matrix] ----
+   M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
+   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M = L'DL
+   with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in. The
+   factor stands in M's place: L, and 1/D on the diagonal.
+
+     rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
+     rbdi_solve           x = M^-1 x
+     rbdi_solve_columns   X = M^-1 X or -M^-1 X, n columns of one matrix or of two
+     rbdi_invert          Z = M^-1, full
+     rbdi_subtract_product  y -= X' x
+     rbdi_subtract        y -= k x
+     rbdi_multiply        y *= k
+   Their scratch is w->F.
+
+   In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
+   other rows times factors: those of the descendants (factor, first half of a solution) or of the path (second
+   half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others are read
+   from memory; the one made just before comes last, because the processor must wait for it. Batches count from
+   the first column; the last one ends with the last column and may overlap the one before it. Fewer columns
+   than a batch go one by one. */
 
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
@@ -3835,328 +3860,244 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
     for (; j < n; ++j) y[j] = y[j] - k * x[j];
 }
 
-/* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
-   the same first t + 1 columns, so that the update is a multiple of one row on another. */
-RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int k = m->nv - 1; k >= 0; --k) {
-        rbd_real *hk = &H[m->dof[k].row];
-        int d = m->dof[k].depth, i = m->dof[k].lambda;
-        rbd_real inverse = rbdi_pivot_inverse(hk[d], m->dof[k].scale, &doubt);
-        w->pivot[k] = hk[d];
-        hk[d] = inverse;
-        for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real x = hk[t] * inverse;
-            rbdi_subtract(&H[m->dof[i].row], x, hk, t + 1);
-            hk[t] = x;
+#if RBDI_BATCH > 1 || defined RBD_LANES
+#define RBDI_ROW 12
+#else
+#define RBDI_ROW 4
+#endif
+/* Makes the call with number = n, 1 <= n <= most <= RBDI_ROW, which the compiler then knows. */
+#if RBDI_FOR_SPEED
+#define RBDI_BY_NUMBER(number, most, n, call) \
+    switch (n) { \
+        RBDI_OF_NUMBER(number, most, 1, call) \
+        RBDI_OF_NUMBER(number, most, 2, call) \
+        RBDI_OF_NUMBER(number, most, 3, call) \
+        RBDI_OF_NUMBER(number, most, 4, call) \
+        RBDI_OF_NUMBER(number, most, 5, call) \
+        RBDI_OF_NUMBER(number, most, 6, call) \
+        RBDI_OF_NUMBER(number, most, 7, call) \
+        RBDI_OF_NUMBER(number, most, 8, call) \
+        RBDI_OF_NUMBER(number, most, 9, call) \
+        RBDI_OF_NUMBER(number, most, 10, call) \
+        RBDI_OF_NUMBER(number, most, 11, call) \
+        RBDI_OF_NUMBER(number, most, 12, call) \
+    }
+#define RBDI_OF_NUMBER(number, most, n, call) \
+    case n: { \
+        enum { number = n <= (most) ? n : 1 }; \
+        if (n <= (most)) call; \
+    } break;
+#else
+#define RBDI_BY_NUMBER(number, most, n, call) \
+    do { \
+        const int number = n; \
+        call; \
+    } while (0);
+#endif
+
+/* A sum of n rows times factors. The rows are
+     RBDI_OWN          of nodes, at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  of nodes, at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         at X + start[t]; factor x[t]; subtracted from k y
+     RBDI_FRESH        likewise, subtracted from 0
+     RBDI_EQUIDISTANT  at X + t stride; factor x[t]
+   Y: a second matrix with the same rows. */
+enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+#if RBDI_GNU
+typedef ptrdiff_t rbdi_start __attribute__((may_alias)); /* in the memory of scalars */
+#else
+typedef ptrdiff_t rbdi_start;
+#endif
+typedef struct rbdi_terms {
+    const rbd_real *X, *Y, *x;
+    const rbdi_node *node;
+    const rbdi_start *start;
+    ptrdiff_t stride;
+    rbd_real k;
+    int n, d;
+} rbdi_terms;
+
+RBDI_INLINE ptrdiff_t rbdi_start_of(const rbdi_terms *g, int which, int t) {
+    if (which == RBDI_EQUIDISTANT) return t * g->stride;
+    return which == RBDI_OWN ? g->node[t].row : g->start[t];
+}
+RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const rbd_real *row) {
+    if (which == RBDI_OWN) return g->x[t] * row[g->d];
+    return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
+}
+
+/* y less the sum, and z of two matrices: so many batches, the last of which begins with column last. */
+RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
+                                       rbd_real *y, rbd_real *z) {
+    rbdi_batch sum[2][RBDI_ROW];
+    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+        const rbd_real *from = (s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+        sum[s][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+        if (which == RBDI_PATH) sum[s][b] = sum[s][b] * g.k;
+    }
+    RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
+        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
+                       *other = matrices > 1 ? g.Y + rbdi_start_of(&g, which, t) : row;
+        const rbd_real x = rbdi_factor_of(&g, which, t, row);
+        RBDI_ONE_INDEX(row);
+        if (matrices > 1) RBDI_ONE_INDEX(other);
+        RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (s > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[s][b] = sum[s][b] - *(const rbdi_batch *)from * x;
         }
     }
+    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
+        (rbdi_batch *)((s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[s][b];
+}
+/* The same of one matrix with n columns, fewer than a batch. */
+RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real *y) {
+    rbd_real sum[RBDI_BATCH];
+    RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) {
+        sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
+        if (which == RBDI_PATH) sum[b] = sum[b] * g.k;
+    }
+    for (int i = 0; i < g.n; ++i) {
+        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
+        RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
+    }
+    RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) y[b] = sum[b];
+}
+
+/* The same for any number of columns. */
+RBDI_INLINE void rbdi_subtract_columns(rbdi_terms g, int which, int n, rbd_real *y) {
+    for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
+        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+        if (columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                           rbdi_subtract_batches(g, which, 1, batches, columns - RBDI_BATCH, y, y))
+        else
+            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns, rbdi_subtract_scalars(g, which, scalars, y))
+    }
+}
+
+/* y -= sum of x[t] times row t < count of X, whose rows are n apart and have n columns. */
+RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int count, int n, rbd_real *y) {
+    rbdi_terms g;
+    g.X = X, g.x = x, g.n = count, g.d = 0, g.stride = n;
+    rbdi_subtract_columns(g, RBDI_EQUIDISTANT, n, y);
+}
+
+/* First U = D L: row i of it is row i of M less L_ki U_k of all descendants k. Says whether a pivot is in
+   doubt. */
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    const rbdi_node *node = m->node;
+    rbd_real *inverse = w->F; /* 1/D, by node */
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int s = m->nv - 1; s >= 0; --s) {
+        const rbdi_dof *dof = &m->dof[node[s].dof];
+        rbd_real *row = &H[node[s].row];
+        rbdi_terms g;
+        g.X = H, g.x = inverse + s + 1, g.node = node + s + 1, g.n = node[s].descendants, g.d = dof->depth;
+        if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        w->pivot[node[s].dof] = row[dof->depth];
+        inverse[s] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
+    }
+    for (int k = 0; k < m->nv; ++k)
+        rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
 
-/* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row], y = x[k];
-        int d = m->dof[k].depth;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x[i] = x[i] - l[t] * y;
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        int d = m->dof[k].depth;
-        rbd_real y = x[k] * l[d];
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) y = y - l[t] * x[i];
-        x[k] = y;
-    }
-}
-
-/* X = sign M^-1 X for so few columns of the rows X, X + stride ... that those of a row stay in registers. */
-#define RBDI_COLUMNS 8
-RBDI_INLINE void rbdi_solve_columns(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
-                                    rbd_real *X) {
-    rbd_real y[RBDI_COLUMNS];
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j];
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real a = l[t];
-            rbd_real *x = &X[i * stride];
-            RBDI_ONE_INDEX(x);
-            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) x[j] = x[j] - a * y[j];
-        }
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        const int d = m->dof[k].depth;
-        const rbd_real inverse = sign < 0 ? -l[d] : l[d];
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j] * inverse;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real a = l[t], *x = &X[i * stride];
-            RBDI_ONE_INDEX(x);
-            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = y[j] - a * x[j];
-        }
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) X[k * stride + j] = y[j];
-    }
-}
-
-/* The same for n columns. */
-RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
-                               rbd_real *X) {
-    for (; n > 0; n -= RBDI_COLUMNS, X += RBDI_COLUMNS) {
-#if RBDI_FOR_SPEED
-#define RBDI_OF_COLUMNS(n) \
-    case n: rbdi_solve_columns(m, L, stride, sign, n, X); break
-        switch (n) {
-            RBDI_OF_COLUMNS(1);
-            RBDI_OF_COLUMNS(2);
-            RBDI_OF_COLUMNS(3);
-            RBDI_OF_COLUMNS(4);
-            RBDI_OF_COLUMNS(5);
-            RBDI_OF_COLUMNS(6);
-            RBDI_OF_COLUMNS(7);
-        default: rbdi_solve_columns(m, L, stride, sign, RBDI_COLUMNS, X); break;
-        }
-#else
-        rbdi_solve_columns(m, L, stride, sign, n < RBDI_COLUMNS ? n : RBDI_COLUMNS, X);
-#endif
-    }
-}
-
-/* Z = M^-1, full. L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the
-   diagonal, is a sum over the rows of the dofs on its path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k -
-   sum L_ki Z_ik. */
-RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) {
-    const ptrdiff_t n = m->nv;
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        const int d = m->dof[k].depth;
-        rbd_real *row = &Z[k * n], z = l[d];
-        rbdi_clear(row, k);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(row, l[t], &Z[i * n], k);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) z = z - l[t] * row[i];
-        row[k] = z;
-        for (int j = 0; j < k; ++j) Z[j * n + k] = row[j];
-    }
-}
-
-/* ==== src/dynamics/gather.h ==== */
-/* Interface: rbdi_factor_invert, rbdi_gather_rows, rbdi_gathered, rbdi_index, rbdi_solve_sides, RBDI_GATHER,
-   RBDI_PLAIN */
-
-#if RBDI_BATCH > 1 || defined RBD_LANES
-#define RBDI_GATHER
-/* The same, of models whose matrix has the tree of the mechanism, with rows that are gathered: each is
-   a sum of rows that stay in memory, and is itself in registers meanwhile, up to RBDI_ROW batches of
-   columns of it. The columns go by whole batches from the first on, but for the last batch, which ends
-   with the last column; fewer columns than a batch go one by one. The row made just before comes last,
-   for it has to be waited for. */
-#define RBDI_ROW 12
-typedef int32_t rbdi_index __attribute__((may_alias));
-
-typedef struct rbdi_gathered { /* n rows, row t at X + at[t], with the factor x[t] */
-    const rbd_real *X, *Y, *x; /* Y: a second set of rows, or NULL */
-    const rbdi_index *at, *from;
-    int n, d;
-} rbdi_gathered;
-
-/* y less the sum of the rows; with RBDI_OWN their factors are x[t] times the row's own entry d, with
-   RBDI_COLUMN x[from[t]]. RBDI_SCALED: k y less the sum; RBDI_FRESH: -k times the sum. Of two sets the second
-   gives z. Written once for T = one scalar and T = a batch of them. */
-enum { RBDI_PLAIN, RBDI_OWN, RBDI_COLUMN, RBDI_SCALED, RBDI_FRESH };
-#define RBDI_OF_ROW(T, row) (*(T *)&(row)[b < blocks - 1 ? b * (int)(sizeof(T) / sizeof *(row)) : last])
-#define RBDI_BY_BLOCKS(blocks, n, call) \
-    switch (n) { \
-        RBDI_OF_BLOCKS(blocks, 1, call) \
-        RBDI_OF_BLOCKS(blocks, 2, call) \
-        RBDI_OF_BLOCKS(blocks, 3, call) \
-        RBDI_OF_BLOCKS(blocks, 4, call) \
-        RBDI_OF_BLOCKS(blocks, 5, call) \
-        RBDI_OF_BLOCKS(blocks, 6, call) \
-        RBDI_OF_BLOCKS(blocks, 7, call) \
-        RBDI_OF_BLOCKS(blocks, 8, call) \
-        RBDI_OF_BLOCKS(blocks, 9, call) \
-        RBDI_OF_BLOCKS(blocks, 10, call) \
-        RBDI_OF_BLOCKS(blocks, 11, call) \
-    default: { \
-        enum { blocks = RBDI_ROW }; \
-        call; \
-    } break; \
-    }
-#define RBDI_OF_BLOCKS(blocks, n, call) \
-    case n: { \
-        enum { blocks = n }; \
-        call; \
-    } break;
-#define RBDI_DEFINE_GATHER(name, T) \
-    RBDI_INLINE void name##_blocks(rbdi_gathered g, int mode, rbd_real k, int sets, int blocks, int last, \
-                                   rbd_real *y, rbd_real *z) { \
-        const T zero = {0}; \
-        T sum[2][RBDI_ROW]; \
-        RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-            const rbd_real *from = s > 0 ? z : y; \
-            sum[s][b] = zero; \
-            if (mode != RBDI_FRESH) sum[s][b] = RBDI_OF_ROW(const T, from); \
-            if (mode == RBDI_SCALED) sum[s][b] = sum[s][b] * k; \
-        } \
-        RBDI_UNROLL_TWO for (int t = 0; t < g.n; ++t) { \
-            const rbd_real *row = g.X + g.at[t], *other = sets > 1 ? g.Y + g.at[t] : row; \
-            const rbd_real x = mode == RBDI_COLUMN ? g.x[g.from[t]] \
-                               : mode == RBDI_OWN  ? g.x[t] * row[g.d] \
-                                                   : g.x[t]; \
-            RBDI_ONE_INDEX(row); \
-            if (sets > 1) RBDI_ONE_INDEX(other); \
-            RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) \
-                RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-                const rbd_real *from = s > 0 ? other : row; \
-                sum[s][b] = sum[s][b] - RBDI_OF_ROW(const T, from) * x; \
-            } \
-        } \
-        RBDI_UNROLL_ROW for (int s = 0; s < sets; ++s) RBDI_UNROLL_ROW for (int b = 0; b < blocks; ++b) { \
-            rbd_real *to = s > 0 ? z : y; \
-            if (mode == RBDI_FRESH) sum[s][b] = sum[s][b] * k; \
-            RBDI_OF_ROW(T, to) = sum[s][b]; \
-        } \
-    } \
-    RBDI_INLINE void name(rbdi_gathered g, int mode, rbd_real k, int columns, rbd_real *y) { \
-        const int width = (int)(sizeof(T) / sizeof *y), last = columns - width; \
-        RBDI_BY_BLOCKS(blocks, (columns + width - 1) / width, \
-                       name##_blocks(g, mode, k, 1, blocks, last, y, y)) \
-    }
-RBDI_DEFINE_GATHER(rbdi_gather_scalars, rbd_real)
+/* By L' y = x, L x = y / D. One array, of a dof's path by depth, has what its descendants subtract, then what
+   the path has been solved for. It is stored as it is loaded, by batches and then by scalars: the processor
+   would wait for a batch that was stored by scalars. */
+RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    rbd_real *path = w->F;
+    rbdi_clear(path, m->nv + RBDI_BATCH);
+    for (const rbdi_node *s = m->node + m->nv - 1; s >= m->node; --s) {
+        const int d = dof[s->dof].depth;
+        const rbd_real *l = L + s->row, y = x[s->dof] + path[d];
+        int k = 0;
+        x[s->dof] = y;
 #if RBDI_BATCH > 1
-RBDI_DEFINE_GATHER(rbdi_gather_batches, rbdi_batch)
-#endif
-
-RBDI_INLINE void rbdi_gather_sets(rbdi_gathered g, int mode, rbd_real k, int wide, int sets, int blocks,
-                                  int last, rbd_real *y, rbd_real *z) {
-#if RBDI_BATCH > 1
-    if (wide) {
-        rbdi_gather_batches_blocks(g, mode, k, sets, blocks, last, y, z);
-        return;
-    }
-#endif
-    (void)wide;
-    rbdi_gather_scalars_blocks(g, mode, k, sets, blocks, last, y, z);
-}
-/* Both sets at once if there are registers for them. */
-RBDI_INLINE void rbdi_gather_blocks(rbdi_gathered g, int mode, rbd_real k, int wide, int sets, int blocks,
-                                    int last, rbd_real *y, rbd_real *z) {
-    const int split = sets > 1 && 2 * blocks > RBDI_ROW;
-    rbdi_gather_sets(g, mode, k, wide, split ? 1 : sets, blocks, last, y, z);
-    g.X = g.Y;
-    if (split) rbdi_gather_sets(g, mode, k, wide, 1, blocks, last, z, z);
-}
-
-/* The same for the first n columns. */
-RBDI_INLINE void rbdi_gather_rows(rbdi_gathered g, int mode, rbd_real k, int n, rbd_real *y) {
-    for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
-#if RBDI_BATCH > 1
-        if (n >= RBDI_BATCH) {
-            columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
-            rbdi_gather_batches(g, mode, k, columns, y);
+        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
+            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
+        if (s->row + k <= m->nh - RBDI_BATCH) {
+            rbdi_batch *p = (rbdi_batch *)&path[k];
+            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
             continue;
         }
 #endif
-        columns = n < RBDI_ROW ? n : RBDI_ROW;
-        rbdi_gather_scalars(g, mode, k, columns, y);
+        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        path[d] = rbdi_zero();
+    }
+    for (const rbdi_node *s = m->node, *end = s + m->nv; s < end; ++s) {
+        const int d = dof[s->dof].depth;
+        const rbd_real *l = L + s->row;
+        rbd_real a = x[s->dof] * l[d], b = rbdi_zero();
+        int k = 0;
+        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
+        path[d] = x[s->dof] = k < d ? a - path[k] * l[k] + b : a + b;
     }
 }
 
-/* U = D L in place on packed rows, 1/D on the diagonal: U_i is row i of M less L_ki U_k of all dofs k
-   behind i, which in the solver's order stand together. */
-RBDI_PART rbdi_mask rbdi_factor_gather(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    const int n = m->nv;
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    const rbdi_order *order = m->order;
-    const rbdi_link *l = m->link + m->nl - 1;
-    rbdi_index *at = (rbdi_index *)w->bias; /* rows and inverse pivots, last dof first */
-    rbd_real *inverse = w->F;
-    for (int done = 0; done < n; ++done) {
-        const rbdi_order o = order[n - 1 - done];
-        const rbdi_dof *dof = &m->dof[o.dof];
-        rbd_real *row = &H[o.row];
-        rbdi_gathered g;
-        if (n - 1 - done < l->first) --l;
-        g.X = H, g.x = inverse + n - l->end, g.at = at + n - l->end;
-        g.n = done - (n - l->end), g.d = dof->depth;
-        if (g.n > 0) rbdi_gather_rows(g, RBDI_OWN, rbdi_zero(), g.d + 1, row);
-        at[done] = o.row;
-        w->pivot[o.dof] = row[g.d];
-        inverse[done] = row[g.d] = rbdi_pivot_inverse(row[g.d], dof->scale, &doubt);
+/* L' X = X, then L X = sign D^-1 X: batches of one matrix or two, or (batches = 0) scalars of one. */
+RBDI_INLINE void rbdi_solve_sweeps(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                   ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
+                                   rbd_real *Y) {
+    rbdi_start *start = (rbdi_start *)w->F,
+               *path = start + m->nv; /* rows of nodes; of a dof's path, by depth */
+    rbdi_terms g;
+    g.X = X, g.Y = Y;
+    for (int s = m->nv - 1; s >= 0; --s) {
+        const rbdi_node node = m->node[s];
+        start[s] = node.dof * stride;
+        g.node = m->node + s + 1, g.start = start + s + 1, g.x = L + m->dof[node.dof].depth;
+        g.n = node.descendants;
+        if (g.n == 0) continue;
+        if (batches > 0)
+            rbdi_subtract_batches(g, RBDI_DESCENDANTS, matrices, batches, n - RBDI_BATCH, X + start[s],
+                                  Y + start[s]);
+        else
+            rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
-    return doubt;
+    g.start = path;
+    for (int s = 0; s < m->nv; ++s) {
+        const rbdi_node node = m->node[s];
+        g.x = L + node.row, g.n = m->dof[node.dof].depth;
+        g.k = sign < 0 ? -g.x[g.n] : g.x[g.n];
+        path[g.n] = start[s];
+        if (batches > 0)
+            rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + start[s],
+                                  Y + start[s]);
+        else
+            rbdi_subtract_scalars(g, RBDI_PATH, n, X + start[s]);
+    }
 }
+/* One matrix with at most RBDI_ROW batches of columns, or two with half as many. */
+RBDI_PART void rbdi_solve_one(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X) {
+    if (n >= RBDI_BATCH)
+        RBDI_BY_NUMBER(batches, RBDI_ROW, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, batches, n, X, X))
+    else
+        RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, n,
+                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, 0, scalars, X, X))
+}
+RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X, rbd_real *Y){
+    RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                   rbdi_solve_sweeps(m, w, L, sign, stride, 2, batches, n, X, Y))}
 
-/* The rows of the dofs on the path to dof k, root first, k's row being at k stride; at has that of the
-   dof before, n of them, as long as it is the same. */
-RBDI_INLINE int rbdi_gather_path(const rbdi_dof *dof, int k, int stride, int n, rbdi_index *at) {
-    int t = dof[k].depth;
-    for (int i = dof[k].lambda; t > 0 && (t > n || at[t - 1] != i * stride); --t, i = dof[i].lambda)
-        at[t - 1] = i * stride;
-    return dof[k].depth;
-}
-
-/* X = sign M^-1 X for one set of columns or two, so many blocks each: L' X = X, gathering from the dofs
-   behind, then L X = sign D^-1 X, gathering from those on the path, which the last dofs up to each depth
-   are. */
-RBDI_INLINE void rbdi_sweep_blocks(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                   int sign, rbd_real *X, rbd_real *Y, int wide, int sets, int blocks,
-                                   int last) {
-    const int n = m->nv;
-    const rbdi_dof *dof = m->dof;
-    const rbdi_order *order = m->order;
-    const rbdi_link *l = m->link + m->nl - 1;
-    rbdi_index *at = (rbdi_index *)w->bias; /* rows of X and of L, last dof first */
-    rbdi_index *from = (rbdi_index *)w->F, *path = from + n;
-    rbdi_gathered g;
-    g.X = X, g.Y = Y, g.from = from, g.d = 0;
-    for (int done = 0; done < n; ++done) {
-        const rbdi_order o = order[n - 1 - done];
-        const ptrdiff_t row = o.dof * stride;
-        if (n - 1 - done < l->first) --l;
-        g.x = L + dof[o.dof].depth;
-        g.at = at + n - l->end, g.from = from + n - l->end, g.n = done - (n - l->end);
-        if (g.n > 0)
-            rbdi_gather_blocks(g, RBDI_COLUMN, rbdi_zero(), wide, sets, blocks, last, X + row, Y + row);
-        at[done] = (rbdi_index)row, from[done] = o.row;
+/* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
+RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                  ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+    for (int k = 0, columns; k < n; k += columns) {
+        columns = n - k < RBDI_ROW * RBDI_BATCH ? n - k : RBDI_ROW * RBDI_BATCH;
+        if (Y && columns >= RBDI_BATCH && 2 * columns <= RBDI_ROW * RBDI_BATCH) {
+            rbdi_solve_two(m, w, L, sign, stride, columns, X + k, Y + k);
+        } else {
+            rbdi_solve_one(m, w, L, sign, stride, columns, X + k);
+            if (Y) rbdi_solve_one(m, w, L, sign, stride, columns, Y + k);
+        }
     }
-    g.at = path;
-    for (int done = n - 1; done >= 0; --done) {
-        const rbdi_order o = order[n - 1 - done];
-        g.x = L + o.row, g.n = dof[o.dof].depth;
-        path[g.n] = at[done];
-        rbdi_gather_blocks(g, RBDI_SCALED, sign < 0 ? -g.x[g.n] : g.x[g.n], wide, sets, blocks, last,
-                           X + at[done], Y + at[done]);
-    }
-}
-RBDI_PART void rbdi_sweep_gather(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                 int sign, int n, rbd_real *X) {
-#if RBDI_BATCH > 1
-    if (n >= RBDI_BATCH) {
-        RBDI_BY_BLOCKS(blocks, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                       rbdi_sweep_blocks(m, w, L, stride, sign, X, X, 1, 1, blocks, n - RBDI_BATCH))
-        return;
-    }
-#endif
-    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, X, 0, 1, blocks, n - 1))
-}
-RBDI_PART void rbdi_sweep_both(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int sign,
-                               int n, rbd_real *X, rbd_real *Y) {
-#if RBDI_BATCH > 1
-    if (n >= RBDI_BATCH) {
-        RBDI_BY_BLOCKS(blocks, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                       rbdi_sweep_blocks(m, w, L, stride, sign, X, Y, 1, 2, blocks, n - RBDI_BATCH))
-        return;
-    }
-#endif
-    RBDI_BY_BLOCKS(blocks, n, rbdi_sweep_blocks(m, w, L, stride, sign, X, Y, 0, 2, blocks, n - 1))
-}
-
-/* L from U. */
-RBDI_PART void rbdi_scale_rows(const rbd_model *m, rbd_real *U) {
-    for (int k = 0; k < m->nv; ++k)
-        rbdi_multiply(&U[m->dof[k].row], U[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
 }
 
 /* Column k of Z, n x n, from what its row has up to the diagonal. */
@@ -4167,66 +4108,27 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
     for (; row != end; ++row, column += n) *column = *row;
 }
 
-/* Sum of entries of a column, each times its factor. */
-RBDI_INLINE rbd_real rbdi_gather_column(rbdi_gathered g) {
-    rbd_real a = rbdi_zero(), b = a;
-    RBDI_ONE_INDEX(g.X);
-    for (; g.n > 1; g.n -= 2, g.x += 2, g.at += 2)
-        a = a + g.x[0] * g.X[g.at[0]], b = b + g.x[1] * g.X[g.at[1]];
-    return g.n > 0 ? a + g.x[0] * g.X[g.at[0]] + b : a + b;
-}
-
-RBDI_PART void rbdi_inverse_gather(const rbd_model *m, rbd_work *w, const rbd_real *U, rbd_real *Z) {
+/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a sum
+   over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
-    rbdi_index *at = (rbdi_index *)w->bias;
+    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
     rbd_real *row = Z;
-    rbdi_gathered g;
-    g.at = at, g.n = g.d = 0;
+    int before = 0;
     for (int k = 0; k < n; ++k, row += n) {
-        g.n = rbdi_gather_path(m->dof, k, n, g.n, at);
-        g.X = Z, g.x = &U[m->dof[k].row];
-        rbdi_gather_rows(g, RBDI_FRESH, g.x[g.n], k, row);
+        const rbd_real *l = &L[m->dof[k].row];
+        const int d = m->dof[k].depth;
+        rbd_real a = l[d], b = rbdi_zero();
+        rbdi_terms g;
+        int i = m->dof[k].lambda, t = d;
+        for (; t > 0 && (t > before || path[t - 1] != i * n); i = m->dof[i].lambda) path[--t] = i * n;
+        before = d;
+        g.X = Z, g.start = path, g.x = l, g.n = d, g.d = 0;
+        rbdi_subtract_columns(g, RBDI_FRESH, k, row);
         rbdi_mirror(row, n, k, Z + k);
-        g.X = Z + k;
-        row[k] = g.x[g.n] - g.x[g.n] * rbdi_gather_column(g);
+        for (t = 0; t + 1 < d; t += 2) a = a - l[t] * Z[path[t] + k], b = b - l[t + 1] * Z[path[t + 1] + k];
+        row[k] = t < d ? a - l[t] * Z[path[t] + k] + b : a + b;
     }
-}
-#endif
-
-/* X = sign M^-1 X for count (at most 2) sets of n columns, of rows a stride apart. */
-RBDI_PART void rbdi_solve_sides(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                int sign, int n, rbd_real *const *X, int count) {
-#ifdef RBDI_GATHER
-    if (!m->nmimic && m->nv * stride <= INT32_MAX) {
-        const int most = RBDI_ROW * RBDI_BATCH;
-        for (int k = 0, columns; count > 0 && k < n; k += columns) {
-            columns = n - k < most ? n - k : most;
-            if (count > 1)
-                rbdi_sweep_both(m, w, L, stride, sign, columns, X[0] + k, X[1] + k);
-            else
-                rbdi_sweep_gather(m, w, L, stride, sign, columns, X[0] + k);
-        }
-        return;
-    }
-#endif
-    (void)w;
-    for (int j = 0; j < count; ++j) rbdi_solve_rows(m, L, stride, sign, n, X[j]);
-}
-
-/* Factors H in place, as rbdi_factor, and gives Z = M^-1 if Z is not NULL. */
-RBDI_PART rbdi_mask rbdi_factor_invert(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *Z) {
-    rbdi_mask doubt;
-#ifdef RBDI_GATHER
-    if (!m->nmimic) {
-        doubt = rbdi_factor_gather(m, w, H);
-        if (Z) rbdi_inverse_gather(m, w, H, Z);
-        rbdi_scale_rows(m, H);
-        return doubt;
-    }
-#endif
-    doubt = rbdi_factor(m, w, H);
-    if (Z) rbdi_inverse(m, H, Z);
-    return doubt;
 }
 
 /* ==== src/dynamics/pivots.h ==== */
@@ -4479,7 +4381,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
-    rbdi_solve(m, w->H, a);
+    rbdi_solve(m, w, w->H, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 #endif
@@ -4514,7 +4416,7 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     const rbd_status status = rbdi_check(m, w, L && b && x);
     if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
-    rbdi_solve(m, L, x);
+    rbdi_solve(m, w, L, x);
     return RBD_OK;
 }
 
@@ -4524,7 +4426,7 @@ RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, cons
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_sides(m, w, L, n, 1, n, &X, 1);
+    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
     return RBD_OK;
 }
 #endif
@@ -4535,15 +4437,8 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
     const rbd_status status = rbdi_check(m, w, q && Minv);
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
-#ifdef RBDI_GATHER
-    if (!m->nmimic) {
-        doubt = rbdi_factor_gather(m, w, w->H);
-        rbdi_inverse_gather(m, w, w->H, Minv);
-        return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
-    }
-#endif
     doubt = rbdi_factor(m, w, w->H);
-    rbdi_inverse(m, w->H, Minv);
+    rbdi_invert(m, w, w->H, Minv);
     return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
 }
 #endif
@@ -6111,6 +6006,7 @@ typedef struct rbdi_build {
     rbdi_block *block;
     rbdi_dof *dof;
     rbdi_order *order;
+    rbdi_node *node;
     rbdi_mimic *mimic;
     rbdi_frame *frame;
     rbdi_build_link *links; /* n.nl */
@@ -6665,9 +6561,24 @@ static void rbdi_couple(rbdi_dof *dof, int a, int b) {
     }
 }
 
+/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants, and
+   row is the next place after a dof. */
+static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
+    int32_t next = 0;
+    for (int k = 0; k < nv; ++k) dof[k].depth = 0;
+    for (int k = nv - 1; k >= 0; --k)
+        if (dof[k].lambda >= 0) dof[dof[k].lambda].depth += (int16_t)(dof[k].depth + 1);
+    for (int k = 0; k < nv; ++k) {
+        int32_t *place = dof[k].lambda < 0 ? &next : &dof[dof[k].lambda].row;
+        node[*place].dof = (int16_t)k, node[*place].descendants = dof[k].depth;
+        dof[k].row = *place + 1;
+        *place += dof[k].depth + 1;
+    }
+}
+
 /* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
    they follow with all that lies before and behind them. */
-static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof) {
+static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof, rbdi_node *node) {
     const int nv = m->nv, n = nv + m->nmimic;
     for (int k = 0; k < n; ++k) {
         int up = dof[k].before;
@@ -6678,12 +6589,14 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
         for (int j = dof[k].before; j >= 0; j = dof[j].before)
             if (k >= nv || j >= nv)
                 rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
+    rbdi_emit_nodes(dof, nv, node);
     m->nh = 0;
     for (int k = 0; k < n; ++k) {
         dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
         dof[k].row = m->nh;
         if (k < nv) m->nh += dof[k].depth + 1;
     }
+    for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
 }
 
 /* Links, blocks, slots and dofs, in the solver's order. */
@@ -6747,15 +6660,15 @@ static void rbdi_emit_order(const rbdi_build *b) {
 
 static void rbdi_emit(const rbdi_build *b) {
     rbd_model *m = b->m;
-    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
-    m->frame = b->frame;
+    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->node = b->node;
+    m->mimic = b->mimic, m->frame = b->frame;
     m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
     m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
     m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
     m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
     rbdi_emit_links(b);
     rbdi_emit_frames(b);
-    rbdi_emit_tree(m, b->mimic, b->dof);
+    rbdi_emit_tree(m, b->mimic, b->dof, b->node);
     rbdi_emit_order(b);
     rbdi_shape(m, m->shape);
 }
@@ -6774,6 +6687,7 @@ static void rbdi_build_take(rbdi_build *b, void *memory) {
     b->block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
     b->dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
     b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
+    b->node = (rbdi_node *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_node)));
     b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
     b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
     b->links = (rbdi_build_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_build_link)));

@@ -2124,40 +2124,6 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));
 }
 
-/* x = M^-1 x as rbdi_solve, L being packed rows. In the solver's order what is behind a dof comes right
-   after it: one array, of a dof's path by depth, has all that the dof needs. It is stored as it is loaded, by
-   batches and then by scalars: a batch that was stored by scalars would have to be waited for. */
-RBDI_PART void rbdi_solve_packed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
-    const rbdi_dof *dof = m->dof;
-    rbd_real *path = w->F;
-    rbdi_clear(path, m->nv + RBDI_BATCH);
-    for (const rbdi_order *o = m->order + m->nv - 1; o >= m->order; --o) {
-        const int d = dof[o->dof].depth;
-        const rbd_real *l = L + o->row, y = x[o->dof] + path[d];
-        int k = 0;
-        x[o->dof] = y;
-#if RBDI_BATCH > 1
-        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
-            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
-        if (o->row + k <= m->nh - RBDI_BATCH) {
-            rbdi_batch *p = (rbdi_batch *)&path[k];
-            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
-            continue;
-        }
-#endif
-        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
-        path[d] = rbdi_zero();
-    }
-    for (const rbdi_order *o = m->order, *end = o + m->nv; o < end; ++o) {
-        const int d = dof[o->dof].depth;
-        const rbd_real *l = L + o->row;
-        rbd_real a = x[o->dof] * l[d], b = rbdi_zero();
-        int k = 0;
-        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
-        path[d] = x[o->dof] = k < d ? a - path[k] * l[k] + b : a + b;
-    }
-}
-
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *c = m->nmimic ? d->work->tx : x;
@@ -2250,17 +2216,12 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
     if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
-    doubt = rbdi_factor_invert(m, d->work, d->work->H, Minv);
+    doubt = rbdi_factor(m, d->work, d->work->H);
     if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
-    if (rbdi_any(doubt)) {
-        rbdi_judge_state(m, d->work);
-        if (Minv) rbdi_inverse(m, d->work->H, Minv);
-    }
-    if (m->nmimic)
-        rbdi_solve(m, d->work->H, d->a);
-    else
-        rbdi_solve_packed(m, d->work, d->work->H, d->a);
+    if (rbdi_any(doubt)) rbdi_judge_state(m, d->work);
+    if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);
+    rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
@@ -2268,7 +2229,9 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
-    rbdi_solve_sides(m, d->work, d->work->H, nv, -1, nv - unsolved, sides, count);
+    if (count > 0)
+        rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0],
+                           count > 1 ? sides[1] : NULL);
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (status && a) (void)rbdi_verdict(m, d->work, a, nv);

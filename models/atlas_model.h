@@ -387,6 +387,17 @@ static const rbdi_order atlas_order[36] = {
     {14, 84}, {19, 133}, {23, 176}, {27, 223},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node atlas_nodes[36] = {
+    {0, 35, 0}, {1, 34, 1}, {2, 33, 3}, {3, 32, 6}, {4, 31, 10}, {5, 30, 15},
+    {6, 17, 21}, {9, 16, 42}, {12, 15, 66}, {15, 6, 93}, {20, 5, 143}, {24, 4, 187},
+    {28, 3, 235}, {30, 2, 261}, {32, 1, 289}, {34, 0, 319}, {16, 0, 103}, {17, 6, 113},
+    {21, 5, 154}, {25, 4, 199}, {29, 3, 248}, {31, 2, 275}, {33, 1, 304}, {35, 0, 335},
+    {7, 5, 28}, {10, 4, 50}, {13, 3, 75}, {18, 2, 123}, {22, 1, 165}, {26, 0, 211},
+    {8, 5, 35}, {11, 4, 58}, {14, 3, 84}, {19, 2, 133}, {23, 1, 176}, {27, 0, 223},
+   
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame atlas_frames[31] = {
@@ -551,7 +562,7 @@ RBDI_TABLE const rbd_model atlas_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 31, 37, 36, /* nb, nq, nv */
     31, 1, 2, 0, 351, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    atlas_links, atlas_blocks, atlas_dofs, atlas_order, NULL, atlas_frames,
+    atlas_links, atlas_blocks, atlas_dofs, atlas_order, atlas_nodes, NULL, atlas_frames,
     {UINT64_C(0x1f00250024001f), UINT64_C(0x100020000), UINT64_C(0x15f00000000)}, /* lengths of a work's arrays */
 };
 

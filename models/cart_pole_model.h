@@ -72,6 +72,11 @@ static const rbdi_order cart_pole_order[2] = {
     {0, 0}, {1, 1},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node cart_pole_nodes[2] = {
+    {0, 1, 0}, {1, 0, 1},
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame cart_pole_frames[2] = {
@@ -91,7 +96,7 @@ RBDI_TABLE const rbd_model cart_pole_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
     2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    cart_pole_links, NULL, cart_pole_dofs, cart_pole_order, NULL, cart_pole_frames,
+    cart_pole_links, NULL, cart_pole_dofs, cart_pole_order, cart_pole_nodes, NULL, cart_pole_frames,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 

@@ -72,6 +72,11 @@ static const rbdi_order double_pendulum_order[2] = {
     {0, 0}, {1, 1},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node double_pendulum_nodes[2] = {
+    {0, 1, 0}, {1, 0, 1},
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame double_pendulum_frames[2] = {
@@ -91,7 +96,7 @@ RBDI_TABLE const rbd_model double_pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
     2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    double_pendulum_links, NULL, double_pendulum_dofs, double_pendulum_order, NULL, double_pendulum_frames,
+    double_pendulum_links, NULL, double_pendulum_dofs, double_pendulum_order, double_pendulum_nodes, NULL, double_pendulum_frames,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 

@@ -92,6 +92,11 @@ static const rbdi_order five_bar_order[4] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 4},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node five_bar_nodes[4] = {
+    {0, 1, 0}, {1, 0, 1}, {2, 1, 3}, {3, 0, 4},
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame five_bar_frames[4] = {
@@ -121,7 +126,7 @@ RBDI_TABLE const rbd_model five_bar_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 4, 4, 4, /* nb, nq, nv */
     4, 0, 0, 0, 6, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    five_bar_links, NULL, five_bar_dofs, five_bar_order, NULL, five_bar_frames,
+    five_bar_links, NULL, five_bar_dofs, five_bar_order, five_bar_nodes, NULL, five_bar_frames,
     {UINT64_C(0x4000400040004), UINT64_C(0x0), UINT64_C(0x600000000)}, /* lengths of a work's arrays */
 };
 

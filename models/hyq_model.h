@@ -205,6 +205,14 @@ static const rbdi_order hyq_order[18] = {
     {13, 73}, {17, 108},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node hyq_nodes[18] = {
+    {0, 17, 0}, {1, 16, 1}, {2, 15, 3}, {3, 14, 6}, {4, 13, 10}, {5, 12, 15},
+    {6, 2, 21}, {10, 1, 49}, {14, 0, 81}, {7, 2, 28}, {11, 1, 57}, {15, 0, 90},
+    {8, 2, 35}, {12, 1, 65}, {16, 0, 99}, {9, 2, 42}, {13, 1, 73}, {17, 0, 108},
+   
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame hyq_frames[13] = {
@@ -279,7 +287,7 @@ RBDI_TABLE const rbd_model hyq_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 13, 19, 18, /* nb, nq, nv */
     13, 1, 1, 0, 117, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    hyq_links, hyq_blocks, hyq_dofs, hyq_order, NULL, hyq_frames,
+    hyq_links, hyq_blocks, hyq_dofs, hyq_order, hyq_nodes, NULL, hyq_frames,
     {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x7500000000)}, /* lengths of a work's arrays */
 };
 

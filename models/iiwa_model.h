@@ -122,6 +122,12 @@ static const rbdi_order iiwa_order[7] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node iiwa_nodes[7] = {
+    {0, 6, 0}, {1, 5, 1}, {2, 4, 3}, {3, 3, 6}, {4, 2, 10}, {5, 1, 15},
+    {6, 0, 21},
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame iiwa_frames[7] = {
@@ -166,7 +172,7 @@ RBDI_TABLE const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
     7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    iiwa_links, NULL, iiwa_dofs, iiwa_order, NULL, iiwa_frames,
+    iiwa_links, NULL, iiwa_dofs, iiwa_order, iiwa_nodes, NULL, iiwa_frames,
     {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c00000000)}, /* lengths of a work's arrays */
 };
 

@@ -62,6 +62,11 @@ static const rbdi_order pendulum_order[1] = {
     {0, 0},
 };
 
+/* the dofs of the matrix depth first: dof, descendants, row */
+static const rbdi_node pendulum_nodes[1] = {
+    {0, 0, 0},
+};
+
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
 static const rbdi_frame pendulum_frames[1] = {
@@ -76,7 +81,7 @@ RBDI_TABLE const rbd_model pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
     1, 0, 0, 0, 1, 0, /* links, blocks, slots, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
-    pendulum_links, NULL, pendulum_dofs, pendulum_order, NULL, pendulum_frames,
+    pendulum_links, NULL, pendulum_dofs, pendulum_order, pendulum_nodes, NULL, pendulum_frames,
     {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x100000000)}, /* lengths of a work's arrays */
 };
 

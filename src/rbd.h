@@ -24,7 +24,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
-     [rnea] [crba] [aba] [cholesky] [pivots] [hybrid] [forward dynamics code]
+     [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
      [descriptions] [model build] [batch code]
      [licence]
@@ -260,7 +260,6 @@ RBDI_CODE_BEGIN
 #include "dynamics/crba.h"
 #include "dynamics/aba.h"
 #include "dynamics/packed.h"
-#include "dynamics/gather.h"
 #include "dynamics/pivots.h"
 #include "dynamics/hybrid.h"
 #include "dynamics/forward.h"

@@ -115,7 +115,7 @@ extern "C" {
        articulated bodies    19543     28489
        factor of M           28606     46615
 
-   By the factor: the two equations, with M = L'DL ([cholesky] of rbd.h), Y = L^-T J' and
+   By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
 
        Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be

@@ -142,6 +142,15 @@ static void write_order(const char *name, const rbd_model *m) {
     printf("\n};\n\n");
 }
 
+static void write_nodes(const char *name, const rbd_model *m) {
+    printf("/* the dofs of the matrix depth first: dof, descendants, row */\n");
+    printf("static const rbdi_node %s_nodes[%d] = {\n   ", name, m->nv);
+    for (int i = 0; i < m->nv; ++i)
+        printf(" {%d, %d, %d},%s", m->node[i].dof, m->node[i].descendants, (int)m->node[i].row,
+               i % 6 == 5 ? "\n   " : "");
+    printf("\n};\n\n");
+}
+
 static void write_mimics(const char *name, const rbd_model *m) {
     if (m->nmimic == 0) return;
     printf("/* q and v of what is followed | ratio, offset */\n");
@@ -242,6 +251,7 @@ void print_c_model(const robot *r, const char *name) {
     write_blocks(name, m);
     write_dofs(name, m);
     write_order(name, m);
+    write_nodes(name, m);
     write_mimics(name, m);
     write_frames(name, m);
     printf("RBDI_TABLE const rbd_model %s_model = {\n"
@@ -255,7 +265,7 @@ void print_c_model(const robot *r, const char *name) {
         printf("%s_blocks, ", name);
     else
         printf("NULL, ");
-    printf("%s_dofs, %s_order, ", name, name);
+    printf("%s_dofs, %s_order, %s_nodes, ", name, name, name);
     if (m->nmimic)
         printf("%s_mimics, ", name);
     else

@@ -1,7 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_CALLS_H
 #define RBDI_CONSTRAINTS_CALLS_H
 #include "dynamics/rnea.h"
-#include "dynamics/gather.h"
 #include "constraints/rank.h"
 #include "constraints/articulated.h"
 
@@ -34,7 +33,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
 
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
 static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
-    const rbdi_mask doubt = rbdi_factor_invert(m, c->w, c->w->H, NULL);
+    const rbdi_mask doubt = rbdi_factor(m, c->w, c->w->H);
     rbdi_sweep_back(m, c, c->w->H);
     return doubt;
 }

@@ -203,22 +203,6 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, con
     }
 }
 
-/* y -= sum of x_t X_t, t < count, rows of n; c->path has where they start. */
-static void rbdi_subtract_rows(const rbd_constraints *c, rbd_real *y, const rbd_real *X, const rbd_real *x,
-                               int count, int n) {
-#ifdef RBDI_GATHER
-    rbdi_gathered g;
-    g.X = X, g.x = x, g.at = (const rbdi_index *)c->path, g.d = 0;
-    for (; count > 0; count -= n, g.X += n * n, g.x += n) {
-        g.n = count < n ? count : n;
-        rbdi_gather_rows(g, RBDI_PLAIN, rbdi_zero(), n, y);
-    }
-#else
-    (void)c;
-    for (int t = 0; t < count; ++t) rbdi_subtract(y, x[t], &X[t * n], n);
-#endif
-}
-
 /* -T = -L^-1 D^-1 Y in place of Y. */
 static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
@@ -247,11 +231,11 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
-        rbdi_subtract_rows(c, &X[t * n], X, c->b, t, n);
+        rbdi_subtract_product(c->b, X, t, n, &X[t * n]);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_rows(c, &X[t * n], &X[(t + 1) * n], &c->R[t * c->stride + t + 1], c->rows - t - 1, n);
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     rbdi_project_columns(c, X, n);
@@ -264,7 +248,7 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
         for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
-        rbdi_subtract_rows(c, to, rho, c->x, n, n);
+        rbdi_subtract_product(c->x, rho, n, n, to);
     }
     rbdi_delta_solve_columns(c, sigma, n);
 }
@@ -307,15 +291,14 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_differentiate(m, c, d, k, da_dq, dlambda_dq, dlambda_dv);
     rbdi_response(m, c, c->w->H);
-    for (int k = 0; k < nv; ++k) c->path[k] = k * nv;
     if (da_dtau) rbdi_clear(da_dtau, nv * nv);
     for (int k = 0; da_dtau && k < nv; ++k) da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
-        rbdi_solve_sides(m, c->w, c->w->H, nv, -1, nv, &of_a[x], 1);
+        rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
         for (int k = 0; k < nv; ++k)
-            rbdi_subtract_rows(c, &of_a[x][k * nv], of_lambda[x], &c->Y[k * c->stride], c->rows, nv);
+            rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
             (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);

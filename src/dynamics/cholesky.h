@@ -1,7 +1,6 @@
 #ifndef RBDI_DYNAMICS_CHOLESKY_H
 #define RBDI_DYNAMICS_CHOLESKY_H
 #include "api/work.h"
-#include "dynamics/gather.h"
 #include "dynamics/pivots.h"
 
 #ifndef RBD_NO_CHOLESKY
@@ -33,7 +32,7 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     const rbd_status status = rbdi_check(m, w, L && b && x);
     if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
-    rbdi_solve(m, L, x);
+    rbdi_solve(m, w, L, x);
     return RBD_OK;
 }
 
@@ -43,7 +42,7 @@ RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, cons
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_sides(m, w, L, n, 1, n, &X, 1);
+    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
     return RBD_OK;
 }
 #endif
@@ -54,15 +53,8 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
     const rbd_status status = rbdi_check(m, w, q && Minv);
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
-#ifdef RBDI_GATHER
-    if (!m->nmimic) {
-        doubt = rbdi_factor_gather(m, w, w->H);
-        rbdi_inverse_gather(m, w, w->H, Minv);
-        return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
-    }
-#endif
     doubt = rbdi_factor(m, w, w->H);
-    rbdi_inverse(m, w->H, Minv);
+    rbdi_invert(m, w, w->H, Minv);
     return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
 }
 #endif

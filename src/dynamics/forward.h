@@ -35,7 +35,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
-    rbdi_solve(m, w->H, a);
+    rbdi_solve(m, w, w->H, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 #endif

@@ -4,12 +4,30 @@
 #include "base/sincos.h"
 #include "base/memory.h"
 
-/* Interface: rbdi_inverse, rbdi_multiply, rbdi_solve, rbdi_subtract */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_subtract,
+   rbdi_subtract_product */
 
-/* ---- cholesky [cholesky] ----
-   M = L' D L, L unit lower triangular, RBDA section 6.5 and table 6.3: eliminating the last dof first, row k
-   changes only the rows of the dofs on its path to the root, so nothing fills. A packed row holds just that
-   path, root first, the diagonal last; after the factorisation L, and 1/D on the diagonal. */
+/* ---- packed matrix of a tree [packed matrix] ----
+   M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
+   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M = L'DL
+   with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in. The
+   factor stands in M's place: L, and 1/D on the diagonal.
+
+     rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
+     rbdi_solve           x = M^-1 x
+     rbdi_solve_columns   X = M^-1 X or -M^-1 X, n columns of one matrix or of two
+     rbdi_invert          Z = M^-1, full
+     rbdi_subtract_product  y -= X' x
+     rbdi_subtract        y -= k x
+     rbdi_multiply        y *= k
+   Their scratch is w->F.
+
+   In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
+   other rows times factors: those of the descendants (factor, first half of a solution) or of the path (second
+   half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others are read
+   from memory; the one made just before comes last, because the processor must wait for it. Batches count from
+   the first column; the last one ends with the last column and may overlap the one before it. Fewer columns
+   than a batch go one by one. */
 
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
@@ -30,108 +48,274 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
     for (; j < n; ++j) y[j] = y[j] - k * x[j];
 }
 
-/* RBDA table 6.3, M = L'DL, in place on packed rows: row i of the ancestor at position t of row k has
-   the same first t + 1 columns, so that the update is a multiple of one row on another. */
-RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int k = m->nv - 1; k >= 0; --k) {
-        rbd_real *hk = &H[m->dof[k].row];
-        int d = m->dof[k].depth, i = m->dof[k].lambda;
-        rbd_real inverse = rbdi_pivot_inverse(hk[d], m->dof[k].scale, &doubt);
-        w->pivot[k] = hk[d];
-        hk[d] = inverse;
-        for (int t = d - 1; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real x = hk[t] * inverse;
-            rbdi_subtract(&H[m->dof[i].row], x, hk, t + 1);
-            hk[t] = x;
+#if RBDI_BATCH > 1 || defined RBD_LANES
+#define RBDI_ROW 12
+#else
+#define RBDI_ROW 4
+#endif
+/* Makes the call with number = n, 1 <= n <= most <= RBDI_ROW, which the compiler then knows. */
+#if RBDI_FOR_SPEED
+#define RBDI_BY_NUMBER(number, most, n, call) \
+    switch (n) { \
+        RBDI_OF_NUMBER(number, most, 1, call) \
+        RBDI_OF_NUMBER(number, most, 2, call) \
+        RBDI_OF_NUMBER(number, most, 3, call) \
+        RBDI_OF_NUMBER(number, most, 4, call) \
+        RBDI_OF_NUMBER(number, most, 5, call) \
+        RBDI_OF_NUMBER(number, most, 6, call) \
+        RBDI_OF_NUMBER(number, most, 7, call) \
+        RBDI_OF_NUMBER(number, most, 8, call) \
+        RBDI_OF_NUMBER(number, most, 9, call) \
+        RBDI_OF_NUMBER(number, most, 10, call) \
+        RBDI_OF_NUMBER(number, most, 11, call) \
+        RBDI_OF_NUMBER(number, most, 12, call) \
+    }
+#define RBDI_OF_NUMBER(number, most, n, call) \
+    case n: { \
+        enum { number = n <= (most) ? n : 1 }; \
+        if (n <= (most)) call; \
+    } break;
+#else
+#define RBDI_BY_NUMBER(number, most, n, call) \
+    do { \
+        const int number = n; \
+        call; \
+    } while (0);
+#endif
+
+/* A sum of n rows times factors. The rows are
+     RBDI_OWN          of nodes, at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  of nodes, at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         at X + start[t]; factor x[t]; subtracted from k y
+     RBDI_FRESH        likewise, subtracted from 0
+     RBDI_EQUIDISTANT  at X + t stride; factor x[t]
+   Y: a second matrix with the same rows. */
+enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+#if RBDI_GNU
+typedef ptrdiff_t rbdi_start __attribute__((may_alias)); /* in the memory of scalars */
+#else
+typedef ptrdiff_t rbdi_start;
+#endif
+typedef struct rbdi_terms {
+    const rbd_real *X, *Y, *x;
+    const rbdi_node *node;
+    const rbdi_start *start;
+    ptrdiff_t stride;
+    rbd_real k;
+    int n, d;
+} rbdi_terms;
+
+RBDI_INLINE ptrdiff_t rbdi_start_of(const rbdi_terms *g, int which, int t) {
+    if (which == RBDI_EQUIDISTANT) return t * g->stride;
+    return which == RBDI_OWN ? g->node[t].row : g->start[t];
+}
+RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const rbd_real *row) {
+    if (which == RBDI_OWN) return g->x[t] * row[g->d];
+    return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
+}
+
+/* y less the sum, and z of two matrices: so many batches, the last of which begins with column last. */
+RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
+                                       rbd_real *y, rbd_real *z) {
+    rbdi_batch sum[2][RBDI_ROW];
+    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+        const rbd_real *from = (s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+        sum[s][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+        if (which == RBDI_PATH) sum[s][b] = sum[s][b] * g.k;
+    }
+    RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
+        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
+                       *other = matrices > 1 ? g.Y + rbdi_start_of(&g, which, t) : row;
+        const rbd_real x = rbdi_factor_of(&g, which, t, row);
+        RBDI_ONE_INDEX(row);
+        if (matrices > 1) RBDI_ONE_INDEX(other);
+        RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (s > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[s][b] = sum[s][b] - *(const rbdi_batch *)from * x;
         }
     }
+    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
+        (rbdi_batch *)((s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[s][b];
+}
+/* The same of one matrix with n columns, fewer than a batch. */
+RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real *y) {
+    rbd_real sum[RBDI_BATCH];
+    RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) {
+        sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
+        if (which == RBDI_PATH) sum[b] = sum[b] * g.k;
+    }
+    for (int i = 0; i < g.n; ++i) {
+        const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
+        const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
+        RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
+    }
+    RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) y[b] = sum[b];
+}
+
+/* The same for any number of columns. */
+RBDI_INLINE void rbdi_subtract_columns(rbdi_terms g, int which, int n, rbd_real *y) {
+    for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
+        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+        if (columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                           rbdi_subtract_batches(g, which, 1, batches, columns - RBDI_BATCH, y, y))
+        else
+            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns, rbdi_subtract_scalars(g, which, scalars, y))
+    }
+}
+
+/* y -= sum of x[t] times row t < count of X, whose rows are n apart and have n columns. */
+RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int count, int n, rbd_real *y) {
+    rbdi_terms g;
+    g.X = X, g.x = x, g.n = count, g.d = 0, g.stride = n;
+    rbdi_subtract_columns(g, RBDI_EQUIDISTANT, n, y);
+}
+
+/* First U = D L: row i of it is row i of M less L_ki U_k of all descendants k. Says whether a pivot is in
+   doubt. */
+RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    const rbdi_node *node = m->node;
+    rbd_real *inverse = w->F; /* 1/D, by node */
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int s = m->nv - 1; s >= 0; --s) {
+        const rbdi_dof *dof = &m->dof[node[s].dof];
+        rbd_real *row = &H[node[s].row];
+        rbdi_terms g;
+        g.X = H, g.x = inverse + s + 1, g.node = node + s + 1, g.n = node[s].descendants, g.d = dof->depth;
+        if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        w->pivot[node[s].dof] = row[dof->depth];
+        inverse[s] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
+    }
+    for (int k = 0; k < m->nv; ++k)
+        rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
 
-/* x = M^-1 x by L' y = x, z = y / D, L x = z. */
-RBDI_PART void rbdi_solve(const rbd_model *m, const rbd_real *L, rbd_real *x) {
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row], y = x[k];
-        int d = m->dof[k].depth;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) x[i] = x[i] - l[t] * y;
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        int d = m->dof[k].depth;
-        rbd_real y = x[k] * l[d];
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) y = y - l[t] * x[i];
-        x[k] = y;
-    }
-}
-
-/* X = sign M^-1 X for so few columns of the rows X, X + stride ... that those of a row stay in registers. */
-#define RBDI_COLUMNS 8
-RBDI_INLINE void rbdi_solve_columns(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
-                                    rbd_real *X) {
-    rbd_real y[RBDI_COLUMNS];
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j];
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real a = l[t];
-            rbd_real *x = &X[i * stride];
-            RBDI_ONE_INDEX(x);
-            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) x[j] = x[j] - a * y[j];
+/* By L' y = x, L x = y / D. One array, of a dof's path by depth, has what its descendants subtract, then what
+   the path has been solved for. It is stored as it is loaded, by batches and then by scalars: the processor
+   would wait for a batch that was stored by scalars. */
+RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    rbd_real *path = w->F;
+    rbdi_clear(path, m->nv + RBDI_BATCH);
+    for (const rbdi_node *s = m->node + m->nv - 1; s >= m->node; --s) {
+        const int d = dof[s->dof].depth;
+        const rbd_real *l = L + s->row, y = x[s->dof] + path[d];
+        int k = 0;
+        x[s->dof] = y;
+#if RBDI_BATCH > 1
+        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
+            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
+        if (s->row + k <= m->nh - RBDI_BATCH) {
+            rbdi_batch *p = (rbdi_batch *)&path[k];
+            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
+            continue;
         }
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        const int d = m->dof[k].depth;
-        const rbd_real inverse = sign < 0 ? -l[d] : l[d];
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = X[k * stride + j] * inverse;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real a = l[t], *x = &X[i * stride];
-            RBDI_ONE_INDEX(x);
-            RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) y[j] = y[j] - a * x[j];
-        }
-        RBDI_UNROLL_ROW for (int j = 0; j < n; ++j) X[k * stride + j] = y[j];
-    }
-}
-
-/* The same for n columns. */
-RBDI_PART void rbdi_solve_rows(const rbd_model *m, const rbd_real *L, ptrdiff_t stride, int sign, int n,
-                               rbd_real *X) {
-    for (; n > 0; n -= RBDI_COLUMNS, X += RBDI_COLUMNS) {
-#if RBDI_FOR_SPEED
-#define RBDI_OF_COLUMNS(n) \
-    case n: rbdi_solve_columns(m, L, stride, sign, n, X); break
-        switch (n) {
-            RBDI_OF_COLUMNS(1);
-            RBDI_OF_COLUMNS(2);
-            RBDI_OF_COLUMNS(3);
-            RBDI_OF_COLUMNS(4);
-            RBDI_OF_COLUMNS(5);
-            RBDI_OF_COLUMNS(6);
-            RBDI_OF_COLUMNS(7);
-        default: rbdi_solve_columns(m, L, stride, sign, RBDI_COLUMNS, X); break;
-        }
-#else
-        rbdi_solve_columns(m, L, stride, sign, n < RBDI_COLUMNS ? n : RBDI_COLUMNS, X);
 #endif
+        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        path[d] = rbdi_zero();
+    }
+    for (const rbdi_node *s = m->node, *end = s + m->nv; s < end; ++s) {
+        const int d = dof[s->dof].depth;
+        const rbd_real *l = L + s->row;
+        rbd_real a = x[s->dof] * l[d], b = rbdi_zero();
+        int k = 0;
+        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
+        path[d] = x[s->dof] = k < d ? a - path[k] * l[k] + b : a + b;
     }
 }
 
-/* Z = M^-1, full. L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the
-   diagonal, is a sum over the rows of the dofs on its path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k -
-   sum L_ki Z_ik. */
-RBDI_PART void rbdi_inverse(const rbd_model *m, const rbd_real *L, rbd_real *Z) {
-    const ptrdiff_t n = m->nv;
-    for (int k = 0; k < m->nv; ++k) {
+/* L' X = X, then L X = sign D^-1 X: batches of one matrix or two, or (batches = 0) scalars of one. */
+RBDI_INLINE void rbdi_solve_sweeps(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                   ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
+                                   rbd_real *Y) {
+    rbdi_start *start = (rbdi_start *)w->F,
+               *path = start + m->nv; /* rows of nodes; of a dof's path, by depth */
+    rbdi_terms g;
+    g.X = X, g.Y = Y;
+    for (int s = m->nv - 1; s >= 0; --s) {
+        const rbdi_node node = m->node[s];
+        start[s] = node.dof * stride;
+        g.node = m->node + s + 1, g.start = start + s + 1, g.x = L + m->dof[node.dof].depth;
+        g.n = node.descendants;
+        if (g.n == 0) continue;
+        if (batches > 0)
+            rbdi_subtract_batches(g, RBDI_DESCENDANTS, matrices, batches, n - RBDI_BATCH, X + start[s],
+                                  Y + start[s]);
+        else
+            rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
+    }
+    g.start = path;
+    for (int s = 0; s < m->nv; ++s) {
+        const rbdi_node node = m->node[s];
+        g.x = L + node.row, g.n = m->dof[node.dof].depth;
+        g.k = sign < 0 ? -g.x[g.n] : g.x[g.n];
+        path[g.n] = start[s];
+        if (batches > 0)
+            rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + start[s],
+                                  Y + start[s]);
+        else
+            rbdi_subtract_scalars(g, RBDI_PATH, n, X + start[s]);
+    }
+}
+/* One matrix with at most RBDI_ROW batches of columns, or two with half as many. */
+RBDI_PART void rbdi_solve_one(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X) {
+    if (n >= RBDI_BATCH)
+        RBDI_BY_NUMBER(batches, RBDI_ROW, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, batches, n, X, X))
+    else
+        RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, n,
+                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, 0, scalars, X, X))
+}
+RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X, rbd_real *Y){
+    RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
+                   rbdi_solve_sweeps(m, w, L, sign, stride, 2, batches, n, X, Y))}
+
+/* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
+RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                  ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+    for (int k = 0, columns; k < n; k += columns) {
+        columns = n - k < RBDI_ROW * RBDI_BATCH ? n - k : RBDI_ROW * RBDI_BATCH;
+        if (Y && columns >= RBDI_BATCH && 2 * columns <= RBDI_ROW * RBDI_BATCH) {
+            rbdi_solve_two(m, w, L, sign, stride, columns, X + k, Y + k);
+        } else {
+            rbdi_solve_one(m, w, L, sign, stride, columns, X + k);
+            if (Y) rbdi_solve_one(m, w, L, sign, stride, columns, Y + k);
+        }
+    }
+}
+
+/* Column k of Z, n x n, from what its row has up to the diagonal. */
+RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *column) {
+    const rbd_real *end = row + k;
+    for (; end - row >= 4; row += 4, column += 4 * n)
+        column[0] = row[0], column[n] = row[1], column[2 * n] = row[2], column[3 * n] = row[3];
+    for (; row != end; ++row, column += n) *column = *row;
+}
+
+/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a sum
+   over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
+    const int n = m->nv;
+    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
+    rbd_real *row = Z;
+    int before = 0;
+    for (int k = 0; k < n; ++k, row += n) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
-        rbd_real *row = &Z[k * n], z = l[d];
-        rbdi_clear(row, k);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(row, l[t], &Z[i * n], k);
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) z = z - l[t] * row[i];
-        row[k] = z;
-        for (int j = 0; j < k; ++j) Z[j * n + k] = row[j];
+        rbd_real a = l[d], b = rbdi_zero();
+        rbdi_terms g;
+        int i = m->dof[k].lambda, t = d;
+        for (; t > 0 && (t > before || path[t - 1] != i * n); i = m->dof[i].lambda) path[--t] = i * n;
+        before = d;
+        g.X = Z, g.start = path, g.x = l, g.n = d, g.d = 0;
+        rbdi_subtract_columns(g, RBDI_FRESH, k, row);
+        rbdi_mirror(row, n, k, Z + k);
+        for (t = 0; t + 1 < d; t += 2) a = a - l[t] * Z[path[t] + k], b = b - l[t + 1] * Z[path[t + 1] + k];
+        row[k] = t < d ? a - l[t] * Z[path[t] + k] + b : a + b;
     }
 }
 

@@ -240,6 +240,7 @@ typedef struct rbdi_build {
     rbdi_block *block;
     rbdi_dof *dof;
     rbdi_order *order;
+    rbdi_node *node;
     rbdi_mimic *mimic;
     rbdi_frame *frame;
     rbdi_build_link *links; /* n.nl */

@@ -192,9 +192,24 @@ static void rbdi_couple(rbdi_dof *dof, int a, int b) {
     }
 }
 
+/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants, and
+   row is the next place after a dof. */
+static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
+    int32_t next = 0;
+    for (int k = 0; k < nv; ++k) dof[k].depth = 0;
+    for (int k = nv - 1; k >= 0; --k)
+        if (dof[k].lambda >= 0) dof[dof[k].lambda].depth += (int16_t)(dof[k].depth + 1);
+    for (int k = 0; k < nv; ++k) {
+        int32_t *place = dof[k].lambda < 0 ? &next : &dof[dof[k].lambda].row;
+        node[*place].dof = (int16_t)k, node[*place].descendants = dof[k].depth;
+        dof[k].row = *place + 1;
+        *place += dof[k].depth + 1;
+    }
+}
+
 /* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
    they follow with all that lies before and behind them. */
-static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof) {
+static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof, rbdi_node *node) {
     const int nv = m->nv, n = nv + m->nmimic;
     for (int k = 0; k < n; ++k) {
         int up = dof[k].before;
@@ -205,12 +220,14 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof)
         for (int j = dof[k].before; j >= 0; j = dof[j].before)
             if (k >= nv || j >= nv)
                 rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
+    rbdi_emit_nodes(dof, nv, node);
     m->nh = 0;
     for (int k = 0; k < n; ++k) {
         dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
         dof[k].row = m->nh;
         if (k < nv) m->nh += dof[k].depth + 1;
     }
+    for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
 }
 
 /* Links, blocks, slots and dofs, in the solver's order. */
@@ -274,15 +291,15 @@ static void rbdi_emit_order(const rbdi_build *b) {
 
 static void rbdi_emit(const rbdi_build *b) {
     rbd_model *m = b->m;
-    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->mimic = b->mimic;
-    m->frame = b->frame;
+    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->node = b->node;
+    m->mimic = b->mimic, m->frame = b->frame;
     m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
     m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
     m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
     m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
     rbdi_emit_links(b);
     rbdi_emit_frames(b);
-    rbdi_emit_tree(m, b->mimic, b->dof);
+    rbdi_emit_tree(m, b->mimic, b->dof, b->node);
     rbdi_emit_order(b);
     rbdi_shape(m, m->shape);
 }

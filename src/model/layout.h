@@ -5,9 +5,9 @@
 #include "base/types.h"
 #include "algebra/types.h"
 
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_order, RBDI_APART, RBDI_ARMATURE, RBDI_BLOCK,
-   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW, RBDI_SHAPE,
-   RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART,
+   RBDI_ARMATURE, RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
+   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r). */
 typedef struct rbdi_wide_pose {
@@ -106,6 +106,12 @@ typedef struct rbdi_order {
     int32_t row;
 } rbdi_order;
 
+/* A dof of the packed matrix, in a depth-first order of its tree: its descendants follow it. */
+typedef struct rbdi_node {
+    int16_t dof, descendants;
+    int32_t row; /* dof[].row */
+} rbdi_node;
+
 /* A mimic joint: coordinate iq = ratio * q[source_q] + offset. */
 typedef struct rbdi_mimic {
     int16_t source_q, source_v;
@@ -140,6 +146,7 @@ struct rbd_model {
     const rbdi_block *block; /* nblock */
     const rbdi_dof *dof;     /* nv + nmimic */
     const rbdi_order *order; /* nv + nmimic */
+    const rbdi_node *node;   /* nv */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
     uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */

@@ -39,8 +39,8 @@
 #define RBDI_MODEL_BYTES(nb, nl, k, n, mimics) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
      RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + \
-     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + \
-     RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_node)) + \
+     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
+     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 #endif
