@@ -2453,9 +2453,9 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv + m->nmimic); }
 
 /* ==== src/model/joints.h ==== */
-/* Interface: rbdi_along_axis, rbdi_begins_branch, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
    rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
-   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
+   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
@@ -2563,37 +2563,30 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     return t;
 }
 
-/* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
-   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at
-   a right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an
-   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer; pass 2 takes
-   these by RBDI_BY_SERIAL_FORM, without what comes of the branch, and that by itself). Each form is a copy of
-   the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are tested
-   (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none where
-   arithmetic is a call, for there it saves two per cent. */
+/* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
+   without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
+   first links of a branch at such an angle. Each case is a copy of the code: on microcontrollers, where there
+   is no SIMD, one for right angles, in which the shifts are tested (the empty assembly keeps clang from
+   concluding that form is flags_, and forgetting the rest); none where arithmetic is a call, for there it
+   saves two per cent. */
 #define RBDI_CASE(known, form, call) \
     case known: { \
         const int form = known; \
         call; \
     } break;
 #if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_SERIAL_FORMS 0
-#define RBDI_SERIAL_CASES(form, call)
-#define RBDI_BRANCH_CASES(form, call)
+#define RBDI_CASES(form, call)
 #elif RBDI_SIMD > 0
-#define RBDI_SERIAL_FORMS 1
-#define RBDI_SERIAL_CASES(form, call) \
+#define RBDI_CASES(form, call) \
     RBDI_CASE(RBDI_TWIST_90, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
-#define RBDI_BRANCH_CASES(form, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call) \
     RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
     RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
 #else
-#define RBDI_SERIAL_FORMS 0
-#define RBDI_SERIAL_CASES(form, call) \
+#define RBDI_CASES(form, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
@@ -2604,35 +2597,18 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         call; \
     } break; \
         RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
-#define RBDI_BRANCH_CASES(form, call)
 #endif
-#define RBDI_BY_CASES(cases, form, flags, call) \
+#define RBDI_BY_FORM(form, link, call) \
     do { \
-        const int flags_ = flags; \
+        const int flags_ = (link)->flags; \
         switch (flags_) { \
         default: { \
             const int form = flags_; \
             call; \
         } break; \
-            cases \
+            RBDI_CASES(form, call) \
         } \
     } while (0)
-#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, (link)->flags, call)
-#define RBDI_BY_BRANCH_FORM(form, link, call) \
-    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, (link)->flags, call)
-#define RBDI_BY_SERIAL_FORM(form, link, call) \
-    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, rbdi_serial_form(link), call)
-
-/* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
-   a branch; the link's form without it. */
-RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
-    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT)) == RBDI_SHIFT_XYZ &&
-           l->kind != RBDI_BLOCK;
-}
-RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {
-    const int place = RBDI_APART | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN;
-    return rbdi_begins_branch(l) ? l->flags & ~place : l->flags;
-}
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
@@ -2868,7 +2844,7 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
 }
 RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
                                          const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
-    RBDI_BY_BRANCH_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+    RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
     return s;
 }
 
@@ -2959,7 +2935,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
+        RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
@@ -3297,10 +3273,9 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
         return;
     }
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_BRANCH_FORM(form, &model.link[i],
-                            carried = rbdi_crba_step(&model, &work, i, form,
-                                                     RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried,
-                                                     H, M));
+        RBDI_BY_FORM(form, &model.link[i],
+                     carried = rbdi_crba_step(&model, &work, i, form,
+                                              RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */
@@ -3490,13 +3465,9 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        RBDI_BY_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
-}
-
-RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
-    rbdi_aba_velocities(m, w, v, 0);
 }
 
 /* U = IA S. */
@@ -3673,21 +3644,6 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2: the turn and shift between a branch's first link and its parent. */
-RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_v3 r = rbdi_vec_c(l->r);
-    if (l->flags & RBDI_BRANCH_TURN) {
-        const rbd_real c = rbdi_set(l->cb), s = rbdi_set(l->sb);
-        *IA = rbdi_abi_up_z(0, c, s, *IA);
-        pA->n = rbdi_turn_up_z(0, c, s, pA->n);
-        pA->f = rbdi_turn_up_z(0, c, s, pA->f);
-    }
-    *IA = rbdi_abi_shift(r, *IA);
-    pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
-    rbdi_aba_to_parent(m, w, i, IA, pA);
-}
-
 /* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
@@ -3696,11 +3652,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
     for (int i = end - 1; i >= first; --i) {
-        const rbdi_link *l = &m->link[i];
-        const int branch = rbdi_begins_branch(l);
-        if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
-        RBDI_BY_SERIAL_FORM(form, l, rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
-        if (branch) rbdi_aba_branch_up(m, w, i, &IA, &pA);
+        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
     }
     *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }
@@ -4362,7 +4314,7 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
     rbdi_joints(m, w, q);
-    rbdi_aba_pass1(m, w, v);
+    rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);
@@ -4596,7 +4548,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
-            RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+            RBDI_BY_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
     }
 }
 

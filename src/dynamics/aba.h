@@ -119,13 +119,9 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_BRANCH_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        RBDI_BY_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
-}
-
-RBDI_PART void rbdi_aba_pass1(const rbd_model *m, rbd_work *w, const rbd_real *v) {
-    rbdi_aba_velocities(m, w, v, 0);
 }
 
 /* U = IA S. */
@@ -302,21 +298,6 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2: the turn and shift between a branch's first link and its parent. */
-RBDI_INLINE void rbdi_aba_branch_up(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_v3 r = rbdi_vec_c(l->r);
-    if (l->flags & RBDI_BRANCH_TURN) {
-        const rbd_real c = rbdi_set(l->cb), s = rbdi_set(l->sb);
-        *IA = rbdi_abi_up_z(0, c, s, *IA);
-        pA->n = rbdi_turn_up_z(0, c, s, pA->n);
-        pA->f = rbdi_turn_up_z(0, c, s, pA->f);
-    }
-    *IA = rbdi_abi_shift(r, *IA);
-    pA->n = rbdi_add(pA->n, rbdi_cross(r, pA->f));
-    rbdi_aba_to_parent(m, w, i, IA, pA);
-}
-
 /* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
@@ -325,11 +306,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
     for (int i = end - 1; i >= first; --i) {
-        const rbdi_link *l = &m->link[i];
-        const int branch = rbdi_begins_branch(l);
-        if (branch && l->slot >= 0) IA = rbdi_abi_add(IA, w->slot[l->slot].I);
-        RBDI_BY_SERIAL_FORM(form, l, rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
-        if (branch) rbdi_aba_branch_up(m, w, i, &IA, &pA);
+        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
     }
     *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }

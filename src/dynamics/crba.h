@@ -240,10 +240,9 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
         return;
     }
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_BRANCH_FORM(form, &model.link[i],
-                            carried = rbdi_crba_step(&model, &work, i, form,
-                                                     RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried,
-                                                     H, M));
+        RBDI_BY_FORM(form, &model.link[i],
+                     carried = rbdi_crba_step(&model, &work, i, form,
+                                              RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */

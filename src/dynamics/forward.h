@@ -16,7 +16,7 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
     rbdi_joints(m, w, q);
-    rbdi_aba_pass1(m, w, v);
+    rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, a);

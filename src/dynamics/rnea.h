@@ -53,7 +53,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_BRANCH_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
+        RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */

@@ -145,7 +145,7 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
 }
 RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
                                          const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
-    RBDI_BY_BRANCH_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+    RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
     return s;
 }
 

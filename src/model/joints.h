@@ -3,9 +3,9 @@
 #include "model/work.h"
 #include "algebra/rotations.h"
 
-/* Interface: rbdi_along_axis, rbdi_begins_branch, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
    rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
-   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_BRANCH_FORM, RBDI_BY_FORM, RBDI_BY_SERIAL_FORM */
+   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
@@ -113,37 +113,30 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     return t;
 }
 
-/* Makes the call with form = the link's flags, which the compiler knows of the most common links: with
-   RBDI_BY_FORM of revolute ones without armature behind the link before, in Denavit and Hartenberg's form at
-   a right angle or parallel to it; with RBDI_BY_BRANCH_FORM also of those that begin a branch at such an
-   angle (not in aba's passes 2 and 3, which run out of registers then and take a third longer; pass 2 takes
-   these by RBDI_BY_SERIAL_FORM, without what comes of the branch, and that by itself). Each form is a copy of
-   the code: on microcontrollers, where there is no SIMD, one for right angles, in which the shifts are tested
-   (the empty assembly keeps clang from concluding that form is flags_, and forgetting the rest); none where
-   arithmetic is a call, for there it saves two per cent. */
+/* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
+   without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
+   first links of a branch at such an angle. Each case is a copy of the code: on microcontrollers, where there
+   is no SIMD, one for right angles, in which the shifts are tested (the empty assembly keeps clang from
+   concluding that form is flags_, and forgetting the rest); none where arithmetic is a call, for there it
+   saves two per cent. */
 #define RBDI_CASE(known, form, call) \
     case known: { \
         const int form = known; \
         call; \
     } break;
 #if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_SERIAL_FORMS 0
-#define RBDI_SERIAL_CASES(form, call)
-#define RBDI_BRANCH_CASES(form, call)
+#define RBDI_CASES(form, call)
 #elif RBDI_SIMD > 0
-#define RBDI_SERIAL_FORMS 1
-#define RBDI_SERIAL_CASES(form, call) \
+#define RBDI_CASES(form, call) \
     RBDI_CASE(RBDI_TWIST_90, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
-#define RBDI_BRANCH_CASES(form, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call) \
     RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
     RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
 #else
-#define RBDI_SERIAL_FORMS 0
-#define RBDI_SERIAL_CASES(form, call) \
+#define RBDI_CASES(form, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
@@ -154,35 +147,18 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         call; \
     } break; \
         RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
-#define RBDI_BRANCH_CASES(form, call)
 #endif
-#define RBDI_BY_CASES(cases, form, flags, call) \
+#define RBDI_BY_FORM(form, link, call) \
     do { \
-        const int flags_ = flags; \
+        const int flags_ = (link)->flags; \
         switch (flags_) { \
         default: { \
             const int form = flags_; \
             call; \
         } break; \
-            cases \
+            RBDI_CASES(form, call) \
         } \
     } while (0)
-#define RBDI_BY_FORM(form, link, call) RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, (link)->flags, call)
-#define RBDI_BY_BRANCH_FORM(form, link, call) \
-    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call) RBDI_BRANCH_CASES(form, call), form, (link)->flags, call)
-#define RBDI_BY_SERIAL_FORM(form, link, call) \
-    RBDI_BY_CASES(RBDI_SERIAL_CASES(form, call), form, rbdi_serial_form(link), call)
-
-/* Whether between the parent and a one-axis link in Denavit and Hartenberg's form there is a turn or shift of
-   a branch; the link's form without it. */
-RBDI_INLINE int rbdi_begins_branch(const rbdi_link *l) {
-    return RBDI_SERIAL_FORMS && (l->flags & (RBDI_SHIFT_XYZ | RBDI_ROOT)) == RBDI_SHIFT_XYZ &&
-           l->kind != RBDI_BLOCK;
-}
-RBDI_INLINE int rbdi_serial_form(const rbdi_link *l) {
-    const int place = RBDI_APART | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN;
-    return rbdi_begins_branch(l) ? l->flags & ~place : l->flags;
-}
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {

@@ -59,7 +59,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
-            RBDI_BY_BRANCH_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+            RBDI_BY_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
     }
 }
 
