@@ -1,4 +1,4 @@
-/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.1.0.
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.3.0.
    Made by src/amalgamate.py from src/rbd.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
@@ -75,21 +75,13 @@
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
-     RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
-                      models from generated tables only; and likewise, for linkers that keep all functions
-                      of a file:
-     RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
-     RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
-     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, joint, dof_body, describe
-     RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
-     RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
-     RBD_NO_POINTS    section [points]; goes with kinematics
-     RBD_NO_HYBRID    hybrid; goes with rnea, crba and cholesky too
-     RBD_NO_OBSERVER  generalized_momentum
-     RBD_NO_PAYLOAD   add_payload; goes with build
-     RBD_NO_WRENCH    joint_wrench; goes with kinematics
-                      fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
-                      mimic joints then: rbd_work_init refuses them, RBD_ERR_LEFT_OUT
+     RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
+                      models from generated tables only. The file compiles in less time
+     RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
+                      rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
+                      then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
+                      All other parts that are not called are left out by the linker: compile with
+                      -ffunction-sections, link with --gc-sections
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
@@ -119,8 +111,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RBD_VERSION "0.1.0"
-#define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_VERSION "0.3.0"
+#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
@@ -176,9 +168,9 @@
 #endif
 
 #ifdef RBD_STATIC
-#define RBD_API static RBDI_UNUSED
+#define RBDI_API static RBDI_UNUSED
 #else
-#define RBD_API extern
+#define RBDI_API extern
 #endif
 #ifdef __GNUC__
 #define RBDI_UNUSED __attribute__((unused))
@@ -227,7 +219,7 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #endif
 
 /* The batch calls are between files also where all else is static. */
-#define RBD_BATCH_API RBDI_EXTENSION extern
+#define RBDI_BATCH_API RBDI_EXTENSION extern
 #if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
 #define RBDI_EXTERN_C_BEGIN extern "C" {
 #define RBDI_EXTERN_C_CLOSE }
@@ -270,7 +262,7 @@ extern "C" {
 #define rbd_singular_dof RBDI_SYMBOL(rbd_singular_dof)
 #define rbd_rnea RBDI_SYMBOL(rbd_rnea)
 #define rbd_bias RBDI_SYMBOL(rbd_bias)
-#define rbd_gravity RBDI_SYMBOL(rbd_gravity)
+#define rbd_gravity_torque RBDI_SYMBOL(rbd_gravity_torque)
 #define rbd_generalized_momentum RBDI_SYMBOL(rbd_generalized_momentum)
 #define rbd_crba RBDI_SYMBOL(rbd_crba)
 #define rbd_crba_packed RBDI_SYMBOL(rbd_crba_packed)
@@ -335,23 +327,8 @@ extern "C" {
 #define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
 /* ==== src/api/parts.h ==== */
-#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
-#define RBDI_NO_FD_CHOLESKY
-#endif
-#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_HYBRID
-#define RBD_NO_HYBRID
-#endif
-#if defined RBD_NO_MINVERSE || defined RBD_NO_CRBA || defined RBD_NO_CHOLESKY
-#define RBDI_NO_MINVERSE
-#endif
-#if !defined RBD_NO_CRBA && !defined RBD_NO_CHOLESKY
-#define RBDI_JUDGE /* of states in doubt: see [pivots] */
-#endif
-#if defined RBD_NO_KINEMATICS && !defined RBD_NO_POINTS
-#define RBD_NO_POINTS
-#endif
-#if defined RBD_BATCH_IMPLEMENTATION && (defined RBDI_NO_FD_CHOLESKY || defined RBD_NO_ABA)
-#error "rbd: the batch calls need RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA and RBD_NO_CHOLESKY undefined"
+#if defined RBD_BATCH_IMPLEMENTATION && defined RBD_NO_CHOLESKY
+#error "rbd: the batch calls need RBD_NO_CHOLESKY undefined"
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
@@ -442,9 +419,9 @@ typedef enum rbd_status {
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
-    RBD_ERR_GAIN = -26,       /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
+    RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
-    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_... leaves out what solves them */
+    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_CHOLESKY is defined */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -452,10 +429,8 @@ typedef enum rbd_status {
     RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
 } rbd_status;
 
-#ifndef RBD_NO_TEXT
 /* One sentence for a status, English, static. */
-RBD_API const char *rbd_status_string(rbd_status status);
-#endif
+RBDI_API const char *rbd_status_string(rbd_status status);
 
 /* One finding of the build. */
 typedef struct rbd_finding {
@@ -474,11 +449,9 @@ typedef struct rbd_report {
     rbd_finding warning[RBD_MAX_WARNINGS];
 } rbd_report;
 
-#ifndef RBD_NO_TEXT
 /* Writes a finding as a sentence, e.g. "body 3 'left_foot', field 'mass': negative or not finite",
    cut to fit, always terminated. text: size bytes. Returns text. */
-RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
-#endif
+RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
 
 /* ==== src/api/build.h ==== */
 /* ---- build [build] ---- */
@@ -493,13 +466,12 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
    model    receives the model, which lies inside memory: do not move it; NULL after an error
    report   receives the error and the warnings; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _COUNT, and all from RBD_ERR_NAME on, with body and field. */
-RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                   const rbd_model **model, rbd_report *report);
+RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                    const rbd_model **model, rbd_report *report);
 
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
-RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
+RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
-#ifndef RBD_NO_PAYLOAD
 /* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
    what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good;
    no call may run meanwhile. A model in a table of constants cannot be changed.
@@ -509,9 +481,8 @@ RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb);
    inertia  xx xy xz yy yz zz about its com, link axes; NULL = a point
    Errors, the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; not finite, or of the whole
    then RBD_ERR_MASS negative, RBD_ERR_INERTIA with a negative eigenvalue; RBD_ERR_COM. */
-RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
-                                   const double inertia[6]);
-#endif
+RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
+                                    const double inertia[6]);
 
 #endif
 
@@ -525,22 +496,22 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
    Errors: RBD_ERR_NULL, _MEMORY, _VERSION, _LEFT_OUT. */
-RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
+RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
 
 /* Bytes that rbd_work_init needs for this model. */
-RBD_API size_t rbd_work_size(const rbd_model *m);
+RBDI_API size_t rbd_work_size(const rbd_model *m);
 
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
+RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
 /* What it is set to. Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
+RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
 /* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
    rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint that this dof
    carries, or of its own joint if that has several dofs, or an overflow there. -1 after a call that factors M
    and finds no fault; calls that do not factor it leave it as it is. With lanes: of all states together. */
-RBD_API int rbd_singular_dof(const rbd_work *w);
+RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
 /* ---- dynamics [dynamics] ----
@@ -553,69 +524,61 @@ RBD_API int rbd_singular_dof(const rbd_work *w);
    description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
    move is in doubt. The call then computes and factors M to judge it: rbd_aba takes up to three (7 degrees of
    freedom) or six times as long (36).
-   With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
+   With RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
 
-#ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
-RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
+RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
 
 /* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
-RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c);
+RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *f_ext, rbd_real *c);
 
 /* Gravity torque g = tau at v = a = 0: what holds the robot still. */
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
-#endif
+RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
-#ifndef RBD_NO_OBSERVER
 /* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
    since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
    rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
    (dS_i/dt)' h_i.
    p, ctv: nv; each may be NULL, not the same array. */
-RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                            const rbd_real *v, rbd_real *p, rbd_real *ctv);
-#endif
+RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                             const rbd_real *v, rbd_real *p, rbd_real *ctv);
 
-#ifndef RBD_NO_CRBA
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
+RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
    are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
    others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
-#endif
+RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
-RBD_API int rbd_packed_size(const rbd_model *m);
+RBDI_API int rbd_packed_size(const rbd_model *m);
 
 /* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
+RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
-#ifndef RBD_NO_ABA
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
    RBD_ERR_SINGULAR. Models with mimic joints are solved by rbd_fd_cholesky. */
-RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
-#endif
+RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
    wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
-   Where all but a floating base is given rbd_rnea_free_base of rbd_derivatives.h is faster.
+   Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
-RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
+RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                               const unsigned char *given, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
 #endif
 
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBD_NO_CHOLESKY
 /* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
 
 #ifndef RBD_NO_CHOLESKY
@@ -623,85 +586,81 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
    mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
    Both may be the same array. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
-                                       rbd_real *factor);
+RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
+                                        rbd_real *factor);
 
 /* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
+RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
 
 /* Solves M x = b with the factor. b, x: nv; may be the same. */
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
-                                      const rbd_real *b, rbd_real *x);
+RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
+                                       const rbd_real *b, rbd_real *x);
 
 /* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
    is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
-                                           const rbd_real *b, rbd_real *x);
+RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
+                                            const rbd_real *b, rbd_real *x);
 #endif
 
-#ifndef RBDI_NO_MINVERSE
+#ifndef RBD_NO_CHOLESKY
 /* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
    M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
+RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
    A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
+RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
 /* ==== src/api/kinematics.h ==== */
 /* ---- kinematics [kinematics] ---- */
 
-#ifndef RBD_NO_KINEMATICS
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics, or of
    rbd_joint_wrench.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                  const rbd_real *a);
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a);
 
 /* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
    Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
-                                 rbd_real p[3]);
+RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
+                                  rbd_real p[3]);
 
 /* Spatial velocity (omega; v of the link origin), link axes. */
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
 
 /* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
-RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                         rbd_real acceleration[6]);
+RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          rbd_real acceleration[6]);
 
 /* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity:
    what an accelerometer at the origin measures, plus gravity. */
-RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
-                                                   rbd_real acceleration[6]);
+RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                    rbd_real acceleration[6]);
 
 /* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
    that a joint moves, J; after rbd_kinematics. Either may be NULL. Errors of these two: RBD_ERR_NULL,
    _WORK, _ORDER. */
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
 
 /* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
    Each may be NULL. Zero if there is no mass. */
-RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
-                           rbd_real acceleration[3]);
+RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                            rbd_real acceleration[3]);
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
-RBD_API rbd_const rbd_mass(const rbd_model *m);
+RBDI_API rbd_const rbd_mass(const rbd_model *m);
 
-#ifndef RBD_NO_WRENCH
 /* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and
    bearings, and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's
    origin. RBDA table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
    Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
-#endif
-#endif
+RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                     const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
 
 /* ==== src/api/points.h ==== */
 /* ---- points and momentum [points] ----
@@ -709,96 +668,91 @@ RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_r
    the link origin. Its motion: (omega of the body; velocity of the point), along world axes or link axes.
    Errors: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 
-#ifndef RBD_NO_POINTS
 typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
 
 /* Jacobian of a point, 6 x nv: its motion is J v. Columns of dofs that do not move the body are zero.
    Siciliano, Sciavicco, Villani and Oriolo, Robotics (2009), section 3.1. */
-RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                rbd_axes axes, rbd_real *jacobian);
+RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                 rbd_axes axes, rbd_real *jacobian);
 
 /* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
    motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
-RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real point[3], int reference, rbd_axes axes,
-                                         rbd_real *jacobian);
+RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], int reference, rbd_axes axes,
+                                          rbd_real *jacobian);
 
 /* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
-RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
-                                          rbd_real *tau);
+RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
+                                           rbd_real *tau);
 
 /* Position of a point in the world. */
-RBD_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_real position[3]);
+RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_real position[3]);
 
 /* Motion of a point, J v. */
-RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]);
+RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]);
 
 /* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes. So
    what a = NULL in rbd_kinematics leaves is the bias dJ/dt v. */
-RBD_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]);
+RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]);
 
 /* A wrench f (moment about the point; force) along these axes as the body's row of f_ext, f_ext + 6 body;
    rows of several points add up. row may be f. */
-RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                    rbd_axes axes, const rbd_real f[6], rbd_real row[6]);
+RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                     rbd_axes axes, const rbd_real f[6], rbd_real row[6]);
 
 /* Centroidal momentum h (angular, about the centre of mass; linear) of all bodies that a joint moves, and its
    rate h_dot, world axes. Either may be NULL. Rotors (armature) have none. Orin, Goswami and Lee (2013).
    The wrench on the robot but for gravity is n = h_dot[0..2] about the centre of mass and f = h_dot[3..5] -
    rbd_mass(m) gravity; the world feels its opposite. On a ground z = 0 the zero-moment point is then
    (c_x - (n_y + c_z f_x) / f_z, c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
-RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
-#endif
+RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
 
 /* ==== src/api/manifold.h ==== */
 /* ---- configuration manifold [manifold] ----
    q: nq, v and d: nv, in the coordinates of [conventions]. Errors: RBD_ERR_NULL. */
 
-#ifndef RBD_NO_MANIFOLD
 /* The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0). */
-RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
+RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 
 /* q_next = q moved by the tangent step v dt: exponentials in body axes for spherical (SO(3)), planar
    (SE(2)) and floating (SE(3)) joints, addition for the others. q_next may be q. */
-RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
-                                 rbd_real *q_next);
+RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                  rbd_real *q_next);
 
 /* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
+RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
    q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
-RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
-                                           rbd_real *rates);
+RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                            rbd_real *rates);
 
 /* The velocity, nv, from such rates. What changes the length of a quaternion or (cos, sin) does not count. */
-RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
-                                           rbd_real *v);
+RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                            rbd_real *v);
 
 /* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
    (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
-RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
-#endif
+RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
 
 /* ==== src/api/lookup.h ==== */
 /* ---- lookup [lookup] ---- */
 
-RBD_API int rbd_nb(const rbd_model *m); /* number of bodies */
-RBD_API int rbd_nq(const rbd_model *m); /* length of q */
-RBD_API int rbd_nv(const rbd_model *m); /* length of v, a, tau: degrees of freedom */
+RBDI_API int rbd_nb(const rbd_model *m); /* number of bodies */
+RBDI_API int rbd_nq(const rbd_model *m); /* length of q */
+RBDI_API int rbd_nv(const rbd_model *m); /* length of v, a, tau: degrees of freedom */
 
-#ifndef RBD_NO_LOOKUP
 /* Index of a body by the name of its link, or of the joint that carries it; -1 if there is none. */
-RBD_API int rbd_body_index(const rbd_model *m, const char *name);
-RBD_API int rbd_joint_index(const rbd_model *m, const char *name);
+RBDI_API int rbd_body_index(const rbd_model *m, const char *name);
+RBDI_API int rbd_joint_index(const rbd_model *m, const char *name);
 
 /* Names, NULL if nameless or no such body. */
-RBD_API const char *rbd_body_name(const rbd_model *m, int body);
-RBD_API const char *rbd_joint_name(const rbd_model *m, int body);
+RBDI_API const char *rbd_body_name(const rbd_model *m, int body);
+RBDI_API const char *rbd_joint_name(const rbd_model *m, int body);
 
 /* Where the joint of a body lies in q and in v, and how much of them it has.
    Errors: RBD_ERR_NULL, _INDEX. */
@@ -808,17 +762,16 @@ typedef struct rbd_joint_info {
     rbd_const lower, upper; /* none if lower >= upper */
     rbd_const velocity, effort;
 } rbd_joint_info;
-RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
+RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
 
 /* The body whose joint has this degree of freedom, -1 if there is none. */
-RBD_API int rbd_dof_body(const rbd_model *m, int dof);
+RBDI_API int rbd_dof_body(const rbd_model *m, int dof);
 
 #ifndef RBD_NO_BUILD /* it computes in double */
 /* Reads a body back from the model, of a table in flash too: a row from which rbd_model_build makes the same,
    to rounding. Its parent is the body whose joint carries it: bodies fixed between are left out. Axes are of
    unit length. Errors: RBD_ERR_NULL, _INDEX. */
-RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
-#endif
+RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 #endif
 
 /* ==== src/api/batch.h ==== */
@@ -852,52 +805,50 @@ typedef enum rbd_layout {
 } rbd_layout;
 
 RBDI_EXTERN_C_BEGIN
-RBD_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
+RBDI_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
 
 /* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
-RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m);
-RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
-RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
+RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m);
+RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
+RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
 
 /* The layout of all arrays of the calls that follow, RBD_ROWS after rbd_batch_init. Results are the same bits
    in both. Error: RBD_ERR_NULL. */
-RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
+RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
 
 /* As the calls without _batch, for n states. */
-RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                        RBD_REAL *tau);
-RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
-RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *mass_matrix);
-RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *packed);
-RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                       RBD_REAL *a);
-RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                               RBD_REAL *a);
+RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                         RBD_REAL *tau);
+RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
+RBDI_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         RBD_REAL *mass_matrix);
+RBDI_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                RBD_REAL *packed);
+RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                        RBD_REAL *a);
+RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                                RBD_REAL *a);
 
-#ifndef RBDI_NO_MINVERSE
-RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            RBD_REAL *Minv); /* n x nv x nv */
+#ifndef RBD_NO_CHOLESKY
+RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             RBD_REAL *Minv); /* n x nv x nv */
 #endif
 
-#ifndef RBD_NO_POINTS
 /* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
    n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */
-RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes,
-                                            RBD_REAL *jacobian);
-RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
-                                            RBD_REAL *h_dot);
-#endif
+RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             int body, const RBD_REAL point[3], rbd_axes axes,
+                                             RBD_REAL *jacobian);
+RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                             RBD_REAL *h_dot);
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
-RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
+RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd.h ==== */
@@ -2948,9 +2899,8 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
     rbdi_rnea_sweep(m, w, a, tau);
 }
 
-#ifndef RBD_NO_RNEA
-RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
+RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -2959,19 +2909,17 @@ RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c) {
+RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *f_ext, rbd_real *c) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
 }
 
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
+RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
-#endif
 
-#ifndef RBD_NO_OBSERVER
 RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                            rbdi_force F, const rbd_real *a, rbd_real *out) {
     return rbdi_rnea_up_block(m, w, l, F, a, out);
@@ -3007,8 +2955,8 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     }
 }
 
-RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                            const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                             const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -3019,9 +2967,8 @@ RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, con
     rbdi_reduce_tau(m, w->ax, ctv);
     return RBD_OK;
 }
-#endif
 
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
+RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
     const rbd_real *vx;
     rbd_real *tx;
     const rbd_status status = rbdi_check(m, w, v && tau);
@@ -3302,7 +3249,6 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     }
 }
 
-#ifndef RBD_NO_CRBA
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
     if (m->nmimic) rbdi_clear(w->H, m->nh);
@@ -3311,7 +3257,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
     for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
 }
 
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
+RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -3319,7 +3265,7 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
+RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
@@ -3334,11 +3280,10 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_crba(m, w, NULL, M);
     return RBD_OK;
 }
-#endif
 
-RBD_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
+RBDI_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
 
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
+RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
     int row = i > j ? i : j, column = i > j ? j : i, t;
     if (!m || column < 0 || row >= m->nv) return -1;
     t = m->dof[row].depth;
@@ -4109,7 +4054,7 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
    that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew
    from the joints' transforms, factors it and judges. The call's own results stand if M is regular.
 
-   With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
+   With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 
 /* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
    it is not a number. */
@@ -4195,7 +4140,7 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
 
 /* Judges the state of the last rbdi_joints. The factor is left in w->H. */
 RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
-#ifdef RBDI_JUDGE
+#ifndef RBD_NO_CHOLESKY
     rbdi_crba_of_joints(m, w, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
 #else
@@ -4213,7 +4158,7 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
 }
 
 /* ==== src/dynamics/hybrid.h ==== */
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* ---- hybrid dynamics [hybrid] ----
    RBDA section 9.1. f: the free dofs, whose torque is given; p: those with a prescribed acceleration. With c
    = rnea of a_p and a_f = 0:
@@ -4280,8 +4225,9 @@ RBDI_COLD rbd_status rbdi_judge_free(const rbd_model *m, rbd_work *w, const unsi
     return rbdi_verdict(m, w, a, m->nv);
 }
 
-RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                               const unsigned char *given, rbd_real *a, rbd_real *tau,
+                               const rbd_real *f_ext) {
     const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
     rbdi_mask doubt;
     if (status) return status;
@@ -4304,13 +4250,12 @@ RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q
 /* ==== src/dynamics/forward.h ==== */
 /* ---- forward dynamics [forward dynamics code] ---- */
 
-#ifndef RBD_NO_ABA
-RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBD_NO_CHOLESKY
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
     rbdi_joints(m, w, q);
@@ -4320,11 +4265,10 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
-#endif
 
-#ifndef RBDI_NO_FD_CHOLESKY
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
@@ -4340,7 +4284,7 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
 
 /* ==== src/dynamics/cholesky.h ==== */
 #ifndef RBD_NO_CHOLESKY
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
+RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
@@ -4351,7 +4295,7 @@ RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, r
     return rbdi_verdict(m, w, H, rbd_packed_size(m));
 }
 
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
+RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
@@ -4363,8 +4307,8 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
     return rbd_cholesky_factor_packed(m, w, L);
 }
 
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
-                                      rbd_real *x) {
+RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                       rbd_real *x) {
     const rbd_status status = rbdi_check(m, w, L && b && x);
     if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
@@ -4372,8 +4316,8 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
-                                           const rbd_real *B, rbd_real *X) {
+RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                            const rbd_real *B, rbd_real *X) {
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
@@ -4383,8 +4327,8 @@ RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, cons
 }
 #endif
 
-#ifndef RBDI_NO_MINVERSE
-RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && Minv);
     if (status) return status;
@@ -4395,7 +4339,7 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
 }
 #endif
 
-RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
+RBDI_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
 /* ==== src/motion/axes.h ==== */
 /* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
@@ -4496,7 +4440,6 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 /* ==== src/motion/kinematics.h ==== */
 /* Interface: rbdi_kin_links, rbdi_point_p */
 
-#ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
 /* Velocity of what of the parent is at r, both in its axes. */
@@ -4552,8 +4495,8 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                  const rbd_real *a) {
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
@@ -4614,8 +4557,8 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
 }
 
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
-                                 rbd_real p[3]) {
+RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+                                  rbd_real p[3]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -4629,7 +4572,7 @@ RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -4640,8 +4583,8 @@ RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                         rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -4652,8 +4595,8 @@ RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
-                                                   rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                    rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -4664,15 +4607,15 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
     return RBD_OK;
 }
 
-RBD_API rbd_const rbd_mass(const rbd_model *m) {
+RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
     for (int b = 0; m && b < m->nb; ++b)
         if (m->frame[b].link >= 0) mass += m->frame[b].mass;
     return mass;
 }
 
-RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
-                           rbd_real acceleration[3]) {
+RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                            rbd_real acceleration[3]) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_v3 p = rbdi_vec0(), v = p, a = p;
     rbd_const mass = rbd_mass(m);
@@ -4697,7 +4640,6 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
     return RBD_OK;
 }
 
-#ifndef RBD_NO_WRENCH
 /* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
    c. */
 static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
@@ -4735,8 +4677,8 @@ static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, c
     return F;
 }
 
-RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
+RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                     const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
     for (int b = 0; b < m->nb; ++b) {
@@ -4755,9 +4697,9 @@ RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_r
     }
     return RBD_OK;
 }
-#endif
 
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential) {
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
+                               rbd_real *potential) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbd_real T, V = rbdi_zero();
     if (status) return status;
@@ -4778,12 +4720,10 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
     if (potential) *potential = V;
     return RBD_OK;
 }
-#endif
 
 /* ==== src/motion/points.h ==== */
 /* Interface: rbdi_column */
 
-#ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 
 /* Place of a point in the world. */
@@ -4837,8 +4777,9 @@ static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int e
     }
 }
 
-RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J) {
+RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], int reference, rbd_axes axes,
+                                          rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     const int turned = axes == RBD_LINK_AXES && reference >= 0;
     int common, other = -1;
@@ -4863,8 +4804,8 @@ RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                rbd_axes axes, rbd_real *J) {
+RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                 rbd_axes axes, rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_mat E;
     if (status) return status;
@@ -4876,9 +4817,9 @@ RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
-                                          rbd_real *tau) {
+RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
+                                           rbd_real *tau) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_v3 r;
     rbdi_force F;
@@ -4902,8 +4843,8 @@ RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                    rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
+RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                     rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_force F;
     if (status) return status;
@@ -4918,8 +4859,8 @@ RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int b
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_real position[3]) {
+RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     if (status) return status;
     if (!position) return RBD_ERR_NULL;
@@ -4945,18 +4886,18 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
+RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
     return rbdi_point_motion(m, w, body, point, axes, 0, velocity);
 }
 
-RBD_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
     return rbdi_point_motion(m, w, body, point, axes, 1, acceleration);
 }
 
 /* About a place o of the robot, then about the centre of mass c: n_c = n_o - (c - o) x f. */
-RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
+RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
     const rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_force H = rbdi_force0(), rate = H;
     rbdi_v3 o, c = H.n;
@@ -4991,12 +4932,10 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
     if (h_dot) rbdi_store_force(h_dot, 1, rate);
     return RBD_OK;
 }
-#endif
 
 /* ==== src/motion/manifold.h ==== */
 /* Interface: rbdi_difference_joint */
 
-#ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 
 /* q_next = q (+) d for one joint of the description. */
@@ -5142,8 +5081,8 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
     }
 }
 
-RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
-                                           rbd_real *rates) {
+RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                            rbd_real *rates) {
     if (!m || !q || !v || !rates) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -5152,8 +5091,8 @@ RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
-                                           rbd_real *v) {
+RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                            rbd_real *v) {
     if (!m || !q || !rates || !v) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -5162,8 +5101,8 @@ RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
-                                 rbd_real *q_next) {
+RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                  rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -5174,7 +5113,7 @@ RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rb
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
+RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
     if (!m || !q0 || !q1 || !d) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -5183,7 +5122,7 @@ RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
+RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     if (!m || !q) return RBD_ERR_NULL;
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
@@ -5228,7 +5167,7 @@ static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     q[2] = b * s, q[3] = b * c;
 }
 
-RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
+RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -5256,24 +5195,23 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     }
     return RBD_OK;
 }
-#endif
 
 /* ==== src/model/work_init.h ==== */
 /* ---- work [work code] ---- */
 
-RBD_API size_t rbd_work_size(const rbd_model *m) {
+RBDI_API size_t rbd_work_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
                            m->nv, m->nh + m->nhx);
 }
 
-RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
+RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
     int n, padded;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
-#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_ABA
+#ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
@@ -5314,13 +5252,13 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
+RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
     w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
+RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
     gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
     return RBD_OK;
@@ -5329,32 +5267,31 @@ RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
 /* ==== src/model/lookup.h ==== */
 /* ---- lookup [lookup code] ---- */
 
-RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
-RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
-RBD_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
+RBDI_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
+RBDI_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
+RBDI_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
-#ifndef RBD_NO_LOOKUP
-RBD_API int rbd_body_index(const rbd_model *m, const char *name) {
+RBDI_API int rbd_body_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].name, name)) return b;
     return -1;
 }
 
-RBD_API int rbd_joint_index(const rbd_model *m, const char *name) {
+RBDI_API int rbd_joint_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].joint, name)) return b;
     return -1;
 }
 
-RBD_API const char *rbd_body_name(const rbd_model *m, int body) {
+RBDI_API const char *rbd_body_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].name : NULL;
 }
 
-RBD_API const char *rbd_joint_name(const rbd_model *m, int body) {
+RBDI_API const char *rbd_joint_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].joint : NULL;
 }
 
-RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info) {
+RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info) {
     const rbdi_frame *u;
     if (!m || !info) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
@@ -5368,18 +5305,16 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
     return RBD_OK;
 }
 
-RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
+RBDI_API int rbd_dof_body(const rbd_model *m, int dof) {
     return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
 }
-#endif
 
 /* ==== src/model/text.h ==== */
 /* Interface: rbdi_append, rbdi_append_number */
 
 /* ---- text [text code] ---- */
 
-#ifndef RBD_NO_TEXT
-RBD_API const char *rbd_status_string(rbd_status status) {
+RBDI_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
@@ -5411,11 +5346,10 @@ RBD_API const char *rbd_status_string(rbd_status status) {
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
-    case RBD_ERR_GAIN: return "negative, not finite or out of range";
+    case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_LEFT_OUT:
-        return "the model has mimic joints, but RBD_NO_RNEA, RBD_NO_CRBA or RBD_NO_CHOLESKY leaves out what "
-               "rbd_aba needs for them: define none of these, or RBD_NO_ABA too";
+        return "the model has mimic joints, but RBD_NO_CHOLESKY leaves out what rbd_aba needs for them";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
@@ -5442,7 +5376,7 @@ static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
     return rbdi_append(text, size, at, &digits[n]);
 }
 
-RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
+RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
     size_t at = 0;
     if (!finding || !text || size == 0) return text;
     if (finding->body >= 0) {
@@ -5463,7 +5397,6 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
     rbdi_append(text, size, at, finding->text ? finding->text : rbd_status_string(finding->status));
     return text;
 }
-#endif
 
 /* ==== src/rbd.h ==== */
 RBDI_CODE_END
@@ -5630,11 +5563,7 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
     return status;
 }
 
-#ifdef RBD_NO_TEXT
-#define RBDI_TEXT(sentence) NULL
-#else
 #define RBDI_TEXT(sentence) sentence
-#endif
 
 /* ==== src/model/describe.h ==== */
 #ifndef RBD_NO_BUILD
@@ -5657,7 +5586,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
 }
 #endif
 
-#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
+#ifndef RBD_NO_BUILD
 /* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
@@ -5687,7 +5616,7 @@ static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     return dof;
 }
 
-RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
+RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u;
     const rbdi_dof *dof;
     int first;
@@ -6646,13 +6575,13 @@ static void rbdi_build_take(rbdi_build *b, void *memory) {
     b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
-RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
+RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
     if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
     return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
 }
 
-RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                   const rbd_model **model, rbd_report *report) {
+RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                    const rbd_model **model, rbd_report *report) {
     rbd_report own;
     if (!report) report = &own;
     report->warnings = 0;
@@ -6685,7 +6614,6 @@ RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory,
 /* ==== src/model/payload.h ==== */
 #ifndef RBD_NO_BUILD
 
-#ifndef RBD_NO_PAYLOAD
 /* -- a payload -- */
 
 /* Own inertia of a body with a payload: masses, moments about the common centre c. */
@@ -6801,8 +6729,8 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     }
 }
 
-RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
-                                   const double inertia[6]) {
+RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
+                                    const double inertia[6]) {
     const rbd_model *m = memory ? (const rbd_model *)rbdi_aligned(memory) : NULL;
     rbd_status status;
     rbdi_frame *u;
@@ -6826,7 +6754,6 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
     rbdi_payload_bounds(m, u->link, load, &place);
     return RBD_OK;
 }
-#endif
 
 #endif /* RBD_NO_BUILD */
 
@@ -7060,15 +6987,15 @@ static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_b
     return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
 
-RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
+RBDI_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
 
-RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
+RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
            sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
 }
 
-RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
+RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
     unsigned char *p;
     rbd_batch *b;
     rbd_status status;
@@ -7088,11 +7015,11 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     return status;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
+RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
     return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
+RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
     if (!b) return RBD_ERR_NULL;
     b->layout = layout;
     return RBD_OK;
@@ -7101,14 +7028,14 @@ RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
 static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
     return rbd_rnea(m, t->w, t->x[0], t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                        RBD_REAL *tau) {
+RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                         RBD_REAL *tau) {
     if (!v || !a) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
 }
-RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
+RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, NULL, f_ext, c, rbd_nv(m));
 }
@@ -7116,25 +7043,25 @@ RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n,
 static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *M) {
+RBDI_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         RBD_REAL *M) {
     return rbdi_batch_one(rbdi_lanes_crba, m, b, n, q, NULL, NULL, NULL, M, rbd_nv(m) * rbd_nv(m));
 }
 
 static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *H) {
+RBDI_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                RBD_REAL *H) {
     return rbdi_batch_one(rbdi_lanes_crba_packed, m, b, n, q, NULL, NULL, NULL, H, rbd_packed_size(m));
 }
 
 static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
     return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                       RBD_REAL *a) {
+RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                        RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_aba, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
@@ -7142,24 +7069,23 @@ RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, 
 static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                               RBD_REAL *a) {
+RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                                RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-#ifndef RBDI_NO_MINVERSE
+#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            RBD_REAL *Minv) {
+RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             RBD_REAL *Minv) {
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
 #endif
 
-#ifndef RBD_NO_POINTS
 typedef struct rbdi_lane_point {
     int body;
     rbd_axes axes;
@@ -7171,8 +7097,8 @@ static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
     return rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
+RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
     rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
     rbdi_lane_point p;
     rbd_real lanes[3];
@@ -7187,17 +7113,16 @@ static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
-RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
-                                            RBD_REAL *h_dot) {
+RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                             RBD_REAL *h_dot) {
     rbdi_task t = rbdi_task_of(q, v, a, NULL);
     rbdi_task_output(&t, 0, h, 6);
     rbdi_task_output(&t, 1, h_dot, 6);
     return rbdi_batch_run(rbdi_lanes_momentum, m, b, n, b ? b->y : NULL, &t);
 }
-#endif
 
-RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
+RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
     if (dof) *dof = b ? b->dof : -1;
     return b ? b->state : -1;
 }

@@ -11,9 +11,9 @@
 
        const double foot[3] = {0.33, 0, 0};
        rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), foot, NULL)};
-       unsigned char memory[RBD_CONSTRAINTS_SIZE(NV, 3)];
-       rbd_constraints *c;
-       rbd_constraints_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
+       unsigned char memory[RBD_CONSTRAINT_SET_SIZE(NV, 3)];
+       rbd_constraint_set *c;
+       rbd_constraint_set_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
        rbd_constrained_fd(m, c, q, v, tau, NULL, a, lambda);
 
    CONTENTS (search for the tag)
@@ -40,8 +40,7 @@
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
-   [configuration] That of rbd.h. It needs rbd.h's parts RNEA, CRBA, ABA, CHOLESKY, KINEMATICS and
-                   MANIFOLD.
+   [configuration] That of rbd.h, without RBD_NO_CHOLESKY.
 
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
@@ -56,7 +55,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
@@ -69,8 +68,8 @@ extern "C" {
 #define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
 #define rbd_ball_loop RBDI_SYMBOL(rbd_ball_loop)
 #define rbd_hinge_loop RBDI_SYMBOL(rbd_hinge_loop)
-#define rbd_constraints_size RBDI_SYMBOL(rbd_constraints_size)
-#define rbd_constraints_init RBDI_SYMBOL(rbd_constraints_init)
+#define rbd_constraint_set_size RBDI_SYMBOL(rbd_constraint_set_size)
+#define rbd_constraint_set_init RBDI_SYMBOL(rbd_constraint_set_init)
 #define rbd_constraint_finding_text RBDI_SYMBOL(rbd_constraint_finding_text)
 #define rbd_constraint_rows RBDI_SYMBOL(rbd_constraint_rows)
 #define rbd_constraint_first RBDI_SYMBOL(rbd_constraint_first)
@@ -81,9 +80,9 @@ extern "C" {
 #define rbd_impact RBDI_SYMBOL(rbd_impact)
 #define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
 #define rbd_assemble RBDI_SYMBOL(rbd_assemble)
-#define rbd_constrained_derivatives RBDI_SYMBOL(rbd_constrained_derivatives)
-#define rbd_batch_constraints_size RBDI_OF_SCALAR(rbd_batch_constraints_size)
-#define rbd_batch_constraints_init RBDI_OF_SCALAR(rbd_batch_constraints_init)
+#define rbd_constrained_fd_derivatives RBDI_SYMBOL(rbd_constrained_fd_derivatives)
+#define rbd_batch_constraint_set_size RBDI_OF_SCALAR(rbd_batch_constraint_set_size)
+#define rbd_batch_constraint_set_init RBDI_OF_SCALAR(rbd_batch_constraint_set_init)
 #define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
 
 /* ---- description [description] ---- */
@@ -104,53 +103,52 @@ typedef struct rbd_constraint {
 /* Rows for what is common. Every field may be changed afterwards.
    Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
    origin, which is as good as any without kp. */
-RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
+RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
 /* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
-RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
+RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
 
 /* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
    and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
    refused as rotation1 or rotation2. */
-RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
-RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
-                                      const double point2[3], const double axis2[3]);
+RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
+RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                       const double point2[3], const double axis2[3]);
 
 /* ---- set [set] ---- */
 
 #define RBD_MAX_CONSTRAINTS 1000
 
-typedef struct rbd_constraints rbd_constraints; /* constraints that hold together, and scratch */
+typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
    use. Contacts that come and go: a set for each phase; they may share the work.
    list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment. RBD_CONSTRAINTS_SIZE(nv, rows) suffices, rows: axes held by all.
-            RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) is nearer; rbd_constraints_size says what this set takes
+   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+            RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
-   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _GAIN. */
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **c, rbd_report *report);
+   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
+                                            int n, void *memory, size_t size, rbd_constraint_set **c,
+                                            rbd_report *report);
 
-/* Bytes that rbd_constraints_init needs for these; 0 if n is out of range. */
-RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+/* Bytes that rbd_constraint_set_init needs for these; 0 if n is out of range. */
+RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
 
-#ifndef RBD_NO_TEXT
 /* As rbd_finding_text, e.g. "constraint 3 'left foot', field 'axes': no axis is held". */
-RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
-#endif
+RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
 
 /* Number of rows, axes held by all constraints; and the first row of a constraint, -1 if there is none. */
-RBD_API int rbd_constraint_rows(const rbd_constraints *c);
-RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint);
+RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
+RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* After rbd_constrained_fd and rbd_impact: the rank of J, a whole number (in each lane its own). */
-RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c);
+/* After rbd_constrained_fd and rbd_impact: the rank of J; with lanes the least of all states. */
+RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
 /* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
-RBD_API int rbd_infeasible_row(const rbd_constraints *c);
+RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
@@ -159,9 +157,9 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
-RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
-                                           rbd_real *e);
+RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
+                                            rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
@@ -171,17 +169,17 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
    all the same, and the second in the sense of least squares. A state in which rows depend on each other
    takes up to four times as long as one in which they do not. */
-RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *lambda);
+RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *lambda);
 
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1.
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1.
    Dependent rows never contradict each other here. */
-RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
+RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
    motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
@@ -189,13 +187,13 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
    lambda must be checked by the caller: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
               the task is rows with gains, too
-   actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
+   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
-RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
-                                      rbd_real *lambda);
+   Errors: also RBD_ERR_RANGE, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
+RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
+                                       rbd_real *lambda);
 
 /* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
    one that is nearest to v in the sum of weight (v_near - v)^2.
@@ -207,31 +205,32 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
+   Errors: also RBD_ERR_RANGE, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
-RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
+RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
+                                 rbd_real *v_near);
 
 /* ---- batches [batch] ----
    As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
    constraints the same for all. */
 
-typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
+typedef struct rbd_batch_constraint_set rbd_batch_constraint_set; /* scratch of one thread */
 
 RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
-   batch b of the model instead of a work. */
-RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
-RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
-                                                    const rbd_constraint *list, int n, void *memory,
-                                                    size_t size, rbd_batch_constraints **c,
-                                                    rbd_report *report);
+/* Bytes that rbd_batch_constraint_set_init needs, and the call itself: as rbd_constraint_set_size and _init,
+   of a batch b of the model instead of a work. */
+RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
+RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
+                                                        const rbd_constraint *list, int n, void *memory,
+                                                        size_t size, rbd_batch_constraint_set **c,
+                                                        rbd_report *report);
 
 /* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
    rows, and none after it is singular. */
-RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
+RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
 RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd_constraints.h ==== */
@@ -241,8 +240,7 @@ RBDI_EXTERN_C_CLOSE
 
 #endif /* RBD_CONSTRAINTS_H */
 
-#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS && \
-    !defined RBDI_CONSTRAINED_DERIVATIVES
+#if defined RBD_DERIVATIVES_H && !defined RBD_NO_CHOLESKY && !defined RBDI_CONSTRAINED_DERIVATIVES
 #define RBDI_CONSTRAINED_DERIVATIVES
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
@@ -250,25 +248,28 @@ extern "C" {
 
 /* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
-   Declared where rbd_derivatives.h was included before, and is not left out in parts: RBD_NO_DERIVATIVES and
-   RBD_NO_POINTS leave this out too. */
+   Declared where rbd_derivatives.h was included before. */
+
+/* Arrays for the results of rbd_constrained_fd_derivatives. NULL: not wanted. */
+typedef struct rbd_constrained_fd_results {
+    rbd_real *a, *lambda;                             /* nv, rows: as rbd_constrained_fd gives them */
+    rbd_real *da_dq, *da_dv, *da_dtau;                /* nv x nv */
+    rbd_real *dlambda_dq, *dlambda_dv, *dlambda_dtau; /* rows x nv */
+} rbd_constrained_fd_results;
 
 /* Derivatives of rbd_constrained_fd: what a step of q (column k: q moves with unit velocity of dof k), v or
    tau changes of a, nv x nv, and of lambda, rows x nv. f_ext stays fixed in its bodies' axes.
    d            of the same work
-   a, lambda    as rbd_constrained_fd gives them; each may be NULL
-   da_...       each with its dlambda_..., both or neither NULL, also where there are no rows; no two the
-                same array
+   out          da_... each with its dlambda_..., both or neither NULL, also where there are no rows; no two
+                the same array
    Of dependent rows the rank shall stay as it is. da is then unique; dlambda the change of least norm, of all
    that go with da: the solution of least norm changes by that and by a null vector of J'.
    Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
    Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
-RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constraints *c, rbd_derivatives *d,
-                                               const rbd_real *q, const rbd_real *v, const rbd_real *tau,
-                                               const rbd_real *f_ext, rbd_real *a, rbd_real *lambda,
-                                               rbd_real *da_dq, rbd_real *da_dv, rbd_real *da_dtau,
-                                               rbd_real *dlambda_dq, rbd_real *dlambda_dv,
-                                               rbd_real *dlambda_dtau);
+RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
+                                                   rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                                   const rbd_real *tau, const rbd_real *f_ext,
+                                                   const rbd_constrained_fd_results *out);
 
 /* ==== src/rbd_constraints.h ==== */
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
@@ -386,7 +387,7 @@ typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
 
-struct rbd_constraints {
+struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride;          /* stride: of rows, padded */
@@ -422,7 +423,8 @@ struct rbd_constraints {
 
 /* n constraints with so many row blocks at most. */
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, blocks) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
      RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
@@ -431,9 +433,9 @@ struct rbd_constraints {
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
 
 /* Bytes that suffice for any n constraints that hold this many axes together; and for any number of them. */
-#define RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) \
+#define RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) \
     RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 4 * RBDI_ROW_BATCH, 2 * (rows))
-#define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
+#define RBD_CONSTRAINT_SET_SIZE(nv, rows) RBD_CONSTRAINT_SET_SIZE_OF(nv, rows, rows)
 
 /* ==== src/rbd_constraints.h ==== */
 #endif /* RBDI_CONSTRAINTS_LAYOUT */
@@ -465,10 +467,8 @@ struct rbd_constraints {
 
 RBDI_CODE_BEGIN
 
-#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_ABA || defined RBD_NO_CHOLESKY || \
-    defined RBD_NO_KINEMATICS || defined RBD_NO_MANIFOLD
-#error "rbd: rbd_constraints.h needs RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA, RBD_NO_CHOLESKY, \
-RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
+#ifdef RBD_NO_CHOLESKY
+#error "rbd: rbd_constraints.h needs RBD_NO_CHOLESKY undefined"
 #endif
 
 /* ==== src/constraints/tolerances.h ==== */
@@ -527,7 +527,7 @@ typedef struct rbdi_station {
 } rbdi_station;
 
 /* The world, link -1, accelerates upward by -gravity if the links do; steady: these only turn. */
-RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraints *c, int link, rbdi_v3 p, int steady) {
+RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link, rbdi_v3 p, int steady) {
     rbdi_station s;
     s.p = p;
     s.omega = s.v = s.omega_dot = rbdi_vec0();
@@ -546,12 +546,12 @@ RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraints *c, int link, r
     }
     return s;
 }
-RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraints *c, int link, rbdi_v3 p) {
+RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     return rbdi_station_with(c, link, p, 0);
 }
 
 /* The origin of a frame of a constraint, fixed in its link. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_constraint *on, int side,
+RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side,
                                          int steady) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
@@ -559,7 +559,7 @@ RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_co
 }
 
 /* Orientation of the frame in the world. */
-static rbdi_mat rbdi_station_axes(const rbd_constraints *c, const rbdi_constraint *on, int side) {
+static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_mat R = rbdi_mat_c(on->R[side]);
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
@@ -602,7 +602,7 @@ typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
     const rbdi_batch zero = rbdi_zero_batch();
     for (int r = 0; r < k->rows; r += RBDI_BATCH)
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
@@ -631,7 +631,7 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
 
 /* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
-RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int want, int steady) {
     const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
@@ -662,7 +662,7 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraints *c, const rbdi_constr
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
-RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                         const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                         rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
@@ -673,7 +673,7 @@ RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, 
 }
 
 /* The columns of the dofs of a link that carries the point p. */
-RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
@@ -698,7 +698,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
 /* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
         rbdi_kin_links(m, c->w, first, end, v, moving);
@@ -709,7 +709,7 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_
 /* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
    with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
    there already. */
-RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, const rbd_real *v,
+RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
     const rbdi_state world = rbdi_world_state(gravity);
@@ -724,14 +724,15 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
 }
 
 /* Before Y and R are filled in another pattern. */
-static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
 /* Y = J', gamma, and what else is wanted, of a constraint. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, int want) {
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+                                 int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, k, &h);
@@ -761,20 +762,20 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
 }
 
 /* The sum of the squares of the distances of a constraint's links from the world's origin. */
-RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
+RBDI_INLINE void rbdi_add_levers(rbd_constraint_set *c, const rbdi_constraint *k) {
     for (int side = 0; side < 2; ++side)
         if (k->link[side] >= 0)
             c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
 }
 
 /* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
-static rbd_real rbdi_row_noise(const rbd_constraints *c) {
+static rbd_real rbdi_row_noise(const rbd_constraint_set *c) {
     return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
 /* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of the
    paths from the world; else from the common ancestor. Returns their number. */
-RBDI_INLINE int rbdi_list_dofs(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+RBDI_INLINE int rbdi_list_dofs(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
     const int16_t *dof = k->dof + first;
     int32_t *path = c->path;
@@ -784,7 +785,7 @@ RBDI_INLINE int rbdi_list_dofs(const rbd_constraints *c, const rbdi_constraint *
 }
 
 /* Rows i .. i + n - 1 of Delta from the diagonal on, of so many dofs. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, int i, int n, const rbdi_span *span,
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, int i, int n, const rbdi_span *span,
                                  const int16_t *dof, int dofs) {
     const rbd_real *inverse = c->stack, *Y = c->Y;
     const int32_t *path = c->path;
@@ -810,7 +811,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, int i, int n, const r
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-static void rbdi_delta(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int dofs = rbdi_list_dofs(c, k, whole), stop = k->row + k->rows;
     const rbdi_span *span = whole ? c->span : c->passed;
     const int16_t *dof = k->dof + k->dofs - dofs;
@@ -829,7 +830,7 @@ static void rbdi_delta(const rbd_constraints *c, const rbdi_constraint *k, int w
 typedef struct rbdi_batches {
     rbdi_batch x, y;
 } rbdi_batches;
-RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraints *c, int t, int low, int j) {
+RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int low, int j) {
     const int stride = c->stride;
     const rbd_real *r = &c->R[low * stride], *row = &c->R[t * stride];
     rbdi_batches b = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
@@ -841,7 +842,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraints *c, int t, int low
 }
 
 /* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
-RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraints *c, int t, int low, int end, rbd_real noise) {
+RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, int low, int end, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
     rbdi_mask none = rbdi_less(least, least), doubt;
@@ -858,7 +859,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraints *c, int t, int low, int en
 }
 
 /* lambda of rows first .. last - 1, that of the rows behind them being known up to `end`. */
-static void rbdi_back_substitute(rbd_constraints *c, int first, int last, int end) {
+static void rbdi_back_substitute(rbd_constraint_set *c, int first, int last, int end) {
     for (int t = last - 1; t >= first; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_batch sum = rbdi_zero_batch();
@@ -869,7 +870,7 @@ static void rbdi_back_substitute(rbd_constraints *c, int first, int last, int en
 }
 
 /* Rows of R and beta of a constraint. whole: as rbdi_list_dofs. Returns whether a pivot is in doubt. */
-static rbdi_mask rbdi_factor_rows(rbd_constraints *c, const rbdi_constraint *k, int whole) {
+static rbdi_mask rbdi_factor_rows(rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
     const int low = whole ? 0 : k->low, end = whole ? c->rows : k->end;
     rbdi_mask doubt = rbdi_less(noise, noise);
@@ -905,13 +906,13 @@ static rbdi_mask rbdi_is_index(rbd_real x, int k) {
                     rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
 }
 
-static rbdi_mask rbdi_dropped(const rbd_constraints *c, int t) {
+static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
 }
 
 /* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
    n - 1 other x, `next` apart. */
-static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step, int n, int next) {
+static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
         rbd_real *a = x + t * step, *b = x + j * step;
@@ -925,15 +926,15 @@ static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step
 }
 
 /* All exchanges: to the order of R, or back. */
-static void rbdi_to_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
     for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
 }
-static void rbdi_from_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
     for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
 }
 
 /* Of each row from t on the square of what is independent of the rows taken. */
-static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
+static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
         for (int k = t; k < nv; ++k) {
@@ -945,7 +946,7 @@ static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
 }
 
 /* Chooses the row of which the largest share is independent, and exchanges it with row t. */
-static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
+static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
         const rbd_real share = c->square[j] * c->share[j];
@@ -959,7 +960,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
 }
 
 /* Householder's reflection that leaves of column t but R_tt nothing below row t. */
-static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
+static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
     rbd_real *Z = c->R, *v = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -981,7 +982,7 @@ static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
 }
 
 /* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
-static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
@@ -1009,19 +1010,19 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
 }
 
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
-static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
+static void rbdi_null_vector(const rbd_constraint_set *c, int t, rbd_real *n) {
     n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
     for (int i = t - 1; i >= 0; --i)
         n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
 }
 
 /* It is kept as row t of c->R, in the lanes that have no other use for that. */
-static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
+static void rbdi_keep_null(const rbd_constraint_set *c, int t, const rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
     rbd_real *to = &c->R[t * c->stride];
     for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
 }
-static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
+static void rbdi_load_null(const rbd_constraint_set *c, int t, rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
     for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
 }
@@ -1038,7 +1039,7 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 
 /* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
    that come with them. */
-static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
+static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
     const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
@@ -1050,7 +1051,7 @@ static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint
 
 /* By how much the right-hand sides may contradict each other: c->demand; it and
    c->target are in the order of R then. */
-static void rbdi_bound_demand(rbd_constraints *c) {
+static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
         for (int r = k->row; r < k->row + k->rows; ++r)
@@ -1061,14 +1062,14 @@ static void rbdi_bound_demand(rbd_constraints *c) {
 }
 
 /* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
+static int rbdi_row_of_caller(const rbd_constraint_set *c, int at) {
     int r = 0;
     while (c->at[r] != at) ++r;
     return r;
 }
 
 /* Notes the row that stands at t if the targets have a component along its null vector n. */
-static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
+static void rbdi_check_row(rbd_constraint_set *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
     rbdi_mask bad;
     for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
@@ -1083,7 +1084,7 @@ static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
 }
 
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
-static void rbdi_null_space(const rbd_constraints *c) {
+static void rbdi_null_space(const rbd_constraint_set *c) {
     rbd_real *n = c->square, *before = c->share;
     for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -1098,7 +1099,7 @@ static void rbdi_null_space(const rbd_constraints *c) {
 }
 
 /* x loses its components along all null vectors. */
-static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
+static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
     for (int t = 0; c->exchanged && t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_load_null(c, t, c->square);
@@ -1107,7 +1108,7 @@ static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
 }
 
 /* Notes the first row that contradicts others. */
-static void rbdi_check_rows(rbd_constraints *c) {
+static void rbdi_check_rows(rbd_constraint_set *c) {
     rbdi_bound_demand(c);
     for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -1119,7 +1120,7 @@ static void rbdi_check_rows(rbd_constraints *c) {
 /* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
    agreement before: b loses its components along the null vectors, too. check: whether to note where they do
    not agree. */
-static void rbdi_solve_dependent(const rbd_model *m, rbd_constraints *c, int check) {
+static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {
     c->exchanged = 1;
     rbdi_orthogonalise(m, c);
     rbdi_to_order(c, c->b, 1, 1, 0);
@@ -1142,7 +1143,7 @@ RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *
 }
 
 /* lambda in the caller's order; what a call returns, status of the pivots being known. */
-static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c, rbd_status status,
+static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
     if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);
@@ -1166,8 +1167,8 @@ RBDI_INLINE void rbdi_subtract_path(rbd_real *Y, const int32_t *path, const rbd_
 /* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
    parts of the path, which do not know each other, come before what they share. The lanes behind the rows
    are those of the next constraint, and still zero. */
-RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k, int r,
-                               const rbd_real *L, int n) {
+RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraint_set *c, const rbdi_constraint *k,
+                               int r, const rbd_real *L, int n) {
     const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
     const rbdi_dof *dof = m->dof;
     const int32_t *path = c->path;
@@ -1188,7 +1189,7 @@ RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, con
 }
 
 /* Of a constraint: L^-T J' from J', and b. */
-static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                    const rbd_real *L) {
     const int n = rbdi_list_dofs(c, k, 1);
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
@@ -1196,7 +1197,7 @@ static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const
 
 /* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
    depth, has all that the dof loses. */
-static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbd_real *x = c->x, *stack = c->stack;
     rbdi_clear(stack, m->nv);
     for (int n = m->nv - 1; n >= 0; --n) {
@@ -1210,7 +1211,7 @@ static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_re
 }
 
 /* Y'lambda / D of dof k, whose rows are s. */
-RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraints *c, int k, rbdi_span s) {
+RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_span s) {
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
     for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
@@ -1219,7 +1220,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraints *c, int k, rbdi_span s
 }
 
 /* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbd_real *x = c->x, *stack = c->stack;
     for (int n = 0; n < m->nv; ++n) {
         const int k = c->order[n], depth = m->dof[k].depth;
@@ -1254,8 +1255,8 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_re
 #endif
 
 /* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
-RBDI_INLINE void rbdi_start_rows(const rbd_constraints *c, const rbdi_constraint *k, const rbdi_axes_held *h,
-                                 rbdi_v3 arm, int side) {
+RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
+                                 const rbdi_axes_held *h, rbdi_v3 arm, int side) {
     const rbdi_mat E = c->w->kin[k->link[side]].X.E;
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(E.xx, E.xy, E.xz)),
@@ -1348,7 +1349,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
 }
 
 /* A row block goes down the tree to link `stop`, if it is on the way; -1: to the world, which accelerates. */
-static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block *block, int stop) {
+static void rbdi_rows_to(const rbd_model *m, rbd_constraint_set *c, rbdi_row_block *block, int stop) {
     const int stride = c->stride;
     rbd_real *to = c->Y + block->row;
     rbdi_carried on;
@@ -1371,7 +1372,7 @@ static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block 
 }
 
 /* 1/D of the links on a path from `first` on, of those before number `at`. Returns how many are left. */
-static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int first) {
+static int rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c, int at, int first) {
     rbdi_mask none = rbdi_less(c->give, c->give);
     rbd_real give = c->give;
     for (; at > 0 && c->link[at - 1] >= first; --at) {
@@ -1387,7 +1388,7 @@ static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int
 }
 
 /* W = K R^-1 of the rows first .. end - 1, which the blocks from `on` on carry, before `stop`. */
-static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, const rbdi_row_block *on,
+static void rbdi_scaled_wrenches(const rbd_constraint_set *c, int first, int end, const rbdi_row_block *on,
                                  const rbdi_row_block *stop) {
     rbdi_clear(&c->W[6 * first], 6 * (end - first));
     for (; on < stop; ++on)
@@ -1405,7 +1406,7 @@ static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, c
 
 /* Eliminates the rows of the constraints first .. end - 1 on their common ancestor. IA and pA: what it feels
    of its children. */
-static rbdi_mask rbdi_eliminate(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
+static rbdi_mask rbdi_eliminate(rbd_constraint_set *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
     const rbdi_constraint *k = &c->constraint[first], *last = &c->constraint[end - 1];
     const int low = k->row, high = last->row + last->rows;
     rbdi_row_block *own = &c->block[k->block[0]], *stop = c->block + c->blocks,
@@ -1453,14 +1454,14 @@ static void rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_rea
 }
 
 /* The row blocks from number `first` on go down to link `stop`. */
-static void rbdi_rows_down(const rbd_model *m, rbd_constraints *c, int stop, int first, rbdi_progress *p) {
+static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, int stop, int first, rbdi_progress *p) {
     p->at = rbdi_path_inverse(m, c, p->at, stop + 1);
     for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
 }
 
 /* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
    a row is in doubt. */
-static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
+static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau) {
     int first = 0;
     rbdi_progress p;
     p.IA = rbdi_abi_zero(), p.pA = rbdi_force0(), p.doubt = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -1480,7 +1481,7 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
 
 /* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
    known. Returns the number of the next. */
-static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int end) {
+static int rbdi_push_links(const rbd_model *m, rbd_constraint_set *c, int at, int end) {
     for (; at < c->links && c->link[at] < end; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
@@ -1491,7 +1492,7 @@ static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int e
 }
 
 /* lambda of the constraints first .. end - 1 from y, the acceleration of their common ancestor. */
-static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_motion *y) {
+static void rbdi_solve_group(rbd_constraint_set *c, int first, int end, const rbdi_motion *y) {
     const rbdi_constraint *k = &c->constraint[end - 1];
     rbd_real Y[6];
     rbdi_motion_to_array(*y, Y);
@@ -1504,7 +1505,7 @@ static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_
 }
 
 /* Pass 3, and lambda. */
-static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_real *x) {
+static void rbdi_articulate_down(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     rbdi_motion world = rbdi_motion0(), y;
     world.v = c->world;
     y = world;
@@ -1522,7 +1523,8 @@ static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_rea
 
 /* x and lambda from the joints' torques, bias wrenches and target. Returns 0, x unknown, if a pivot of a
    joint or a row is in doubt. */
-static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
+static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau,
+                                  rbd_real *x) {
     c->give = rbdi_zero();
     rbdi_clear(c->lambda, c->stride);
     if (c->dirty) rbdi_clear_rows(m, c);
@@ -1536,7 +1538,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const 
 }
 
 /* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
-static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
     w->have_kinematics = 0;
@@ -1549,7 +1551,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
-static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
+static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_add_levers(c, k);
@@ -1571,7 +1573,7 @@ static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, 
 /* ==== src/constraints/calls.h ==== */
 /* ---- call code [call code] ---- */
 
-static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraints *c, int arrays) {
+static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
     if (!m || !c || !arrays) return RBD_ERR_NULL;
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
@@ -1579,7 +1581,7 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 }
 
 /* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L, int check) {
+static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
@@ -1597,21 +1599,21 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
 }
 
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
-static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
+static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set *c) {
     const rbdi_mask doubt = rbdi_factor(m, c->w, c->w->H);
     rbdi_sweep_back(m, c, c->w->H);
     return doubt;
 }
 
 /* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt, int check,
-                                         rbd_real *lambda) {
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
+                                         int check, rbd_real *lambda) {
     rbdi_multipliers(m, c, c->w->H, check);
     return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
 }
 
 /* r - gamma, by Baumgarte. */
-RBDI_INLINE void rbdi_stabilise(rbd_constraints *c, const rbdi_constraint *k) {
+RBDI_INLINE void rbdi_stabilise(rbd_constraint_set *c, const rbdi_constraint *k) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
         rbdi_batch x = rbdi_zero_batch() - *(const rbdi_batch *)&c->gamma[r];
         if (k->kd > 0) x = x - *(const rbdi_batch *)&c->u[r] * k->kd;
@@ -1625,7 +1627,7 @@ static int rbdi_stabilisation(const rbdi_constraint *k) {
 }
 
 /* By M = L'DL. */
-static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a,
                                    rbd_real *lambda) {
     rbd_work *w = c->w;
@@ -1651,8 +1653,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                               const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     if (c->factored) return 0;
     rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
     rbdi_external(m, c->w, f_ext);
@@ -1663,9 +1665,9 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd
     return rbdi_articulated_solve(m, c, tau, a);
 }
 
-RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *lambda) {
+RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
     if (status) return status;
     if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
@@ -1674,7 +1676,7 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 }
 
 /* The motion of all links without gravity. */
-static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                      const rbd_real *v) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
@@ -1684,7 +1686,7 @@ static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, con
 }
 
 /* The rows there. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int want) {
     rbdi_constraint_state_at(m, c, q, v);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
@@ -1692,7 +1694,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, cons
 }
 
 /* J v of a constraint as wanted after an impact, less J v before. */
-static void rbdi_rebound(rbd_constraints *c, const rbdi_constraint *k, rbd_real restitution) {
+static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }
 
@@ -1702,7 +1704,7 @@ static int rbdi_restitution_fits(rbd_real x) {
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
 
-static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, rbd_real restitution, rbd_real *impulse) {
     rbdi_mask doubt;
     rbd_crba_packed(m, c->w, q, c->w->H);
@@ -1718,7 +1720,7 @@ static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, c
 }
 
 /* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
-static int rbdi_articulated_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static int rbdi_articulated_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbd_real restitution) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (c->factored) return 0;
@@ -1731,11 +1733,11 @@ static int rbdi_articulated_impact(const rbd_model *m, rbd_constraints *c, const
     return rbdi_articulated_solve(m, c, c->w->zero, c->x);
 }
 
-RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
+RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
-    if (!rbdi_restitution_fits(restitution)) return RBD_ERR_GAIN;
+    if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
     if (rbdi_articulated_impact(m, c, q, v, restitution))
         status = rbdi_constrained_status(m, c, RBD_OK, impulse);
     else
@@ -1745,8 +1747,8 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
     return status;
 }
 
-RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
+RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
     rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
@@ -1771,25 +1773,25 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
 }
 
 /* x += D^-1 J' lambda, of least norm, J x = target. */
-static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_weighted_solve(const rbd_model *m, rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_reduce_constraint(m, c, k, NULL);
     rbdi_multipliers(m, c, NULL, 0);
 }
 
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
-static int rbdi_is_passive(const rbd_model *m, const int *actuated, int k) {
+static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
 }
 
-RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
-                                      rbd_real *lambda) {
+RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
+                                       rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
     if (status) return status;
-    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_GAIN;
+    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     for (int r = 0; r < c->rows; ++r)
@@ -1829,7 +1831,7 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
 /* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
    one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
    they curve, steps with it may end too late or never. */
-static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
+static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -1846,7 +1848,7 @@ static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share
 }
 
 /* Takes one step, with this share of the distance; returns its length. */
-static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near, rbd_real share) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, k;
@@ -1861,7 +1863,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* q_near, from q. */
-static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
     rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
@@ -1880,12 +1882,13 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const
     rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
 }
 
-RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near) {
+RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
+                                 rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
     rbd_real open;
     if (status) return status;
-    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
+    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_RANGE;
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
@@ -1906,22 +1909,24 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
-RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
+RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }
 
-RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
+RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
     for (int i = 0; c && i < c->n; ++i)
         if (c->constraint[i].index == constraint) return rbdi_row_of_caller(c, c->constraint[i].row);
     return -1;
 }
 
-RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
+RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
     rbd_real rank = rbdi_zero();
+    int least = c ? c->rows : 0;
     for (int r = 0; c && r < c->rows; ++r)
         rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
-    return rank;
+    while (least > 0 && rbdi_any(rbdi_less(rank, rbdi_set(RBD_C(least))))) --least;
+    return least;
 }
 
-RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasible : -1; }
+RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->infeasible : -1; }
 
 /* ==== src/rbd_constraints.h ==== */
 #ifdef RBDI_CONSTRAINED_DERIVATIVES
@@ -1934,7 +1939,7 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasi
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
    so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
-   tau rho = -1 and sigma = 0. d ID is rbd_rnea_derivatives. The rest depends on the motion of the two
+   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
    bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
    axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
    S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
@@ -1982,7 +1987,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_encounter rbdi_encounter_of(const rbd_constraints *c, const rbdi_constraint *k) {
+static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
     rbdi_encounter x;
     const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
@@ -2014,7 +2019,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraints *c, const rbdi_con
 }
 
 /* Dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraints *c, const rbdi_encounter *x,
+static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
@@ -2101,7 +2106,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 }
 
 /* rho += -d(J' lambda), and sigma, of a constraint. */
-static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, const rbd_derivatives *d,
+static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
                                const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
     const rbdi_encounter x = rbdi_encounter_of(c, k);
@@ -2125,7 +2130,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, con
 }
 
 /* -T = -L^-1 D^-1 Y in place of Y. */
-static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         rbd_real *y = &c->Y[k * c->stride];
@@ -2136,7 +2141,7 @@ static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real
 }
 
 /* n columns of rows n apart lose their components along the null vectors. */
-static void rbdi_project_columns(rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
     rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
     for (int column = 0; rbdi_any(any) && column < n; ++column) {
@@ -2147,7 +2152,7 @@ static void rbdi_project_columns(rbd_constraints *c, rbd_real *X, int n) {
 }
 
 /* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
-static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
     rbdi_to_order(c, X, n, n, 1);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
@@ -2164,7 +2169,8 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
 }
 
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
-static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd_real *rho, rbd_real *sigma) {
+static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                               rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -2175,7 +2181,7 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd
 }
 
 /* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
-static void rbdi_caller_order(const rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
     for (int r = 0; r < c->rows; ++r) {
         int from = c->at[r];
         while (from < r) from = c->at[from];
@@ -2187,33 +2193,33 @@ static void rbdi_caller_order(const rbd_constraints *c, rbd_real *X, int n) {
     }
 }
 
-RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constraints *c, rbd_derivatives *d,
-                                               const rbd_real *q, const rbd_real *v, const rbd_real *tau,
-                                               const rbd_real *f_ext, rbd_real *a, rbd_real *lambda,
-                                               rbd_real *da_dq, rbd_real *da_dv, rbd_real *da_dtau,
-                                               rbd_real *dlambda_dq, rbd_real *dlambda_dv,
-                                               rbd_real *dlambda_dtau) {
+RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
+                                                   rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                                   const rbd_real *tau, const rbd_real *f_ext,
+                                                   const rbd_constrained_fd_results *out) {
+    const rbd_constrained_fd_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+    const rbd_constrained_fd_results to = out ? *out : none_wanted;
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbd_real *const of_a[3] = {da_dq, da_dv, da_dtau};
-    rbd_real *const of_lambda[3] = {dlambda_dq, dlambda_dv, dlambda_dtau};
+    rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
+    rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
     const int nv = m ? m->nv : 0;
     int pairs = 1;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
-    status = rbdi_check_constraints(m, c, d && q && v && tau && pairs);
+    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, lambda);
-    if (da_dq || da_dv) (void)rbd_rnea_derivatives(m, d, q, v, d->a, f_ext, da_dq, da_dv, NULL);
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
+    if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_differentiate(m, c, d, k, da_dq, dlambda_dq, dlambda_dv);
+        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
     rbdi_response(m, c, c->w->H);
-    if (da_dtau) rbdi_clear(da_dtau, nv * nv);
-    for (int k = 0; da_dtau && k < nv; ++k) da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
+    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
@@ -2226,7 +2232,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
         }
         rbdi_caller_order(c, of_lambda[x], nv);
     }
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }
 
@@ -2266,28 +2272,27 @@ static void rbdi_frame_along(const double axis[3], double R[9]) {
     for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
 }
 
-RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
+RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
     return rbdi_constraint_of(body, point, -1, place, 0);
 }
 
-RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]) {
+RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]) {
     return rbdi_constraint_of(body, point, -1, place, 3);
 }
 
-RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]) {
+RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]) {
     return rbdi_constraint_of(body1, point1, body2, point2, 0);
 }
 
-RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
-                                      const double point2[3], const double axis2[3]) {
+RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                       const double point2[3], const double axis2[3]) {
     rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
     if (axis1) rbdi_frame_along(axis1, k.rotation1);
     if (axis2) rbdi_frame_along(axis2, k.rotation2);
     return k;
 }
 
-#ifndef RBD_NO_TEXT
-RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
+RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
     rbd_finding rest;
     size_t at = 0;
     if (!finding || !text || size == 0) return text;
@@ -2306,7 +2311,6 @@ RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text
     rbd_finding_text(&rest, text + at, size - at);
     return text;
 }
-#endif
 
 static int rbdi_held_axes(const rbd_constraint *k) {
     int n = 0;
@@ -2330,7 +2334,7 @@ static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
     return blocks;
 }
 
-RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
@@ -2363,8 +2367,8 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     RBDI_REQUIRE(rbdi_is_rotation(k->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
     RBDI_REQUIRE(rbdi_finite(k->position2, 3), RBD_ERR_POSITION, "position2", NULL);
     RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_GAIN, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_GAIN, "kd", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_RANGE, "kp", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_RANGE, "kd", NULL);
 #undef RBDI_REQUIRE
     return RBD_OK;
 }
@@ -2442,7 +2446,7 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
 
 /* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
    what both paths begin with too; articulated bodies eliminate them before: `passed`. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
     const int end = k->row + k->rows;
     k->trunk = 0;
     for (int side = 0; side < 2; ++side) {
@@ -2468,7 +2472,7 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constra
 }
 
 /* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
-static void rbdi_know_each_other(rbd_constraints *c) {
+static void rbdi_know_each_other(rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
         k->low = k->row, k->end = (int16_t)(k->row + k->rows);
@@ -2496,7 +2500,7 @@ static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
 }
 
 /* Rows and row blocks in the order of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraints *c) {
+static void rbdi_number_rows(rbd_constraint_set *c) {
     int row = 0;
     c->blocks = 0;
     for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
@@ -2563,7 +2567,7 @@ static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
 }
 
 /* Whether the rows between the two links of a constraint must depend on each other. */
-static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k) {
+static int rbdi_too_many_rows(const rbd_constraint_set *c, const rbdi_constraint *k) {
     int rows = 0;
     for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
         if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
@@ -2573,14 +2577,14 @@ static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k
 }
 
 /* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
-static int rbdi_needs_factor(const rbd_model *m, const rbd_constraints *c) {
+static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
     int needs = m->nmimic > 0 || c->rows > m->nv;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
     return needs;
 }
 
-/* What rbd_constraints_init was given. */
+/* What rbd_constraint_set_init was given. */
 static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
                                   const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
@@ -2596,15 +2600,16 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
         const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
         if (status) return status;
     }
-    if (size < rbd_constraints_size(m, list, n)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    if (size < rbd_constraint_set_size(m, list, n))
+        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     return RBD_OK;
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
-    rbd_constraints *c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
+    rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
     rbd_real *x;
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
@@ -2629,11 +2634,11 @@ static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks
     return c;
 }
 
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **constraints,
-                                        rbd_report *report) {
+RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
+                                            int n, void *memory, size_t size,
+                                            rbd_constraint_set **constraints, rbd_report *report) {
     rbd_report own;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     rbd_status status;
     int row = 0;
     if (!report) report = &own;
@@ -2670,30 +2675,30 @@ RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const r
 #ifdef RBD_BATCH_IMPLEMENTATION
 RBDI_EXTERN_C_BEGIN
 
-struct rbd_batch_constraints {
+struct rbd_batch_constraint_set {
     rbd_batch *b;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     rbd_real *y; /* outputs of the states at hand */
 };
 
 static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
-    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraints)) +
+    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraint_set)) +
            RBDI_ROUND(sizeof(rbd_real) * (size_t)(m->nv + rows));
 }
 
-RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
-    const size_t size = rbd_constraints_size(m, list, n);
+RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
+    const size_t size = rbd_constraint_set_size(m, list, n);
     return size ? size + rbdi_batch_constraints_own(m, rbdi_rows_of(list, n)) : 0;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
-                                                    const rbd_constraint *list, int n, void *memory,
-                                                    size_t size, rbd_batch_constraints **constraints,
-                                                    rbd_report *report) {
-    rbd_batch_constraints *c;
-    rbd_constraints *inner = NULL;
+RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
+                                                        const rbd_constraint *list, int n, void *memory,
+                                                        size_t size, rbd_batch_constraint_set **constraints,
+                                                        rbd_report *report) {
+    rbd_batch_constraint_set *c;
+    rbd_constraint_set *inner = NULL;
     unsigned char *p, *at;
-    const size_t needed = rbd_batch_constraints_size(m, list, n);
+    const size_t needed = rbd_batch_constraint_set_size(m, list, n);
     const int room = memory && needed && size >= needed;
     rbd_status status;
     int rows = 0;
@@ -2701,10 +2706,10 @@ RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batc
     if (room) rows = rbdi_rows_of(list, n);
     p = at = room ? rbdi_aligned(memory) : (unsigned char *)memory;
     if (room) at += rbdi_batch_constraints_own(m, rows) - RBDI_ALIGN;
-    status = rbd_constraints_init(m, b && constraints ? b->w : NULL, list, n, at,
-                                  room ? rbd_constraints_size(m, list, n) : 0, &inner, report);
+    status = rbd_constraint_set_init(m, b && constraints ? b->w : NULL, list, n, at,
+                                     room ? rbd_constraint_set_size(m, list, n) : 0, &inner, report);
     if (status) return status;
-    c = (rbd_batch_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraints)));
+    c = (rbd_batch_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraint_set)));
     c->b = b, c->c = inner;
     c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
     *constraints = c;
@@ -2712,12 +2717,12 @@ RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batc
 }
 
 static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
-    return rbd_constrained_fd(m, (rbd_constraints *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
+    return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1]);
 }
-RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
+RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
     rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
     if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
     rbdi_task_output(&t, 0, a, rbd_nv(m));

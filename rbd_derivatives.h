@@ -13,7 +13,7 @@
        unsigned char memory[RBD_DERIVATIVES_SIZE(NB, NV)];
        rbd_derivatives *d;
        rbd_derivatives_init(m, w, memory, sizeof memory, &d);
-       rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
+       rbd_id_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
      [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
@@ -31,27 +31,19 @@
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
 /* ==== src/api/derivatives_parts.h ==== */
-/* What may be left out: see [memory]. */
-#if defined RBD_NO_DERIVATIVES || defined RBDI_NO_FD_CHOLESKY
-#define RBDI_NO_FD_DERIVATIVES
-#endif
-#if defined RBD_NO_DERIVATIVES || defined RBD_NO_MANIFOLD
-#define RBDI_NO_STEP_DERIVATIVES
-#endif
-
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
 #define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
-#define rbd_rnea_free_base RBDI_SYMBOL(rbd_rnea_free_base)
-#define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
-#define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+#define rbd_id_free_base RBDI_SYMBOL(rbd_id_free_base)
+#define rbd_id_derivatives RBDI_SYMBOL(rbd_id_derivatives)
+#define rbd_gravity_torque_derivatives RBDI_SYMBOL(rbd_gravity_torque_derivatives)
 #define rbd_keep_zeros RBDI_SYMBOL(rbd_keep_zeros)
 #define rbd_fd_derivatives RBDI_SYMBOL(rbd_fd_derivatives)
 #define rbd_regressor RBDI_SYMBOL(rbd_regressor)
@@ -65,7 +57,7 @@
 #define rbd_batch_derivatives_init RBDI_OF_SCALAR(rbd_batch_derivatives_init)
 #define rbd_batch_momentum_matrix RBDI_OF_SCALAR(rbd_batch_momentum_matrix)
 #define rbd_batch_coriolis RBDI_OF_SCALAR(rbd_batch_coriolis)
-#define rbd_batch_rnea_derivatives RBDI_OF_SCALAR(rbd_batch_rnea_derivatives)
+#define rbd_batch_id_derivatives RBDI_OF_SCALAR(rbd_batch_id_derivatives)
 #define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
 #define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
@@ -87,56 +79,48 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
    d        receives the structure, which lies inside memory: do not move it
    It holds constants of the model m in another order: call it again when those have changed. With any other
    model every call returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
-RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
-                                        rbd_derivatives **d);
+RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                         rbd_derivatives **d);
 
 /* Bytes that rbd_derivatives_init needs for this model. */
-RBD_API size_t rbd_derivatives_size(const rbd_model *m);
-
-/* For linkers that keep all functions of a file: RBD_NO_MOMENTUM leaves section [momentum] out,
-   RBD_NO_CORIOLIS [coriolis], RBD_NO_HYBRID [free base], RBD_NO_REGRESSOR [identification],
-   RBD_NO_DERIVATIVES the rest. Derivatives of forward dynamics go with rbd_fd_cholesky, those of steps with
-   RBD_NO_MANIFOLD too. */
+RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 
 /* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
 /* ---- momentum [momentum] ---- */
 
-#ifndef RBD_NO_MOMENTUM
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
    all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
    the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
-RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
+RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
 /* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
    no mass. */
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                    rbd_real *jacobian);
-#endif
+RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     rbd_real *jacobian);
 
 /* ---- Coriolis matrix [coriolis] ---- */
 
-#ifndef RBD_NO_CORIOLIS
-/* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity) and dM/dt - 2 C
-   skew: C = sum over the bodies of J' (I dJ/dt + B J), B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
+/* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity_torque) and
+   dM/dt - 2 C skew: C = sum over the bodies of J' (I dJ/dt + B J),
+   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
    the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
    where v are rates of q. Echeandia and Wensing (2021). */
-RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *matrix);
-#endif
+RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 rbd_real *matrix);
 
 /* ---- inverse dynamics with a free base [free base] ---- */
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
    all joints given but floating ones on the world, of which the torques are, in half of its instructions.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
-RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
+RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
 #endif
 
 /* ---- derivatives of inverse dynamics [inverse dynamics] ----
@@ -146,35 +130,33 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
    its tangent step e, omega in body axes, dp = p (e/2, 0): the derivative by p is two times that by e with
    p' (conjugate) multiplied from the left, d/dp = 2 d/de vec(p' dp). */
 
-#ifndef RBD_NO_DERIVATIVES
 /* Derivatives of tau = rbd_rnea(q, v, a, f_ext): dtau_dq and dtau_dv, nv x nv, and the mass matrix M =
    dtau/da, nv x nv. Any of the three may be NULL, and is then not computed. The common frame's form of
    Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
-RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
+RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
 
-/* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
-RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                           rbd_real *dg_dq);
+/* Derivative of the gravity torque rbd_gravity_torque(q) by q: dg_dq, nv x nv. */
+RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                                   rbd_real *dg_dq);
 
 /* Matrices of these calls, of rbd_coriolis and of rbd_regressor are written whole. With keep other than 0
    what is zero in all states, dofs on different branches, bodies that a dof does not move, need not be
    written any more, for a caller who cleared the matrix once (as 0 or not at all: less memory passes). Not
    with mimic joints. Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
-#endif
+RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */
 
-#ifndef RBDI_NO_FD_DERIVATIVES
+#ifndef RBD_NO_CHOLESKY
 /* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
    da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx =
    -M^-1 dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be
    v or tau. Also RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
-RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
+RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
 #endif
 
 /* ---- regressors and inertial parameters [identification] ----
@@ -182,46 +164,42 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
    not the centre of mass; link axes. Torques and energies are linear in them (Atkeson, An and Hollerbach
    1986). */
 
-#ifndef RBD_NO_REGRESSOR
 /* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
    one after the other. Columns of bodies that no joint moves are zero. */
-RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *regressor);
+RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *a, rbd_real *regressor);
 
 /* Energy regressors, 10 nb each, for rbd_energy's figures: kinetic = Y_kinetic pi + sum of armature v^2 / 2,
    potential = Y_potential pi. Either may be NULL; v may be NULL if Y_kinetic is. */
-RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential);
+RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                          const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential);
 
 /* The parameters of a body of the model, as it was described. Errors: RBD_ERR_NULL, _INDEX. */
-RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
+RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
 
 #ifndef RBD_NO_BUILD
 /* Sets mass, com and inertia of a row of a description to these parameters. Without mass com becomes 0.
    Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
+RBDI_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
 
 /* Whether a body can have these parameters: RBD_OK if some distribution of mass does, else RBD_ERR_MASS
    (negative, or not a number), _COM (moment without mass) or _INERTIA (the second moment of mass about the
    centre of mass, tr(I)/2 - I, has a negative principal value beyond rounding). Errors: RBD_ERR_NULL.
    Traversaro et al. (2016); Wensing, Kim and Slotine (2018). */
-RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
-#endif
+RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
    What linearises a step on a floating base. Rows and columns: tangent components, as v; q moves by
    rbd_integrate(q, t e_k), so do results. Either output may be NULL. Errors: RBD_ERR_NULL. */
 
-#ifndef RBDI_NO_STEP_DERIVATIVES
 /* Of q_next = rbd_integrate(q, v, dt) by q and by v: dnext_dq, dnext_dv, nv x nv. They do not depend on q. */
-RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
-                                             rbd_real *dnext_dq, rbd_real *dnext_dv);
+RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                              rbd_real *dnext_dq, rbd_real *dnext_dv);
 
 /* Of d = rbd_difference(q0, q1) by q0 and by q1: dd_dq0, dd_dq1, nv x nv. */
-RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
-                                              rbd_real *dd_dq0, rbd_real *dd_dq1);
-#endif
+RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                               rbd_real *dd_dq0, rbd_real *dd_dq1);
 
 /* ---- batches [batch] ----
    As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, each
@@ -233,35 +211,27 @@ typedef struct rbd_batch_derivatives rbd_batch_derivatives; /* scratch of one th
 RBDI_EXTERN_C_BEGIN
 /* Bytes that rbd_batch_derivatives_init needs, and the call itself: as rbd_derivatives_size and _init, of a
    batch b of the model instead of a work. */
-RBD_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
-RBD_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                    size_t size, rbd_batch_derivatives **d);
-#ifndef RBD_NO_MOMENTUM
-RBD_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
-                                                   RBD_REAL *A_dot_v);
+RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
+RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
+                                                     size_t size, rbd_batch_derivatives **d);
+RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
+                                                    RBD_REAL *A_dot_v);
+RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
+RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
+                                                   RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
+#ifndef RBD_NO_CHOLESKY
+RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
+                                                   RBD_REAL *da_dv, RBD_REAL *Minv);
 #endif
-#ifndef RBD_NO_CORIOLIS
-RBD_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
-#endif
-#ifndef RBD_NO_DERIVATIVES
-RBD_BATCH_API rbd_status rbd_batch_rnea_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                    const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                    RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
-#endif
-#ifndef RBDI_NO_FD_DERIVATIVES
-RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                  RBD_REAL *da_dv, RBD_REAL *Minv);
-#endif
-#ifndef RBD_NO_REGRESSOR
-RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                             RBD_REAL *regressor);
-#endif
+RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                              RBD_REAL *regressor);
 RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd_derivatives.h ==== */
@@ -1524,7 +1494,7 @@ RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
 }
 
-RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
+RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
     const int n = m ? m->nv + m->nmimic : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
@@ -1664,8 +1634,8 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
-RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
-                                        rbd_derivatives **derivatives) {
+RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                         rbd_derivatives **derivatives) {
     const rbd_status status = rbdi_check(m, w, memory && derivatives);
     unsigned char *p;
     rbd_derivatives *d;
@@ -1786,7 +1756,6 @@ RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
     return C;
 }
 
-#ifndef RBD_NO_MOMENTUM
 /* From a free base's axes to the world's, E being its rotation. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
@@ -1867,8 +1836,8 @@ RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives 
     rbdi_store_force(A_dot_v, 1, F);
 }
 
-RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
+RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_v3 com;
@@ -1881,7 +1850,7 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
+RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
@@ -1889,13 +1858,11 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
     rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
     return RBD_OK;
 }
-#endif
 
 /* ---- Coriolis matrix [coriolis code] ---- */
 
-#ifndef RBD_NO_CORIOLIS
-RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *C) {
+RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 rbd_real *C) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
@@ -1904,7 +1871,6 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     rbdi_put_base_block(d, NULL, C, NULL);
     return RBD_OK;
 }
-#endif
 
 /* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
@@ -1914,7 +1880,7 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
    torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
    rbd_hybrid. */
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
@@ -1990,11 +1956,11 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
         bases += base;
     }
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
-    return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
+    return rbd_hybrid(m, d->work, q, v, given, a, tau, f_ext);
 }
 
-RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real *f;
@@ -2023,10 +1989,9 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
 /* ==== src/derivatives/inverse_dynamics.h ==== */
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
-#ifndef RBD_NO_DERIVATIVES
-RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
+RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
@@ -2036,8 +2001,8 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                           rbd_real *dg_dq) {
+RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                                   rbd_real *dg_dq) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
     if (status) return status;
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
@@ -2048,12 +2013,11 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
+RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
     if (!d) return RBD_ERR_NULL;
     d->keep_zeros = keep;
     return RBD_OK;
 }
-#endif
 
 /* ==== src/derivatives/forward_dynamics.h ==== */
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
@@ -2071,7 +2035,7 @@ RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
-#ifndef RBDI_NO_FD_DERIVATIVES
+#ifndef RBD_NO_CHOLESKY
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
     return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
 }
@@ -2202,9 +2166,9 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
     }
 }
 
-RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
+RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
     const int nv = m ? m->nv : 0, need = RBDI_NEED_WRENCH | (da_dq || da_dv ? RBDI_NEED_V : 0);
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
     rbd_real *sides[2];
@@ -2244,7 +2208,6 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
 /* ==== src/derivatives/regressors.h ==== */
 /* ---- regressors and inertial parameters [identification code] ---- */
 
-#ifndef RBD_NO_REGRESSOR
 /* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
    inertia. */
 #ifdef RBDI_FOURS
@@ -2386,8 +2349,8 @@ RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S
 }
 
 /* A free base's six rows are the unit wrenches themselves. */
-RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *Y) {
+RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *a, rbd_real *Y) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
     const rbdi_entry *entry;
@@ -2423,8 +2386,8 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
+RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                          const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
     const int need = Y_kinetic ? RBDI_NEED_V : 0;
     if (status) return status;
@@ -2463,7 +2426,7 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
+RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
     const rbdi_frame *u;
     rbd_const m_, x, y, z;
     if (!m || !pi) return RBD_ERR_NULL;
@@ -2478,7 +2441,7 @@ RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const p
 }
 
 #ifndef RBD_NO_BUILD
-RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
+RBDI_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
     double c[3], mass;
     if (!body || !pi) return RBD_ERR_NULL;
     mass = (double)pi[0];
@@ -2494,7 +2457,7 @@ RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
+RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
     double trace, size = 0, Sigma[6]; /* trace: about the centre of mass; size: of the figures as given */
     if (!pi) return RBD_ERR_NULL;
@@ -2509,7 +2472,6 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
     return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
 }
-#endif
 #endif
 
 /* ==== src/derivatives/steps.h ==== */
@@ -2532,7 +2494,6 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
-#ifndef RBDI_NO_STEP_DERIVATIVES
 /* f(ad): b, c and their derivatives by x. */
 typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
@@ -2614,8 +2575,8 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, co
         for (int j = 0; j < u->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }
 
-RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
-                                             rbd_real *dnext_dq, rbd_real *dnext_dv) {
+RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                              rbd_real *dnext_dq, rbd_real *dnext_dv) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !v) return RBD_ERR_NULL;
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
@@ -2629,8 +2590,8 @@ RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
-                                              rbd_real *dd_dq0, rbd_real *dd_dq1) {
+RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                               rbd_real *dd_dq0, rbd_real *dd_dq1) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !q0 || !q1) return RBD_ERR_NULL;
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
@@ -2645,7 +2606,6 @@ RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real
     }
     return RBD_OK;
 }
-#endif
 
 /* ==== src/derivatives/batch.h ==== */
 /* ---- batches [batch code] ---- */
@@ -2663,20 +2623,18 @@ struct rbd_batch_derivatives {
    regressor. */
 static int rbdi_derivatives_output(const rbd_model *m) {
     int most = (3 * m->nv + 6) * m->nv + 6;
-#ifndef RBD_NO_REGRESSOR
     if (most < 10 * m->nb * m->nv) most = 10 * m->nb * m->nv;
-#endif
     return most;
 }
 
-RBD_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
+RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_derivatives)) + rbd_derivatives_size(m) +
            sizeof(rbd_real) * (size_t)rbdi_derivatives_output(m);
 }
 
-RBD_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                    size_t size, rbd_batch_derivatives **derivatives) {
+RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
+                                                     size_t size, rbd_batch_derivatives **derivatives) {
     unsigned char *p;
     rbd_batch_derivatives *d;
     rbd_status status;
@@ -2698,58 +2656,52 @@ static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_mod
     return rbdi_batch_run(call, m, d->b, n, d->y, t);
 }
 
-#ifndef RBD_NO_MOMENTUM
 static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
     return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
 }
-RBD_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
-                                                   RBD_REAL *A_dot_v) {
+RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
+                                                    RBD_REAL *A_dot_v) {
     rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
     rbdi_task_output(&t, 0, A, 6 * rbd_nv(m));
     rbdi_task_output(&t, 1, A_dot_v, 6);
     return rbdi_batch_derivatives_run(rbdi_lanes_momentum_matrix, m, d, n, &t);
 }
-#endif
 
-#ifndef RBD_NO_CORIOLIS
 static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
     return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C) {
+RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C) {
     rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
     rbdi_task_output(&t, 0, C, rbd_nv(m) * rbd_nv(m));
     return rbdi_batch_derivatives_run(rbdi_lanes_coriolis, m, d, n, &t);
 }
-#endif
 
-#ifndef RBD_NO_DERIVATIVES
 static rbd_status rbdi_lanes_rnea_derivatives(const rbd_model *m, const rbdi_task *t) {
-    return rbd_rnea_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
-                                t->y[1], t->y[2]);
+    return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
+                              t->y[1], t->y[2]);
 }
-RBD_BATCH_API rbd_status rbd_batch_rnea_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                    const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                    RBD_REAL *dtau_dv, RBD_REAL *M) {
+RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
+                                                   RBD_REAL *dtau_dv, RBD_REAL *M) {
     rbdi_task t = rbdi_task_of(q, v, a, f_ext);
     rbdi_task_output(&t, 0, dtau_dq, rbd_nv(m) * rbd_nv(m));
     rbdi_task_output(&t, 1, dtau_dv, rbd_nv(m) * rbd_nv(m));
     rbdi_task_output(&t, 2, M, rbd_nv(m) * rbd_nv(m));
     return rbdi_batch_derivatives_run(rbdi_lanes_rnea_derivatives, m, d, n, &t);
 }
-#endif
 
-#ifndef RBDI_NO_FD_DERIVATIVES
+#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
 }
-RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                  RBD_REAL *da_dv, RBD_REAL *Minv) {
+RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
+                                                   RBD_REAL *da_dv, RBD_REAL *Minv) {
     rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
     rbdi_task_output(&t, 0, a, rbd_nv(m));
     rbdi_task_output(&t, 1, da_dq, rbd_nv(m) * rbd_nv(m));
@@ -2759,18 +2711,16 @@ RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_
 }
 #endif
 
-#ifndef RBD_NO_REGRESSOR
 static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                             RBD_REAL *Y) {
+RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                              RBD_REAL *Y) {
     rbdi_task t = rbdi_task_of(q, v, a, NULL);
     rbdi_task_output(&t, 0, Y, m ? 10 * m->nb * m->nv : 0);
     return rbdi_batch_derivatives_run(rbdi_lanes_regressor, m, d, n, &t);
 }
-#endif
 
 RBDI_EXTERN_C_CLOSE
 #endif /* RBD_BATCH_IMPLEMENTATION */

@@ -174,10 +174,10 @@ rbd_urdf_status rbd_urdf_parse(const char *text, size_t length, const rbd_urdf_o
    In what the last call filled: all is unknown after an error and after a call that only counted. */
 
 /* Index of the body that this joint moves, -1 if there is none: the joint is fixed or unknown. */
-int rbd_urdf_joint(const rbd_urdf *robot, const char *joint);
+int rbd_urdf_joint_index(const rbd_urdf *robot, const char *joint);
 
 /* Index in frames of a link, -1 if there is none (or frames were not asked for). */
-int rbd_urdf_link(const rbd_urdf *robot, const char *link);
+int rbd_urdf_link_index(const rbd_urdf *robot, const char *link);
 
 #ifdef __cplusplus
 }
@@ -1798,7 +1798,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     return "unknown status";
 }
 
-int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
+int rbd_urdf_joint_index(const rbd_urdf *robot, const char *joint) {
     if (!rbdi_urdf::is_filled(robot) || !joint) return -1;
     for (int i = 0; i < robot->nb; ++i)
         if (robot->bodies[i].type != RBD_FIXED && robot->bodies[i].joint &&
@@ -1807,7 +1807,7 @@ int rbd_urdf_joint(const rbd_urdf *robot, const char *joint) {
     return -1;
 }
 
-int rbd_urdf_link(const rbd_urdf *robot, const char *link) {
+int rbd_urdf_link_index(const rbd_urdf *robot, const char *link) {
     if (!rbdi_urdf::is_filled(robot) || !robot->frames || !link) return -1;
     for (int i = 0; i < robot->nframes; ++i)
         if (std::strcmp(robot->frames[i].link, link) == 0) return i;

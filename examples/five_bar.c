@@ -26,10 +26,10 @@ static const rbd_body bodies[NB] = {ROD(-1, -0.1, 0.25, 0.6), ROD(0, 0.25, 0.35,
                                     ROD(-1, 0.1, 0.25, 0.6), ROD(2, 0.25, 0.35, 0.3)};
 
 static unsigned char model_memory[RBD_MODEL_SIZE(NB)], memory[RBD_WORK_SIZE(NB, NV)],
-    set_memory[RBD_CONSTRAINTS_SIZE(NV, ROWS)];
+    set_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
 static const rbd_model *m;
 static rbd_work *w;
-static rbd_constraints *loop;
+static rbd_constraint_set *loop;
 
 static void check(rbd_status status) {
     if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
@@ -43,7 +43,7 @@ static void describe(void) {
     k.kp = 400, k.kd = 40; /* drift comes back within 0.1 s */
     check(rbd_model_build(bodies, NB, model_memory, sizeof model_memory, &m, NULL));
     check(rbd_work_init(m, memory, sizeof memory, &w));
-    check(rbd_constraints_init(m, w, &k, 1, set_memory, sizeof set_memory, &loop, NULL));
+    check(rbd_constraint_set_init(m, w, &k, 1, set_memory, sizeof set_memory, &loop, NULL));
 }
 
 /* Velocities or accelerations of all joints with which the tip has x, z, and each side by itself: two
@@ -71,7 +71,7 @@ static void tip(const double q[NV], const double v[NV], double at[2], double mov
 
 int main(void) {
     const double guess[NV] = {2.2, -1.2, 0.9, 1.2}, pi = 3.14159265358979;
-    const int motors[NV] = {1, 0, 1, 0};
+    const unsigned char motors[NV] = {1, 0, 1, 0};
     double q[NV], v[NV] = {0}, a[NV], tau[NV], e[ROWS], open = 0, passive = 0, late = 0;
     describe();
     check(rbd_assemble(m, loop, guess, NULL, NULL, q, NULL));

@@ -32,7 +32,7 @@ static void linearise(const rbd_model *m, regulator *r) {
     static double by_q[NV * NV], by_v[NV * NV], Minv[NV * NV], turn[NV * NV], move[NV * NV];
     const double v[NV] = {0};
     const int n = r->nv;
-    check(rbd_gravity(m, w, r->home, r->hold));
+    check(rbd_gravity_torque(m, w, r->home, r->hold));
     check(rbd_fd_derivatives(m, d, r->home, v, r->hold, NULL, NULL, by_q, by_v, Minv));
     check(rbd_integrate_derivatives(m, v, STEP, turn, move));
     for (int i = 0; i < n; i++)

@@ -10,9 +10,9 @@
 
 enum { NQ = HYQ_NQ, NV = HYQ_NV, ROWS = 12, STEPS = 1000 };
 
-static unsigned char memory[HYQ_WORK_SIZE], set_memory[RBD_CONSTRAINTS_SIZE(NV, ROWS)];
+static unsigned char memory[HYQ_WORK_SIZE], set_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
 static rbd_work *w;
-static rbd_constraints *feet;
+static rbd_constraint_set *feet;
 
 static void check(rbd_status status) {
     if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
@@ -30,7 +30,7 @@ static void stand(double *q) {
         list[i] = rbd_point_contact(leg[i], toe, place);
         list[i].kp = 2500, list[i].kd = 100;
     }
-    check(rbd_constraints_init(&hyq_model, w, list, 4, set_memory, sizeof set_memory, &feet, NULL));
+    check(rbd_constraint_set_init(&hyq_model, w, list, 4, set_memory, sizeof set_memory, &feet, NULL));
     check(rbd_neutral(&hyq_model, start));
     start[HYQ_Q_ROOT_Z] = 0.5;
     start[HYQ_Q_LF_HFE_JOINT] = start[HYQ_Q_RF_HFE_JOINT] = 0.7;

@@ -17,8 +17,8 @@ static const int leg[FEET] = {HYQ_BODY_LF_LOWERLEG, HYQ_BODY_RF_LOWERLEG, HYQ_BO
                               HYQ_BODY_RH_LOWERLEG};
 static const double toe[3] = {0.33, 0, 0};
 
-static unsigned char memory[HYQ_WORK_SIZE], set_memory[RBD_CONSTRAINTS_SIZE(NV, 3 * FEET)],
-    aim_memory[RBD_CONSTRAINTS_SIZE(NV, 3 * FEET + 6)];
+static unsigned char memory[HYQ_WORK_SIZE], set_memory[RBD_CONSTRAINT_SET_SIZE(NV, 3 * FEET)],
+    aim_memory[RBD_CONSTRAINT_SET_SIZE(NV, 3 * FEET + 6)];
 static rbd_work *w;
 static double q[NQ], v[NV];
 static double place[FEET][3], trunk[3]; /* where they stand or shall be */
@@ -59,11 +59,11 @@ static int list_feet(int standing, double kp, rbd_constraint *list) {
     return n;
 }
 
-static rbd_constraints *feet_down(int standing) {
+static rbd_constraint_set *feet_down(int standing) {
     rbd_constraint list[FEET];
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     const int n = list_feet(standing, 2500, list);
-    check(rbd_constraints_init(&hyq_model, w, list, n, set_memory, sizeof set_memory, &c, NULL));
+    check(rbd_constraint_set_init(&hyq_model, w, list, n, set_memory, sizeof set_memory, &c, NULL));
     return c;
 }
 
@@ -72,11 +72,11 @@ static void aim(double *a) {
     const double origin[3] = {0, 0, 0};
     double tau[NV];
     rbd_constraint list[FEET + 1];
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     const int n = list_feet(15, 900, list);
     list[n] = rbd_flat_contact(HYQ_BODY_BASE_LINK_0, origin, trunk);
     list[n].kp = 100, list[n].kd = 20;
-    check(rbd_constraints_init(&hyq_model, w, list, n + 1, aim_memory, sizeof aim_memory, &c, NULL));
+    check(rbd_constraint_set_init(&hyq_model, w, list, n + 1, aim_memory, sizeof aim_memory, &c, NULL));
     check(rbd_bias(&hyq_model, w, q, v, NULL, tau));
     check(rbd_constrained_fd(&hyq_model, c, q, v, tau, NULL, a, NULL));
 }
@@ -119,7 +119,7 @@ int main(void) {
         double load[FEET] = {0};
         standing = plan(step * dt);
         aim(a);
-        rbd_constraints *feet = feet_down(standing);
+        rbd_constraint_set *feet = feet_down(standing);
         if (standing & ~before) { /* one lands */
             check(rbd_impact(&hyq_model, feet, q, v, 0, v, force));
             for (int i = 0; i < 3 * FEET; i++) jolt = fmax(jolt, fabs(force[i]));

@@ -1,4 +1,4 @@
-/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.1.0.
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.3.0.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
    Inverse dynamics (RNEA), mass matrix (CRBA) and forward dynamics (ABA, or Cholesky) of any
@@ -74,21 +74,13 @@
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
-     RBD_NO_BUILD     leave rbd_model_build out, and what else deals in descriptions (add_payload, describe):
-                      models from generated tables only; and likewise, for linkers that keep all functions
-                      of a file:
-     RBD_NO_RNEA      rnea, bias, gravity            RBD_NO_KINEMATICS  section [kinematics]
-     RBD_NO_CRBA      crba, crba_packed              RBD_NO_MANIFOLD    section [manifold]
-     RBD_NO_ABA       aba                            RBD_NO_LOOKUP      names, joint, dof_body, describe
-     RBD_NO_CHOLESKY  cholesky_..., fd_cholesky      RBD_NO_TEXT        status_string, finding_text
-     RBD_NO_MINVERSE  minverse, goes with crba and cholesky too
-     RBD_NO_POINTS    section [points]; goes with kinematics
-     RBD_NO_HYBRID    hybrid; goes with rnea, crba and cholesky too
-     RBD_NO_OBSERVER  generalized_momentum
-     RBD_NO_PAYLOAD   add_payload; goes with build
-     RBD_NO_WRENCH    joint_wrench; goes with kinematics
-                      fd_cholesky goes with each of rnea, crba and cholesky; aba takes no models with
-                      mimic joints then: rbd_work_init refuses them, RBD_ERR_LEFT_OUT
+     RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
+                      models from generated tables only. The file compiles in less time
+     RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
+                      rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
+                      then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
+                      All other parts that are not called are left out by the linker: compile with
+                      -ffunction-sections, link with --gc-sections
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes

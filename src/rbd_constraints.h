@@ -10,9 +10,9 @@
 
        const double foot[3] = {0.33, 0, 0};
        rbd_constraint rows[1] = {rbd_point_contact(rbd_body_index(m, "lf_lowerleg"), foot, NULL)};
-       unsigned char memory[RBD_CONSTRAINTS_SIZE(NV, 3)];
-       rbd_constraints *c;
-       rbd_constraints_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
+       unsigned char memory[RBD_CONSTRAINT_SET_SIZE(NV, 3)];
+       rbd_constraint_set *c;
+       rbd_constraint_set_init(m, w, rows, 1, memory, sizeof memory, &c, NULL);
        rbd_constrained_fd(m, c, q, v, tau, NULL, a, lambda);
 
    CONTENTS (search for the tag)
@@ -39,8 +39,7 @@
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
-   [configuration] That of rbd.h. It needs rbd.h's parts RNEA, CRBA, ABA, CHOLESKY, KINEMATICS and
-                   MANIFOLD.
+   [configuration] That of rbd.h, without RBD_NO_CHOLESKY.
 
    [limits]
      A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
@@ -55,7 +54,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
@@ -71,8 +70,7 @@ extern "C" {
 
 #endif /* RBD_CONSTRAINTS_H */
 
-#if defined RBD_DERIVATIVES_H && !defined RBDI_NO_FD_DERIVATIVES && !defined RBD_NO_POINTS && \
-    !defined RBDI_CONSTRAINED_DERIVATIVES
+#if defined RBD_DERIVATIVES_H && !defined RBD_NO_CHOLESKY && !defined RBDI_CONSTRAINED_DERIVATIVES
 #define RBDI_CONSTRAINED_DERIVATIVES
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
@@ -127,10 +125,8 @@ extern "C" {
 
 RBDI_CODE_BEGIN
 
-#if defined RBD_NO_RNEA || defined RBD_NO_CRBA || defined RBD_NO_ABA || defined RBD_NO_CHOLESKY || \
-    defined RBD_NO_KINEMATICS || defined RBD_NO_MANIFOLD
-#error "rbd: rbd_constraints.h needs RBD_NO_RNEA, RBD_NO_CRBA, RBD_NO_ABA, RBD_NO_CHOLESKY, \
-RBD_NO_KINEMATICS and RBD_NO_MANIFOLD undefined"
+#ifdef RBD_NO_CHOLESKY
+#error "rbd: rbd_constraints.h needs RBD_NO_CHOLESKY undefined"
 #endif
 
 #include "constraints/tolerances.h"

@@ -12,7 +12,7 @@
        unsigned char memory[RBD_DERIVATIVES_SIZE(NB, NV)];
        rbd_derivatives *d;
        rbd_derivatives_init(m, w, memory, sizeof memory, &d);
-       rbd_rnea_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
+       rbd_id_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
      [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
@@ -30,7 +30,7 @@
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
-#if RBD_VERSION_NUMBER < 100 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 

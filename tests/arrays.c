@@ -56,7 +56,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
              *x = numbers(6), *p = numbers(3), *J = numbers(6 * nv);
     CLAIM(rbd_rnea(m, w, q, v, v, f, out) == RBD_OK);
     CLAIM(rbd_bias(m, w, q, v, NULL, out) == RBD_OK);
-    CLAIM(rbd_gravity(m, w, q, out) == RBD_OK);
+    CLAIM(rbd_gravity_torque(m, w, q, out) == RBD_OK);
     CLAIM(rbd_generalized_momentum(m, w, q, v, out, numbers(nv)) == RBD_OK);
     CLAIM(rbd_passive(m, w, v, out) == RBD_OK);
     (void)rbd_aba(m, w, q, v, v, f, out); /* may be singular */
@@ -64,7 +64,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     for (int way = 0; way < 2; way++) { /* every second dof; all but those on the world */
         unsigned char *given = own_array((size_t)nv);
         for (int k = 0; k < nv; k++) given[k] = way ? m->link[0].iv != k : k % 2 == 0;
-        (void)rbd_hybrid(m, w, q, v, given, f, out, numbers(nv));
+        (void)rbd_hybrid(m, w, q, v, given, out, numbers(nv), f);
     }
     CLAIM(rbd_crba(m, w, q, M) == RBD_OK);
     CLAIM(rbd_crba_packed(m, w, q, H) == RBD_OK);
@@ -136,11 +136,11 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
     CLAIM(rbd_difference_derivatives(m, q, q, by_q, by_v) == RBD_OK);
     CLAIM(rbd_regressor(m, d, q, v, v, Y) == RBD_OK);
     CLAIM(rbd_energy_regressors(m, d, q, v, kinetic, potential) == RBD_OK);
-    CLAIM(rbd_rnea_derivatives(m, d, q, v, v, f, by_q, by_v, M) == RBD_OK);
-    CLAIM(rbd_gravity_derivatives(m, d, q, by_q) == RBD_OK);
+    CLAIM(rbd_id_derivatives(m, d, q, v, v, f, by_q, by_v, M) == RBD_OK);
+    CLAIM(rbd_gravity_torque_derivatives(m, d, q, by_q) == RBD_OK);
     (void)rbd_fd_derivatives(m, d, q, v, v, f, NULL, by_q, by_v, M); /* may be singular */
     CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);
-    (void)rbd_rnea_free_base(m, d, q, v, f, numbers(nv), numbers(nv)); /* may be singular */
+    (void)rbd_id_free_base(m, d, q, v, numbers(nv), numbers(nv), f); /* may be singular */
     CLAIM(rbd_momentum_matrix(m, d, q, v, A, x) == RBD_OK);
     CLAIM(rbd_com_jacobian(m, d, q, J) == RBD_OK);
 }

@@ -13,10 +13,10 @@
 enum { NB = HYQ_NB, NQ = HYQ_NQ, NV = HYQ_NV, ROWS = 12, MARK = 77, SIZE = 40 * NV * 10 };
 
 static unsigned char work_memory[HYQ_WORK_SIZE], d_memory[RBD_DERIVATIVES_SIZE(NB, NV)],
-    c_memory[RBD_CONSTRAINTS_SIZE(NV, ROWS)];
+    c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
 static rbd_work *w;
 static rbd_derivatives *d;
-static rbd_constraints *c;
+static rbd_constraint_set *c;
 static const rbd_model *const m = &hyq_model;
 
 static rbd_real q[NQ], v[NV], tau[NV], a[NV], q_before[NQ], M[NV * NV], L[NV * NV];
@@ -27,7 +27,7 @@ static unsigned char given[NV];
 #define CALLS(CALL) \
     CALL(rbd_rnea, rbd_rnea(m, w, q, v, a, NULL, out)) \
     CALL(rbd_bias, rbd_bias(m, w, q, v, NULL, out)) \
-    CALL(rbd_gravity, rbd_gravity(m, w, q, out)) \
+    CALL(rbd_gravity_torque, rbd_gravity_torque(m, w, q, out)) \
     CALL(rbd_generalized_momentum, rbd_generalized_momentum(m, w, q, v, out, out + NV)) \
     CALL(rbd_crba, rbd_crba(m, w, q, out)) \
     CALL(rbd_crba_packed, rbd_crba_packed(m, w, q, out)) \
@@ -41,7 +41,7 @@ static unsigned char given[NV];
     CALL(rbd_momentum, rbd_momentum(m, w, out, NULL)) \
     CALL(rbd_aba, rbd_aba(m, w, q, v, tau, NULL, out)) \
     CALL(rbd_hybrid, (memcpy(out, a, sizeof a), memcpy(out + NV, tau, sizeof tau), \
-                      rbd_hybrid(m, w, q, v, given, NULL, out, out + NV))) \
+                      rbd_hybrid(m, w, q, v, given, out, out + NV, NULL))) \
     CALL(rbd_fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out)) \
     CALL(rbd_cholesky_factor, rbd_cholesky_factor(m, w, M, out)) \
     CALL(rbd_cholesky_factor_packed, (rbd_crba_packed(m, w, q, out), rbd_cholesky_factor_packed(m, w, out))) \
@@ -51,12 +51,11 @@ static unsigned char given[NV];
     CALL(rbd_momentum_matrix, rbd_momentum_matrix(m, d, q, v, out, out + 6 * NV)) \
     CALL(rbd_com_jacobian, rbd_com_jacobian(m, d, q, out)) \
     CALL(rbd_coriolis, rbd_coriolis(m, d, q, v, out)) \
-    CALL(rbd_rnea_derivatives, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, out + NV * NV, NULL)) \
-    CALL(rbd_gravity_derivatives, rbd_gravity_derivatives(m, d, q, out)) \
+    CALL(rbd_id_derivatives, rbd_id_derivatives(m, d, q, v, a, NULL, out, out + NV * NV, NULL)) \
+    CALL(rbd_gravity_torque_derivatives, rbd_gravity_torque_derivatives(m, d, q, out)) \
     CALL(rbd_regressor, rbd_regressor(m, d, q, v, a, out)) \
     CALL(rbd_energy_regressors, rbd_energy_regressors(m, d, q, v, out, out + 10 * NB)) \
-    CALL(rbd_rnea_free_base, \
-         (memcpy(out, a, sizeof a), rbd_rnea_free_base(m, d, q, v, NULL, out, out + NV))) \
+    CALL(rbd_id_free_base, (memcpy(out, a, sizeof a), rbd_id_free_base(m, d, q, v, out, out + NV, NULL))) \
     CALL(rbd_fd_derivatives, \
          rbd_fd_derivatives(m, d, q, v, tau, NULL, out, out + NV, out + NV + NV * NV, NULL)) \
     CALL(rbd_constraint_jacobian, rbd_constraint_jacobian(m, c, q, v, out, out + ROWS * NV, NULL)) \
@@ -64,9 +63,11 @@ static unsigned char given[NV];
     CALL(rbd_impact, rbd_impact(m, c, q, v, 0, out, out + NV)) \
     CALL(rbd_constrained_id, rbd_constrained_id(m, c, q, v, a, NULL, NULL, NULL, out, out + NV)) \
     CALL(rbd_assemble, (rbd_assemble(m, c, q, v, NULL, out, out + NQ), RBD_OK)) \
-    CALL(rbd_constrained_derivatives, \
-         rbd_constrained_derivatives(m, c, d, q, v, tau, NULL, out, out + NV, out + 1000, NULL, NULL, \
-                                     out + 1000 + NV * NV, NULL, NULL))
+    CALL(rbd_constrained_fd_derivatives, \
+         rbd_constrained_fd_derivatives( \
+             m, c, d, q, v, tau, NULL, \
+             &(rbd_constrained_fd_results){ \
+                 .a = out, .lambda = out + NV, .da_dq = out + 1000, .dlambda_dq = out + 1000 + NV * NV}))
 
 #define FUNCTION(name, call) \
     static rbd_status call_##name(void) { return call; }
@@ -109,7 +110,7 @@ int main(void) {
     for (int i = 0; i < 4; i++) list[i] = rbd_point_contact(feet[i], sole, NULL);
     if (rbd_work_init(m, work_memory, sizeof work_memory, &w) ||
         rbd_derivatives_init(m, w, d_memory, sizeof d_memory, &d) ||
-        rbd_constraints_init(m, w, list, 4, c_memory, sizeof c_memory, &c, NULL) ||
+        rbd_constraint_set_init(m, w, list, 4, c_memory, sizeof c_memory, &c, NULL) ||
         rbd_random(m, &seed, q_before) || rbd_random(m, &seed, q))
         return 1;
     for (int i = 0; i < NV; i++) v[i] = 0.1 * (i - 8), a[i] = 0.3 * (7 - i), tau[i] = i % 5, given[i] = i % 2;

@@ -79,7 +79,7 @@ static void check(sample *s, const char *name, uint64_t seed) {
         for (int i = 0; i < rbd_nv(m); i++) v[i] = uniform(&seed, -2, 2), x[i] = uniform(&seed, -3, 3);
         for (int i = 0; i < 6 * s->nb; i++) f_ext[i] = uniform(&seed, -5, 5);
         with_base += d->base > 0;
-        run(rbd_rnea_derivatives(m, d, q, v, x, f_ext, by_q, by_v, NULL));
+        run(rbd_id_derivatives(m, d, q, v, x, f_ext, by_q, by_v, NULL));
         compare("dtau/dq", name, 0, WRT_Q, by_q);
         compare("dtau/dv", name, 0, WRT_V, by_v);
         if (rbd_fd_derivatives(m, d, q, v, x, f_ext, NULL, by_q, by_v, NULL) == RBD_OK) {

@@ -94,9 +94,9 @@ def sentences():
     calls = {"kinematics and the Jacobian of a hand or foot": "jacobian", "M⁻¹": "minv",
              "hybrid dynamics, the first six torques given (those of a base), else the accelerations": "hybrid",
              "centroidal momentum matrix": "momentum_matrix", "Coriolis matrix": "coriolis", "torque regressor": "regressor",
-             "derivatives of inverse dynamics by q and v": "did", "derivatives of forward dynamics by q, v and tau": "dfd",
+             "derivatives of inverse dynamics by q and v": "id_derivatives", "derivatives of forward dynamics by q, v and tau": "fd_derivatives",
              "constrained dynamics, four feet of HyQ as points and two of Atlas flat on the ground (12 rows each)":
-                 "constrained"}
+                 "constrained_fd"}
     for title, algorithm in calls.items():
         cells = [INSTRUCTIONS.get((robot, algorithm), "–") for robot in ("iiwa", "hyq", "atlas")]
         yield "docs/performance.md", f"| {title} | " + " | ".join(map(str, cells)) + " |"

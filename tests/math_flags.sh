@@ -30,7 +30,7 @@ int main(void) {
     rbd_work_init(m, work_memory, sizeof work_memory, &w);
     for (int i = -3000; i <= 3000; i++) {
         rbd_real q = (rbd_real)i * (rbd_real)0.0371, tau;
-        rbd_gravity(m, w, &q, &tau);
+        rbd_gravity_torque(m, w, &q, &tau);
         const double error = (double)tau / 9.81 - sin((double)q);
         if (!(error < bound && error > -bound))
             return printf("sin(%g) is wrong by %g\n", (double)q, error);

@@ -399,14 +399,15 @@ static int run(const system_ *s, words *o) {
     SAY(3, rbd_cholesky_factor_packed(m, w, M[0]));
     SAY(4, rbd_minverse(m, w, q, M[0]));
     SAY(5, rbd_fd_derivatives(m, d, q, v, tau, NULL, a, M[0], M[1], M[2]));
-    SAY(6, rbd_hybrid(m, w, q, v, given, NULL, a, tau));
+    SAY(6, rbd_hybrid(m, w, q, v, given, a, tau, NULL));
     for (int k = 0; k < 4; k++) { /* a foot at the end, a foot before it, and one held to the first body */
         const double point[3] = {s->size, 0, s->size}, place[3] = {0, s->size, 0};
         rbd_constraint foot = rbd_point_contact(k == 2 ? s->first - 1 : s->nb - 1, point, NULL);
-        rbd_constraints *c;
+        rbd_constraint_set *c;
         if (k == 3) foot = rbd_ball_loop(s->nb - 1, point, 0, place);
         o->status[7 + k] = o->status[1], o->dof[7 + k] = o->dof[1];
-        if (rbd_constraints_init(m, w, &foot, 1, &memory[3], sizeof memory[3], &c, NULL) != RBD_OK) continue;
+        if (rbd_constraint_set_init(m, w, &foot, 1, &memory[3], sizeof memory[3], &c, NULL) != RBD_OK)
+            continue;
         SAY(7 + k, k == 1 ? rbd_impact(m, c, q, v, rbdi_zero(), a, NULL)
                           : rbd_constrained_fd(m, c, q, v, tau, NULL, a, NULL));
     }

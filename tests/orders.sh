@@ -41,7 +41,7 @@ file() {
 #endif
 #if defined EXPECTED_BOTH
 void use(void);
-void use(void) { (void)rbd_constrained_derivatives; }
+void use(void) { (void)rbd_constrained_fd_derivatives; }
 #endif
 END
 }

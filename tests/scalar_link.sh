@@ -36,7 +36,7 @@ extern const rbd_model *m;
 extern rbd_work *w;
 int setup(void);
 static rbd_real q[1], tau[1];
-static rbd_status (*const call)(const rbd_model *, rbd_work *, const rbd_real *, rbd_real *) = rbd_gravity;
+static rbd_status (*const call)(const rbd_model *, rbd_work *, const rbd_real *, rbd_real *) = rbd_gravity_torque;
 int main(void) { return setup() || call(m, w, q, tau); }
 END
 
@@ -61,7 +61,7 @@ expect() {
     if $compiler "$(object_of setup "$2")" "$(object_of control "$3")" "$(object_of library "$4")" \
         -o "$scratch/program" $quadmath -lm >"$scratch/messages" 2>&1; then
         result=links
-    elif grep -q "rbd_work_init\|rbd_gravity\|$compared" "$scratch/messages"; then # and for no other reason
+    elif grep -q "rbd_work_init\|rbd_gravity_torque\|$compared" "$scratch/messages"; then # and for no other reason
         result=refused
     else
         result=error

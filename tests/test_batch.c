@@ -53,8 +53,8 @@ typedef struct robot {
     rbd_batch *b;
     rbd_derivatives *single;
     rbd_batch_derivatives *d;
-    rbd_constraints *held; /* the hand at an x, or nothing where it cannot move */
-    rbd_batch_constraints *k;
+    rbd_constraint_set *held; /* the hand at an x, or nothing where it cannot move */
+    rbd_batch_constraint_set *k;
     void *memory[7];
 } robot;
 
@@ -100,14 +100,14 @@ static robot build(const char *name, const rbd_body *bodies, int nb) {
     r.memory[4] = allocate(size);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], size, &r.d), RBD_OK);
     const rbd_constraint k = holding(&r);
-    size = rbd_constraints_size(r.m, &k, 1);
+    size = rbd_constraint_set_size(r.m, &k, 1);
     r.memory[5] = allocate(size);
-    const int n = rbd_constraints_init(r.m, r.w, &k, 1, r.memory[5], size, &r.held, NULL) == RBD_OK;
+    const int n = rbd_constraint_set_init(r.m, r.w, &k, 1, r.memory[5], size, &r.held, NULL) == RBD_OK;
     if (n == 0)
-        ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &k, 0, r.memory[5], size, &r.held, NULL), RBD_OK);
-    size = rbd_batch_constraints_size(r.m, &k, n);
+        ck_assert_int_eq(rbd_constraint_set_init(r.m, r.w, &k, 0, r.memory[5], size, &r.held, NULL), RBD_OK);
+    size = rbd_batch_constraint_set_size(r.m, &k, n);
     r.memory[6] = allocate(size);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, n, r.memory[6], size, &r.k, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &k, n, r.memory[6], size, &r.k, NULL), RBD_OK);
     return r;
 }
 
@@ -286,8 +286,8 @@ static rbd_status run_single(const robot *r, call c, const states *x, RBD_REAL *
     case MOMENTUM_MATRIX: return rbd_momentum_matrix(m, r->single, x->q, x->v, out, out + 6 * r->nv);
     case CORIOLIS: return rbd_coriolis(m, r->single, x->q, x->v, out);
     case RNEA_DERIVATIVES:
-        return rbd_rnea_derivatives(m, r->single, x->q, x->v, x->a, x->f_ext, out, out + square,
-                                    out + 2 * square);
+        return rbd_id_derivatives(m, r->single, x->q, x->v, x->a, x->f_ext, out, out + square,
+                                  out + 2 * square);
     case REGRESSOR: return rbd_regressor(m, r->single, x->q, x->v, x->a, out);
     case ABA: return rbd_aba(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
     case FD_CHOLESKY: return rbd_fd_cholesky(m, r->w, x->q, x->v, x->tau, x->f_ext, out);
@@ -313,7 +313,7 @@ static rbd_status run_parts(const robot *r, call c, int n, const states *x, RBD_
     case MOMENTUM_MATRIX: return rbd_batch_momentum_matrix(m, r->d, n, x->q, x->v, y[0], y[1]);
     case CORIOLIS: return rbd_batch_coriolis(m, r->d, n, x->q, x->v, y[0]);
     case RNEA_DERIVATIVES:
-        return rbd_batch_rnea_derivatives(m, r->d, n, x->q, x->v, x->a, x->f_ext, y[0], y[1], y[2]);
+        return rbd_batch_id_derivatives(m, r->d, n, x->q, x->v, x->a, x->f_ext, y[0], y[1], y[2]);
     case REGRESSOR: return rbd_batch_regressor(m, r->d, n, x->q, x->v, x->a, y[0]);
     case ABA: return rbd_batch_aba(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
     case FD_CHOLESKY: return rbd_batch_fd_cholesky(m, r->b, n, x->q, x->v, x->tau, x->f_ext, y[0]);
@@ -644,11 +644,11 @@ START_TEST(contradictions_are_told) {
     const double at[3] = {0, 0, 0.1}, here[3] = {0, 0, 0}, there[3] = {1, 2, 3};
     rbd_constraint list[2] = {rbd_point_contact(r.nb - 1, at, here), rbd_point_contact(r.nb - 1, at, there)};
     list[1].kp = 10;
-    const size_t size = rbd_batch_constraints_size(r.m, list, 2);
+    const size_t size = rbd_batch_constraint_set_size(r.m, list, 2);
     void *memory = allocate(size);
-    rbd_batch_constraints *k;
+    rbd_batch_constraint_set *k;
     RBD_REAL *a = numbers(FEW, r.nv), *lambda = numbers(FEW, 6);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, list, 2, memory, size, &k, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, list, 2, memory, size, &k, NULL), RBD_OK);
     ck_assert_int_eq(rbd_batch_constrained_fd(r.m, k, FEW, x.q, x.v, x.tau, NULL, a, lambda),
                      RBD_ERR_INFEASIBLE);
     for (int i = 0; i < FEW * r.nv; i++) ck_assert(isfinite((double)a[i]));
@@ -666,14 +666,14 @@ START_TEST(held_hand_is_the_same_in_lanes) {
     states x = states_draw(&r, FEW);
     const double at[3] = {0, 0, 0.1};
     const rbd_constraint ball = rbd_point_contact(r.nb - 1, at, at);
-    const size_t size = rbd_constraints_size(r.m, &ball, 1),
-                 batch = rbd_batch_constraints_size(r.m, &ball, 1);
+    const size_t size = rbd_constraint_set_size(r.m, &ball, 1),
+                 batch = rbd_batch_constraint_set_size(r.m, &ball, 1);
     void *memory[2] = {allocate(size), allocate(batch)};
-    rbd_constraints *c;
-    rbd_batch_constraints *k;
+    rbd_constraint_set *c;
+    rbd_batch_constraint_set *k;
     RBD_REAL *a = numbers(FEW, r.nv), *lambda = numbers(FEW, 3), *alone = numbers(1, r.nv + 3);
-    ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &ball, 1, memory[0], size, &c, NULL), RBD_OK);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &ball, 1, memory[1], batch, &k, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_set_init(r.m, r.w, &ball, 1, memory[0], size, &c, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &ball, 1, memory[1], batch, &k, NULL), RBD_OK);
     ck_assert_int_eq(rbd_batch_constrained_fd(r.m, k, FEW, x.q, x.v, x.tau, NULL, a, lambda), RBD_OK);
     for (int s = 0; s < FEW; s++) {
         double size_of_a = 1, error = 0;
@@ -921,21 +921,21 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, NULL, more, &r.d), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], more, NULL), RBD_ERR_NULL);
     const rbd_constraint k = holding(&r);
-    const size_t third = rbd_batch_constraints_size(r.m, &k, 1);
+    const size_t third = rbd_batch_constraint_set_size(r.m, &k, 1);
     rbd_constraint strange = k;
     strange.body1 = -2;
-    ck_assert_uint_eq(rbd_batch_constraints_size(NULL, &k, 1), 0);
-    ck_assert_uint_eq(rbd_batch_constraints_size(r.m, NULL, 1), 0);
-    ck_assert_int_eq(rbd_batch_constraints_init(NULL, r.b, &k, 1, r.memory[6], third, &r.k, NULL),
+    ck_assert_uint_eq(rbd_batch_constraint_set_size(NULL, &k, 1), 0);
+    ck_assert_uint_eq(rbd_batch_constraint_set_size(r.m, NULL, 1), 0);
+    ck_assert_int_eq(rbd_batch_constraint_set_init(NULL, r.b, &k, 1, r.memory[6], third, &r.k, NULL),
                      RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, NULL, &k, 1, r.memory[6], third, &r.k, NULL),
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, NULL, &k, 1, r.memory[6], third, &r.k, NULL),
                      RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, NULL, 1, r.memory[6], third, &r.k, NULL),
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, NULL, 1, r.memory[6], third, &r.k, NULL),
                      RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, 1, NULL, third, &r.k, NULL), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &k, 1, r.memory[6], third, NULL, NULL),
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &k, 1, NULL, third, &r.k, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &k, 1, r.memory[6], third, NULL, NULL),
                      RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &strange, 1, r.memory[6], third, &r.k, NULL),
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &strange, 1, r.memory[6], third, &r.k, NULL),
                      RBD_ERR_INDEX);
     states_free(&x);
     release(&r);
@@ -1018,8 +1018,8 @@ START_TEST(batch_of_a_model_built_over_is_refused) {
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], rbd_batch_derivatives_size(r.m), &r.d),
                      RBD_OK);
     const rbd_constraint kept = holding(&r);
-    ck_assert_int_eq(rbd_batch_constraints_init(r.m, r.b, &kept, 1, r.memory[6],
-                                                rbd_batch_constraints_size(r.m, &kept, 1), &r.k, NULL),
+    ck_assert_int_eq(rbd_batch_constraint_set_init(r.m, r.b, &kept, 1, r.memory[6],
+                                                   rbd_batch_constraint_set_size(r.m, &kept, 1), &r.k, NULL),
                      RBD_OK);
     ck_assert_int_eq(rbd_model_build(bodies, 2, memory, size, &r.m, NULL), RBD_OK);
     r.nb = 2;
@@ -1037,7 +1037,7 @@ static void check_memory(const robot *r) {
     const int offsets[5] = {0, 1, 8, 31, 63};
     const rbd_constraint k = holding(r);
     const size_t size = rbd_batch_size(r->m), more = rbd_batch_derivatives_size(r->m),
-                 third = rbd_batch_constraints_size(r->m, &k, rows_held(r));
+                 third = rbd_batch_constraint_set_size(r->m, &k, rows_held(r));
     states x = states_draw(r, FEW);
     for (int i = 0; i < LENGTH(offsets); i++) {
         const size_t offset = (size_t)offsets[i];
@@ -1055,12 +1055,12 @@ static void check_memory(const robot *r) {
                          RBD_ERR_MEMORY);
         ck_assert_int_eq(rbd_batch_derivatives_init(r->m, moved.b, derivatives + offset, more, &moved.d),
                          RBD_OK);
-        ck_assert_int_eq(rbd_batch_constraints_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
-                                                    third - 1, &moved.k, NULL),
+        ck_assert_int_eq(rbd_batch_constraint_set_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
+                                                       third - 1, &moved.k, NULL),
                          RBD_ERR_MEMORY);
         ck_assert_ptr_null(moved.k);
-        ck_assert_int_eq(rbd_batch_constraints_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
-                                                    third, &moved.k, NULL),
+        ck_assert_int_eq(rbd_batch_constraint_set_init(r->m, moved.b, &k, rows_held(r), constraints + offset,
+                                                       third, &moved.k, NULL),
                          RBD_OK);
         for (call c = RNEA; c < CALLS; c++) {
             RBD_REAL *expected = single_results(r, c, &x, FEW);

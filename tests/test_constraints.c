@@ -15,7 +15,7 @@ enum { MAX_ROWS = 60, MAX_SET = 16 };
 /* ---- a set in memory of just its size ---- */
 
 typedef struct set {
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     int rows;
     void *memory;
 } set;
@@ -24,12 +24,12 @@ static set set_of(const robot *r, const rbd_constraint *list, int n) {
     set s;
     rbd_report report;
     char text[200];
-    const size_t size = rbd_constraints_size(r->m, list, n);
+    const size_t size = rbd_constraint_set_size(r->m, list, n);
     s.memory = memset(malloc(size), 0xff, size); /* NaN, so that what was never written shows */
-    ck_assert_msg(rbd_constraints_init(r->m, r->w, list, n, s.memory, size, &s.c, &report) == RBD_OK,
+    ck_assert_msg(rbd_constraint_set_init(r->m, r->w, list, n, s.memory, size, &s.c, &report) == RBD_OK,
                   "%s: %s", r->name, rbd_constraint_finding_text(&report.error, text, sizeof text));
     s.rows = rbd_constraint_rows(s.c);
-    ck_assert_uint_le(size, RBD_CONSTRAINTS_SIZE((size_t)r->nv, (size_t)s.rows));
+    ck_assert_uint_le(size, RBD_CONSTRAINT_SET_SIZE((size_t)r->nv, (size_t)s.rows));
     return s;
 }
 
@@ -82,14 +82,14 @@ static void check_reference_set(const robot *r, const ref_control_state *s,
     RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, NULL, a, lambda));
     expect_close("constrained a", r, number, a, expected->qdd_c, nv, bound);
     expect_close("lambda", r, number, lambda, expected->lambda, rows, bound);
-    ck_assert_int_eq((int)rbd_constraint_rank(c.c), expected->rank);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), expected->rank);
     RUN(rbd_constrained_fd(r->m, c.c, s->q, s->v, s->tau, s->f_ext, a, lambda));
     expect_close("constrained a, wrenches", r, number, a, expected->qdd_c_ext, nv, bound);
     expect_close("lambda, wrenches", r, number, lambda, expected->lambda_ext, rows, bound);
     RUN(rbd_impact(r->m, c.c, s->q, expected->v_minus, 0, a, lambda));
     expect_close("v_plus", r, number, a, expected->v_plus, nv, bound);
     expect_close("impulse", r, number, lambda, expected->impulse, rows, bound);
-    ck_assert_int_eq((int)rbd_constraint_rank(c.c), expected->rank);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), expected->rank);
     RUN(rbd_impact(r->m, c.c, s->q, expected->v_minus, expected->restitution, a, lambda));
     expect_close("v_plus, restitution", r, number, a, expected->v_plus_r, nv, bound);
     expect_close("impulse, restitution", r, number, lambda, expected->impulse_r, rows, bound);
@@ -121,8 +121,15 @@ static rbd_status differentiate(const robot *r, const set *c, const double *q, c
     void *memory;
     rbd_derivatives *d = derivatives_of(r, &memory);
     const rbd_status status =
-        rbd_constrained_derivatives(r->m, c->c, d, q, v, tau, f_ext, a, lambda, out->a[0], out->a[1],
-                                    out->a[2], out->lambda[0], out->lambda[1], out->lambda[2]);
+        rbd_constrained_fd_derivatives(r->m, c->c, d, q, v, tau, f_ext,
+                                       &(rbd_constrained_fd_results){.a = a,
+                                                                     .lambda = lambda,
+                                                                     .da_dq = out->a[0],
+                                                                     .da_dv = out->a[1],
+                                                                     .da_dtau = out->a[2],
+                                                                     .dlambda_dq = out->lambda[0],
+                                                                     .dlambda_dv = out->lambda[1],
+                                                                     .dlambda_dtau = out->lambda[2]});
     free(memory);
     return status;
 }
@@ -171,8 +178,8 @@ static rbd_status by_factor(const robot *r, const set *c, const double *q, const
                             const double *f_ext, double *a, double *lambda) {
     void *memory;
     rbd_derivatives *d = derivatives_of(r, &memory);
-    const rbd_status status = rbd_constrained_derivatives(r->m, c->c, d, q, v, tau, f_ext, a, lambda, NULL,
-                                                          NULL, NULL, NULL, NULL, NULL);
+    const rbd_status status = rbd_constrained_fd_derivatives(
+        r->m, c->c, d, q, v, tau, f_ext, &(rbd_constrained_fd_results){.a = a, .lambda = lambda});
     free(memory);
     return status;
 }
@@ -262,11 +269,11 @@ static void check_both_ways(int n, uint64_t seed) {
     for (int k = 0; k < r.nv; k++) v[k] = 0;
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, q, v, J, NULL, NULL), RBD_OK);
     const rbd_status status = by_factor(&r, &c, q, v, tau, NULL, a[1], lambda[1]);
-    const int rank = (int)rbd_constraint_rank(c.c);
+    const int rank = rbd_constraint_rank(c.c);
     if (status == RBD_OK && released(&r, &c, J, a[1]) < 1e-9 * fmax(1, largest(a[1], r.nv))) {
         both_ways++, both_dependent += rank < c.rows;
         ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a[0], lambda[0]), RBD_OK);
-        ck_assert_int_eq((int)rbd_constraint_rank(c.c), rank);
+        ck_assert_int_eq(rbd_constraint_rank(c.c), rank);
         ck_assert_int_eq(rbd_rnea(r.m, r.w, q, v, a[0], NULL, f), RBD_OK);
         for (int k = 0; k < r.nv; k++) {
             double sum = f[k] - tau[k];
@@ -657,7 +664,7 @@ static void check_mechanism(const robot *r, int number, int kind, const rbd_cons
     }
     RUN(rbd_constrained_fd(r->m, c.c, q, v, tau, NULL, a, lambda));
     expect_close("closed form", r, number, a, expected, 3, 1e-11);
-    ck_assert_int_eq((int)rbd_constraint_rank(c.c), 2);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 2);
     (void)kind;
     free(c.memory);
 }
@@ -904,7 +911,7 @@ START_TEST(what_contacts_cannot_give_stands_in_tau) {
     const ref_control_state *s = &hyq->states[0];
     rbd_constraint list[MAX_SET];
     double tau[MAX_V], lambda[3], J[3 * MAX_V], across[3] = {0};
-    int motors[MAX_V];
+    unsigned char motors[MAX_V];
     copy_constraints(&s->constraint_sets[0], 0, 0, list);
     set c = set_of(&r, list, 1);
     ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
@@ -1087,7 +1094,7 @@ START_TEST(close_points_keep_their_rank) {
         set c = set_of(&r, list, 3);
         ck_assert_int_eq(rbd_set_gravity(r.w, s->gravity), RBD_OK);
         ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, zero, s->tau, NULL, a[size], lambda), RBD_OK);
-        ck_assert_int_eq((int)rbd_constraint_rank(c.c), 6);
+        ck_assert_int_eq(rbd_constraint_rank(c.c), 6);
         free(c.memory);
     }
     expect_close("points 1 cm apart", &r, 0, a[1], a[0], r.nv, 1e-9);
@@ -1111,7 +1118,7 @@ START_TEST(contradiction_names_the_row) {
     set c = set_of(&r, list, 3);
     ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_ERR_INFEASIBLE);
     ck_assert_int_eq(rbd_infeasible_row(c.c), 4);
-    ck_assert_int_eq((int)rbd_constraint_rank(c.c), 4);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 4);
     /* twins that contradict each other meet half way, the other row has what it asks for */
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, gamma, e), RBD_OK);
     multiply(J, a, c.rows, r.nv, held);
@@ -1413,7 +1420,7 @@ END_TEST
 START_TEST(floating_joint_of_a_link_has_motors) {
     const rbd_body ship[2] = {{.parent = -1, .type = RBD_FLOATING, .mass = 9, .inertia = {4, 0, 0, 5, 0, 6}},
                               {.parent = 0, .type = RBD_FLOATING, .mass = 2, .inertia = {1, 0, 0, 2, 0, 3}}};
-    const int motors[12] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
+    const unsigned char motors[12] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1};
     const double point[3] = {0.1, 0.3, 0.2}, q[14] = {0, 0, 0, 0, 0, 0, 1, 1, 2, 3, 0.5, 0.5, 0.5, 0.5},
                  x[12] = {1, 2, 3};
     const rbd_constraint k[2] = {rbd_point_contact(1, point, NULL), rbd_flat_contact(0, point, NULL)};
@@ -1469,8 +1476,9 @@ START_TEST(derivatives_by_v_alone_are_those_of_all) {
     rbd_derivatives *d = derivatives_of(&r, &memory);
     set c = set_of(&r, &k, 1);
     ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, NULL, NULL, &all), RBD_OK);
-    ck_assert_int_eq(rbd_constrained_derivatives(r.m, c.c, d, s->q, s->v, s->tau, NULL, NULL, NULL, NULL,
-                                                 by_v, NULL, NULL, lambda_by_v, NULL),
+    ck_assert_int_eq(rbd_constrained_fd_derivatives(
+                         r.m, c.c, d, s->q, s->v, s->tau, NULL,
+                         &(rbd_constrained_fd_results){.da_dv = by_v, .dlambda_dv = lambda_by_v}),
                      RBD_OK);
     expect_close("da/dv alone", &r, 0, by_v, all.a[1], r.nv * r.nv, 1e-12);
     expect_close("dlambda/dv alone", &r, 0, lambda_by_v, all.lambda[1], c.rows * r.nv, 1e-12);
@@ -1500,12 +1508,13 @@ END_TEST
 static void refuse(const robot *r, const rbd_constraint *bad, rbd_status status, const char *field) {
     const double point[3] = {0, 0, 0};
     rbd_constraint list[2] = {rbd_point_contact(0, point, NULL), *bad};
-    unsigned char memory[RBD_CONSTRAINTS_SIZE(7, 12)];
-    rbd_constraints *c = (rbd_constraints *)memory;
+    unsigned char memory[RBD_CONSTRAINT_SET_SIZE(7, 12)];
+    rbd_constraint_set *c = (rbd_constraint_set *)memory;
     rbd_report report;
     char text[200];
     list[1].name = "bad one";
-    ck_assert_int_eq(rbd_constraints_init(r->m, r->w, list, 2, memory, sizeof memory, &c, &report), status);
+    ck_assert_int_eq(rbd_constraint_set_init(r->m, r->w, list, 2, memory, sizeof memory, &c, &report),
+                     status);
     ck_assert_ptr_null(c);
     ck_assert_int_eq(report.error.status, status);
     ck_assert_int_eq(report.error.body, 1);
@@ -1541,10 +1550,10 @@ START_TEST(bad_rows_are_refused_by_name) {
     REFUSE(bad.axes[3] = 2, RBD_ERR_AXIS, "axes");
     REFUSE(bad.axes[0] = -1, RBD_ERR_AXIS, "axes");
     REFUSE(memset(bad.axes, 0, sizeof bad.axes), RBD_ERR_AXIS, "axes");
-    REFUSE(bad.kp = -1, RBD_ERR_GAIN, "kp");
-    REFUSE(bad.kp = NAN, RBD_ERR_GAIN, "kp");
-    REFUSE(bad.kd = -0.1, RBD_ERR_GAIN, "kd");
-    REFUSE(bad.kd = HUGE_VAL, RBD_ERR_GAIN, "kd");
+    REFUSE(bad.kp = -1, RBD_ERR_RANGE, "kp");
+    REFUSE(bad.kp = NAN, RBD_ERR_RANGE, "kp");
+    REFUSE(bad.kd = -0.1, RBD_ERR_RANGE, "kd");
+    REFUSE(bad.kd = HUGE_VAL, RBD_ERR_RANGE, "kd");
     robot_free(&r);
 }
 END_TEST
@@ -1556,12 +1565,12 @@ START_TEST(bad_calls_are_refused) {
     robot other = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
     const double point[3] = {0, 0, 0.1};
     const rbd_constraint k = rbd_point_contact(6, point, NULL);
-    unsigned char memory[RBD_CONSTRAINTS_SIZE(7, 3)];
-    rbd_constraints *c;
+    unsigned char memory[RBD_CONSTRAINT_SET_SIZE(7, 3)];
+    rbd_constraint_set *c;
     rbd_report report;
     double q[MAX_Q] = {0}, x[MAX_V], lambda[3];
-    const size_t size = rbd_constraints_size(r.m, &k, 1);
-#define INIT(m, w, list, n, memory, size, c) rbd_constraints_init(m, w, list, n, memory, size, c, &report)
+    const size_t size = rbd_constraint_set_size(r.m, &k, 1);
+#define INIT(m, w, list, n, memory, size, c) rbd_constraint_set_init(m, w, list, n, memory, size, c, &report)
     ck_assert_int_eq(INIT(NULL, r.w, &k, 1, memory, size, &c), RBD_ERR_NULL);
     ck_assert_int_eq(INIT(r.m, NULL, &k, 1, memory, size, &c), RBD_ERR_NULL);
     ck_assert_int_eq(INIT(r.m, r.w, NULL, 1, memory, size, &c), RBD_ERR_NULL);
@@ -1573,11 +1582,11 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(INIT(r.m, r.w, &k, RBD_MAX_CONSTRAINTS + 1, memory, size, &c), RBD_ERR_COUNT);
     ck_assert_int_eq(report.error.body, -1);
     ck_assert_ptr_null(c);
-    ck_assert_uint_eq(rbd_constraints_size(NULL, &k, 1), 0);
-    ck_assert_uint_eq(rbd_constraints_size(r.m, NULL, 1), 0);
-    ck_assert_uint_eq(rbd_constraints_size(r.m, &k, -1), 0);
-    ck_assert_uint_eq(rbd_constraints_size(r.m, &k, RBD_MAX_CONSTRAINTS + 1), 0);
-    ck_assert_int_eq(rbd_constraints_init(r.m, r.w, &k, 1, memory, size, &c, NULL), RBD_OK);
+    ck_assert_uint_eq(rbd_constraint_set_size(NULL, &k, 1), 0);
+    ck_assert_uint_eq(rbd_constraint_set_size(r.m, NULL, 1), 0);
+    ck_assert_uint_eq(rbd_constraint_set_size(r.m, &k, -1), 0);
+    ck_assert_uint_eq(rbd_constraint_set_size(r.m, &k, RBD_MAX_CONSTRAINTS + 1), 0);
+    ck_assert_int_eq(rbd_constraint_set_init(r.m, r.w, &k, 1, memory, size, &c, NULL), RBD_OK);
     ck_assert_int_eq(rbd_constraint_rows(c), 3);
     ck_assert_int_eq(rbd_constraint_rows(NULL), 0);
     ck_assert_int_eq(rbd_constraint_first(c, 0), 0);
@@ -1586,8 +1595,8 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_constraint_first(NULL, 0), -1);
     ck_assert_int_eq(rbd_infeasible_row(c), -1);
     ck_assert_int_eq(rbd_infeasible_row(NULL), -1);
-    ck_assert_int_eq((int)rbd_constraint_rank(c), 0);
-    ck_assert_int_eq((int)rbd_constraint_rank(NULL), 0);
+    ck_assert_int_eq(rbd_constraint_rank(c), 0);
+    ck_assert_int_eq(rbd_constraint_rank(NULL), 0);
     ck_assert_int_eq(rbd_constrained_fd(NULL, c, q, q, q, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_fd(r.m, NULL, q, q, q, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_fd(r.m, c, NULL, q, q, NULL, x, lambda), RBD_ERR_NULL);
@@ -1599,23 +1608,23 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_impact(r.m, c, q, NULL, 0, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, 0, NULL, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_impact(other.m, c, q, q, 0, x, lambda), RBD_ERR_WORK);
-    ck_assert_int_eq(rbd_impact(r.m, c, q, q, -1e-3, x, lambda), RBD_ERR_GAIN);
-    ck_assert_int_eq(rbd_impact(r.m, c, q, q, 1.001, x, lambda), RBD_ERR_GAIN);
-    ck_assert_int_eq(rbd_impact(r.m, c, q, q, NAN, x, lambda), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, -1e-3, x, lambda), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, 1.001, x, lambda), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_impact(r.m, c, q, q, NAN, x, lambda), RBD_ERR_RANGE);
     const double bad[7] = {1, 1, 0, 1, 1, 1, 1};
     double near[MAX_Q];
     ck_assert_int_eq(rbd_constrained_id(r.m, c, NULL, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, NULL, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, NULL, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, NULL, NULL, lambda), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, bad, x, lambda), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, bad, x, lambda), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_constrained_id(other.m, c, q, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_assemble(r.m, c, NULL, NULL, NULL, near, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, q, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, q, NULL, near, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, near, x), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_GAIN);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
     static double da[7 * 7], dlambda[3 * 7];
@@ -1626,7 +1635,8 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_derivatives_init(r.m, r.w, scratch[0], sizeof scratch[0], &d), RBD_OK);
     ck_assert_int_eq(rbd_derivatives_init(r.m, w, scratch[1], sizeof scratch[1], &others), RBD_OK);
 #define SLOPES(m, c, d, q, v, tau, x, y) \
-    rbd_constrained_derivatives(m, c, d, q, v, tau, NULL, NULL, NULL, x, NULL, NULL, y, NULL, NULL)
+    rbd_constrained_fd_derivatives(m, c, d, q, v, tau, NULL, \
+                                   &(rbd_constrained_fd_results){.da_dq = x, .dlambda_dq = y})
     ck_assert_int_eq(SLOPES(NULL, c, d, q, q, q, da, dlambda), RBD_ERR_NULL);
     ck_assert_int_eq(SLOPES(r.m, NULL, d, q, q, q, da, dlambda), RBD_ERR_NULL);
     ck_assert_int_eq(SLOPES(r.m, c, NULL, q, q, q, da, dlambda), RBD_ERR_NULL);
@@ -1656,15 +1666,15 @@ static void check_fences(const robot *r, const state *s, int number) {
     uint64_t seed = 31 + (uint64_t)number;
     rbd_constraint list[MAX_SET];
     const int n = random_set(r, &seed, list);
-    const size_t size = rbd_constraints_size(r->m, list, n);
+    const size_t size = rbd_constraint_set_size(r->m, list, n);
     double a[2][MAX_V], lambda[2][MAX_ROWS];
     for (int run = 0; run < 2; run++) {
         unsigned char *memory = malloc(size + 2 * FENCE);
-        rbd_constraints *c;
+        rbd_constraint_set *c;
         memset(memory, run ? 0xff : 0, size + 2 * FENCE);
         memset(a[run], 0, sizeof a[run]);
         memset(lambda[run], 0, sizeof lambda[run]);
-        RUN(rbd_constraints_init(r->m, r->w, list, n, memory + FENCE + run, size, &c, NULL));
+        RUN(rbd_constraint_set_init(r->m, r->w, list, n, memory + FENCE + run, size, &c, NULL));
         rbd_constrained_fd(r->m, c, s->q, s->v, s->tau, s->f_ext, a[run], lambda[run]);
         rbd_impact(r->m, c, s->q, s->v, 0.5, a[run], lambda[run]);
         rbd_constrained_fd(r->m, c, s->q, s->v, s->tau, s->f_ext, a[run], lambda[run]);

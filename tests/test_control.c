@@ -12,7 +12,7 @@ static void check_calls(const robot *r, const ref_control_state *s, int number) 
     expect_close("rnea, control", r, number, out, s->tau_rnea, nv, 1e-13);
     RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->vdot, s->f_ext, out));
     expect_close("rnea, wrenches, control", r, number, out, s->tau_rnea_ext, nv, 1e-13);
-    RUN(rbd_gravity(r->m, r->w, s->q, out));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, out));
     expect_close("gravity, control", r, number, out, s->g, nv, 1e-12);
     RUN(rbd_crba(r->m, r->w, s->q, out));
     expect_close("crba, control", r, number, out, s->M, nv * nv, 1e-13);

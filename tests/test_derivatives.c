@@ -54,11 +54,11 @@ static void check_control(const robot *r, const ref_control_state *s, int number
     const int nv = r->nv;
     rbd_derivatives *d = derivatives_of(r);
     double by_q[MAX_M], by_v[MAX_M], M[MAX_M], out[6];
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, M));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, M));
     expect_close("dtau/dq", r, number, by_q, s->dtau_dq, nv * nv, REFERENCE);
     expect_close("dtau/dv", r, number, by_v, s->dtau_dv, nv * nv, REFERENCE);
     expect_close("M of the derivatives", r, number, M, s->M, nv * nv, REFERENCE);
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, s->f_ext, by_q, by_v, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->vdot, s->f_ext, by_q, by_v, NULL));
     expect_close("dtau/dq, wrenches", r, number, by_q, s->dtau_dq_ext, nv * nv, REFERENCE);
     expect_close("dtau/dv, wrenches", r, number, by_v, s->dtau_dv_ext, nv * nv, REFERENCE);
     RUN(rbd_coriolis(r->m, d, s->q, s->v, M));
@@ -85,7 +85,7 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     const int nv = model->nv;
     rbd_derivatives *d = derivatives_of(r);
     double by_q[MAX_M], by_v[MAX_M];
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->vdot, NULL, by_q, by_v, NULL));
     expect_close("dtau/dq", r, number, by_q, s->dtau_dq, nv * nv, REFERENCE);
     expect_close("dtau/dv", r, number, by_v, s->dtau_dv, nv * nv, REFERENCE);
     free(d_memory);
@@ -151,7 +151,7 @@ static void torque(const robot *r, const state *s, const double *q, double *out)
 }
 static void gravity_torque(const robot *r, const state *s, const double *q, double *out) {
     (void)s;
-    ck_assert_int_eq(rbd_gravity(r->m, r->w, q, out), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r->m, r->w, q, out), RBD_OK);
 }
 static void mass_matrix(const robot *r, const state *s, const double *q, double *out) {
     (void)s;
@@ -182,7 +182,7 @@ static void check_derivatives(const robot *r, const state *s, int number) {
     static double by_q[MAX_M], by_v[MAX_M], M[MAX_M], expected[MAX_M];
     double column[MAX_V], step[MAX_V] = {0};
     rbd_derivatives *d = derivatives_of(r);
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, M));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, M));
     velocity_differences(r, s, expected);
     expect_close("dtau/dv, differences", r, number, by_v, expected, nv * nv, 1e-12);
     RUN(rbd_crba(r->m, r->w, s->q, expected));
@@ -233,7 +233,7 @@ static void check_forward(const robot *r, const state *s, int number) {
         const double bound = inverse_bound((double)condition);
         RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, aba));
         expect_close("a of the derivatives", r, number, a, aba, nv, bound);
-        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, a, s->f_ext, by[0], by[1], M));
+        RUN(rbd_id_derivatives(r->m, d, s->q, s->v, a, s->f_ext, by[0], by[1], M));
         for (int k = 0; k < 2; k++) {
             for (int j = 0; j < nv * nv; j++) {
                 product[j] = 0;
@@ -298,7 +298,7 @@ static void check_gravity(const robot *r, const state *s, int number) {
     static double by_q[MAX_M], expected[MAX_M], same[MAX_M], by_v[MAX_M], zero[MAX_M];
     double column[MAX_V], step[MAX_V] = {0}, rest[MAX_V] = {0};
     rbd_derivatives *d = derivatives_of(r);
-    RUN(rbd_gravity_derivatives(r->m, d, s->q, by_q));
+    RUN(rbd_gravity_torque_derivatives(r->m, d, s->q, by_q));
     for (int k = 0; k < nv; k++) {
         step[k] = 1;
         differentiate(r, s, step, H_ONE, gravity_torque, nv, column);
@@ -306,7 +306,7 @@ static void check_gravity(const robot *r, const state *s, int number) {
         put_column(expected, nv, k, column);
     }
     expect_close("dg/dq, differences", r, number, by_q, expected, nv * nv, BY_ONE);
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, rest, rest, NULL, same, by_v, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s->q, rest, rest, NULL, same, by_v, NULL));
     expect_close("dg/dq", r, number, by_q, same, nv * nv, 0);
     expect_close("dtau/dv at rest", r, number, by_v, zero, nv * nv, 0);
     free(d_memory);
@@ -324,7 +324,7 @@ static void check_coriolis(const robot *r, const state *s, int number) {
     RUN(rbd_coriolis(r->m, d, s->q, s->v, C));
     multiply(C, s->v, nv, nv, found);
     RUN(rbd_bias(r->m, r->w, s->q, s->v, NULL, expected));
-    RUN(rbd_gravity(r->m, r->w, s->q, g));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, g));
     for (int i = 0; i < nv; i++) expected[i] -= g[i];
     expect_close("C v", r, number, found, expected, nv, 1e-11);
     for (int i = 0; i < nv * nv; i++) sum[i] = C[i] + C[i % nv * nv + i / nv];
@@ -352,9 +352,9 @@ static void expect_free_base(const robot *r, const state *s, int number, const d
         a[k] = x[k] = given[k] ? s->a[k] : (double)NAN;
         tau[k] = y[k] = given[k] ? (double)NAN : torque[k];
     }
-    const rbd_status status = rbd_hybrid(r->m, r->w, s->q, s->v, given, s->f_ext, x, y);
+    const rbd_status status = rbd_hybrid(r->m, r->w, s->q, s->v, given, x, y, s->f_ext);
     const int dof = rbd_singular_dof(r->w);
-    ck_assert_int_eq(rbd_rnea_free_base(r->m, d, s->q, s->v, s->f_ext, a, tau), status);
+    ck_assert_int_eq(rbd_id_free_base(r->m, d, s->q, s->v, a, tau, s->f_ext), status);
     ck_assert_int_eq(rbd_singular_dof(r->w), dof);
     free(d_memory);
     if (status != RBD_OK) {
@@ -402,7 +402,7 @@ START_TEST(a_free_base_may_be_singular) {
     rbd_derivatives *d = derivatives_of(&r);
     const double q[8] = {0, 0, 0, 0, 0, 0, 1, 0.3};
     double v[7] = {0}, a[7] = {1, 1, 1, 1, 1, 1, 1}, tau[7] = {1};
-    ck_assert_int_eq(rbd_rnea_free_base(r.m, d, q, v, NULL, a, tau), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_id_free_base(r.m, d, q, v, a, tau, NULL), RBD_ERR_SINGULAR);
     ck_assert(largest(a, 7) == 0 && largest(tau, 7) == 0);
     free(d_memory);
     robot_free(&r);
@@ -661,7 +661,7 @@ static void check_floating(const robot *r, const state *s, int number) {
     static double by_q[MAX_M], by_v[MAX_M];
     rbd_derivatives *d = derivatives_of(r);
     if (r->bodies[0].type == RBD_FLOATING) {
-        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, NULL));
+        RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, by_q, by_v, NULL));
         for (int i = 0; i < nv; i++)
             for (int k = 3; k < 6; k++) expect_small("dtau/dposition", r, number, by_q[i * nv + k], 0);
     }
@@ -709,7 +709,7 @@ static void check_ways(const robot *r, const state *s, int number) {
         double(*y)[MAX_M] = x[k], M[MAX_M];
         d = derivatives_of(of);
         ck_assert_int_eq(d->base, k == 0 ? 6 : 0);
-        RUN(rbd_rnea_derivatives(of->m, d, both.q, both.v, both.a, both.f_ext, y[0], y[1], M));
+        RUN(rbd_id_derivatives(of->m, d, both.q, both.v, both.a, both.f_ext, y[0], y[1], M));
         RUN(rbd_coriolis(of->m, d, both.q, both.v, y[3]));
         RUN(rbd_fd_derivatives(of->m, d, both.q, both.v, both.tau, both.f_ext, a[k], y[4], y[5], y[2]));
         for (int j = 0; j < 6; j++) cut(y[j], nv, of->nv);
@@ -747,12 +747,12 @@ static void travel(rbd_joint_type type, int position, int velocity, int star) {
     draw_state(r, &seed, &s);
     rbd_derivatives *d = derivatives_of(r);
     for (int k = 0; k < nv; k++) s.f_ext[k] = 0;
-    RUN(rbd_rnea_derivatives(r->m, d, s.q, s.v, s.a, NULL, near_q, near_v, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s.q, s.v, s.a, NULL, near_q, near_v, NULL));
     for (int k = 0; k < 3; k++) {
         s.q[position + k % (type == RBD_PRISMATIC ? 1 : 2)] += 1e6;
         if (velocity >= 0) s.v[velocity] += 1e6; /* in world axes: of joints that do not turn */
     }
-    RUN(rbd_rnea_derivatives(r->m, d, s.q, s.v, s.a, NULL, far_q, far_v, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s.q, s.v, s.a, NULL, far_q, far_v, NULL));
     expect_close("dtau/dq far away", r, number, far_q, near_q, nv * nv, 1e-12);
     expect_close("dtau/dv far away", r, number, far_v, near_v, nv * nv, 1e-12);
     free(d_memory);
@@ -795,12 +795,12 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, none, v, x));
     EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, q, none, x));
     EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, d, q, v, none));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, none, v, v, NULL, x, x, NULL));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, q, none, v, NULL, x, x, NULL));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_derivatives(r.m, d, q, v, none, NULL, x, x, NULL));
-    EXPECT(RBD_OK, rbd_rnea_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL));
-    EXPECT(RBD_ERR_WORK, rbd_rnea_derivatives(o.m, d, q, v, v, NULL, x, x, NULL));
-    EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, none, x));
+    EXPECT(RBD_ERR_NULL, rbd_id_derivatives(r.m, d, none, v, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_id_derivatives(r.m, d, q, none, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_id_derivatives(r.m, d, q, v, none, NULL, x, x, NULL));
+    EXPECT(RBD_OK, rbd_id_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL));
+    EXPECT(RBD_ERR_WORK, rbd_id_derivatives(o.m, d, q, v, v, NULL, x, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_gravity_torque_derivatives(r.m, d, none, x));
     EXPECT(RBD_ERR_NULL, rbd_keep_zeros(NULL, 1));
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(NULL, d, q, v, v, NULL, x, x, x, x));
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, NULL, q, v, v, NULL, x, x, x, x));
@@ -809,15 +809,15 @@ START_TEST(bad_arguments_are_refused) {
     EXPECT(RBD_ERR_NULL, rbd_fd_derivatives(r.m, d, q, v, none, NULL, x, x, x, x));
     EXPECT(RBD_ERR_WORK, rbd_fd_derivatives(o.m, d, q, v, v, NULL, x, x, x, x));
     EXPECT(RBD_OK, rbd_fd_derivatives(r.m, d, q, v, v, NULL, NULL, NULL, NULL, NULL));
-    EXPECT(RBD_ERR_NULL, rbd_gravity_derivatives(r.m, d, q, none));
+    EXPECT(RBD_ERR_NULL, rbd_gravity_torque_derivatives(r.m, d, q, none));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, none, v, x, NULL));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, none, x, x));
     EXPECT(RBD_ERR_NULL, rbd_momentum_matrix(r.m, d, q, v, none, x));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, none, v, NULL, x, x + MAX_V));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, none, NULL, x, x + MAX_V));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, v, NULL, none, x));
-    EXPECT(RBD_ERR_NULL, rbd_rnea_free_base(r.m, d, q, v, NULL, x, none));
-    EXPECT(RBD_ERR_WORK, rbd_rnea_free_base(o.m, d, q, v, NULL, x, x + MAX_V));
+    EXPECT(RBD_ERR_NULL, rbd_id_free_base(r.m, d, none, v, x, x + MAX_V, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_id_free_base(r.m, d, q, none, x, x + MAX_V, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_id_free_base(r.m, d, q, v, none, x, NULL));
+    EXPECT(RBD_ERR_NULL, rbd_id_free_base(r.m, d, q, v, x, none, NULL));
+    EXPECT(RBD_ERR_WORK, rbd_id_free_base(o.m, d, q, v, x, x + MAX_V, NULL));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, none, x));
     EXPECT(RBD_ERR_NULL, rbd_com_jacobian(r.m, d, q, none));
     EXPECT(RBD_ERR_NULL, rbd_regressor(r.m, d, none, v, v, x));
@@ -876,15 +876,15 @@ END_TEST
 START_TEST(size_at_compile_time_suffices) { for_random_trees(200, check_size); }
 END_TEST
 
-/* Each output of rbd_rnea_derivatives alone is what it is together with the others. */
+/* Each output of rbd_id_derivatives alone is what it is together with the others. */
 static void check_alone(const robot *r, const state *s, int number) {
     const int size = r->nv * r->nv;
     static double all[3][MAX_M], one[3][MAX_M];
     rbd_derivatives *d = derivatives_of(r);
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, all[0], all[1], all[2]));
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, one[0], NULL, NULL));
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, one[1], NULL));
-    RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, NULL, one[2]));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, all[0], all[1], all[2]));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, one[0], NULL, NULL));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, one[1], NULL));
+    RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, NULL, NULL, one[2]));
     for (int k = 0; k < 3; k++) expect_close("one output alone", r, number, one[k], all[k], size, 0);
     free(d_memory);
 }
@@ -902,7 +902,7 @@ static void check_kept(const robot *r, const state *s, int number) {
         for (int k = 0; k < MATRICES; k++)
             for (int i = 0; i < size[k]; i++) x[k][i] = 7;
         RUN(rbd_keep_zeros(d, keep));
-        RUN(rbd_rnea_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, x[0], x[1], x[2]));
+        RUN(rbd_id_derivatives(r->m, d, s->q, s->v, s->a, s->f_ext, x[0], x[1], x[2]));
         RUN(rbd_coriolis(r->m, d, s->q, s->v, x[3]));
         RUN(rbd_regressor(r->m, d, s->q, s->v, s->a, x[4]));
     }

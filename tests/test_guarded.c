@@ -95,7 +95,7 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
     double *x = numbers(nv), *M = numbers(nv * nv), *H = numbers(nh);
     BOTH(rbd_rnea(f->m, f->w, q, v, a, f_ext, x), rbd_rnea(r->m, r->w, q, v, a, f_ext, plain), x, nv);
     BOTH(rbd_bias(f->m, f->w, q, v, f_ext, x), rbd_bias(r->m, r->w, q, v, f_ext, plain), x, nv);
-    BOTH(rbd_gravity(f->m, f->w, q, x), rbd_gravity(r->m, r->w, q, plain), x, nv);
+    BOTH(rbd_gravity_torque(f->m, f->w, q, x), rbd_gravity_torque(r->m, r->w, q, plain), x, nv);
     BOTH(rbd_generalized_momentum(f->m, f->w, q, v, NULL, x),
          rbd_generalized_momentum(r->m, r->w, q, v, NULL, plain), x, nv);
     BOTH(rbd_generalized_momentum(f->m, f->w, q, v, x, NULL),
@@ -114,8 +114,8 @@ static void call_dynamics(const robot *r, const robot *f, const state *s, int nu
         memcpy(pa, s->a, (size_t)nv * sizeof *pa);
         memcpy(ft, s->tau, (size_t)nv * sizeof *ft);
         BOTH(
-            rbd_hybrid(f->m, f->w, q, v, given, f_ext, fa, ft),
-            rbd_hybrid(r->m, r->w, q, v, given, f_ext, pa, memcpy(plain, s->tau, (size_t)nv * sizeof *plain)),
+            rbd_hybrid(f->m, f->w, q, v, given, fa, ft, f_ext),
+            rbd_hybrid(r->m, r->w, q, v, given, pa, memcpy(plain, s->tau, (size_t)nv * sizeof *plain), f_ext),
             ft, nv);
         expect_same("hybrid, a", r, number, fa, pa, nv);
     }
@@ -220,11 +220,12 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
     rbd_derivatives *d, *e;
     RUN(rbd_derivatives_init(f->m, f->w, fenced(size), size, &d));
     RUN(rbd_derivatives_init(r->m, r->w, memory, size, &e));
-    BOTH(rbd_rnea_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
-         rbd_rnea_derivatives(r->m, e, q, v, a, f_ext, plain, other, NULL), x, nv * nv);
-    BOTH(rbd_rnea_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
-         rbd_rnea_derivatives(r->m, e, q, v, a, f_ext, other, plain, NULL), y, nv * nv);
-    BOTH(rbd_gravity_derivatives(f->m, d, q, x), rbd_gravity_derivatives(r->m, e, q, plain), x, nv * nv);
+    BOTH(rbd_id_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
+         rbd_id_derivatives(r->m, e, q, v, a, f_ext, plain, other, NULL), x, nv * nv);
+    BOTH(rbd_id_derivatives(f->m, d, q, v, a, f_ext, x, y, M),
+         rbd_id_derivatives(r->m, e, q, v, a, f_ext, other, plain, NULL), y, nv * nv);
+    BOTH(rbd_gravity_torque_derivatives(f->m, d, q, x), rbd_gravity_torque_derivatives(r->m, e, q, plain), x,
+         nv * nv);
     BOTH(rbd_fd_derivatives(f->m, d, q, v, v, f_ext, numbers(nv), x, y, M),
          rbd_fd_derivatives(r->m, e, q, v, v, f_ext, NULL, plain, NULL, NULL), x, nv * nv);
     BOTH(rbd_coriolis(f->m, d, q, v, x), rbd_coriolis(r->m, e, q, v, plain), x, nv * nv);

@@ -50,7 +50,7 @@ static void check_reference(const robot *r, const ref_control_state *s, int numb
     double a[MAX_V], tau[MAX_V];
     for (int k = 0; k < r->nv; k++) given[k] = (unsigned char)s->hybrid_given[k];
     blank(r->nv, given, s->vdot, s->tau, a, tau);
-    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, NULL, a, tau));
+    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, a, tau, NULL));
     expect_close("hybrid, a", r, number, a, s->hybrid_a, r->nv, bound);
     expect_close("hybrid, tau", r, number, tau, s->hybrid_tau, r->nv, bound);
     expect_kept(r, number, given, s->vdot, s->tau, a, tau);
@@ -104,7 +104,7 @@ static void check_pattern(const robot *r, const state *s, int number, pattern p)
     draw_given(r, p, &seed, given);
     blank(r->nv, given, s->a, s->tau, a, tau);
     const double condition = by_textbook(r, s, given, expected[0], expected[1]);
-    const rbd_status status = rbd_hybrid(r->m, r->w, s->q, s->v, given, s->f_ext, a, tau);
+    const rbd_status status = rbd_hybrid(r->m, r->w, s->q, s->v, given, a, tau, s->f_ext);
     if (condition > 0 && condition < 1e12) { /* below it, doubles keep some digits of the inverse */
         const double bound = inverse_bound(condition);
         expect_ok("hybrid", r, number, status);
@@ -134,12 +134,12 @@ static void check_ends(const robot *r, const state *s, int number) {
     double a[MAX_V], tau[MAX_V], expected[MAX_V];
     memset(given, 1, sizeof given);
     blank(r->nv, given, s->a, s->tau, a, tau);
-    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, s->f_ext, a, tau));
+    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, a, tau, s->f_ext));
     RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, s->f_ext, expected));
     expect_close("hybrid, all given: rnea", r, number, tau, expected, r->nv, 1e-13);
     memset(given, 0, sizeof given);
     blank(r->nv, given, s->a, s->tau, a, tau);
-    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, s->f_ext, a, tau));
+    RUN(rbd_hybrid(r->m, r->w, s->q, s->v, given, a, tau, s->f_ext));
     RUN(rbd_aba(r->m, r->w, s->q, s->v, s->tau, s->f_ext, expected));
     expect_close("hybrid, none given: aba", r, number, a, expected, r->nv, 1e-11);
 }
@@ -157,10 +157,10 @@ START_TEST(what_is_held_is_not_singular) {
     const double q[2] = {0.1, 0.2}, v[2] = {0.3, -0.4};
     double a[2] = {0, 0.5}, tau[2] = {3, 4};
     robot r = BUILD(bead);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, (const unsigned char[2]){0, 1}, NULL, a, tau), RBD_OK);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, (const unsigned char[2]){0, 1}, a, tau, NULL), RBD_OK);
     ck_assert(fabs(a[0] - 1.5) < 1e-14 && fabs(tau[1]) < 1e-14);
     ck_assert_int_eq(rbd_singular_dof(r.w), -1);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, (const unsigned char[2]){1, 0}, NULL, a, tau),
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, (const unsigned char[2]){1, 0}, a, tau, NULL),
                      RBD_ERR_SINGULAR);
     ck_assert_int_eq(rbd_singular_dof(r.w), 1);
     ck_assert(largest(a, 2) == 0 && largest(tau, 2) == 0);
@@ -181,11 +181,11 @@ START_TEST(part_of_a_joint_may_be_held) {
     unsigned char given[9] = {0, 1, 0, 0, 1, 0, 0, 0, 1};
     double a[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9}, tau[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9}, check[9];
     robot r = BUILD(rod);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, given, NULL, a, tau), RBD_OK);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, given, a, tau, NULL), RBD_OK);
     ck_assert_int_eq(rbd_rnea(r.m, r.w, q, v, a, NULL, check), RBD_OK);
     expect_close("part of a joint", &r, 0, check, tau, 9, 1e-12);
     given[8] = 0;
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, given, NULL, a, tau), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, q, v, given, a, tau, NULL), RBD_ERR_SINGULAR);
     ck_assert_int_eq(rbd_singular_dof(r.w), 8);
     robot_free(&r);
 }
@@ -196,7 +196,7 @@ static void expect_nan(const robot *r, const unsigned char *given) {
     const double v[MAX_V] = {0};
     for (int k = 0; k < r->nq; k++) q[k] = (double)NAN;
     for (int k = 0; k < r->nv; k++) a[k] = tau[k] = 1;
-    ck_assert_int_eq(rbd_hybrid(r->m, r->w, q, v, given, NULL, a, tau), RBD_ERR_NAN);
+    ck_assert_int_eq(rbd_hybrid(r->m, r->w, q, v, given, a, tau, NULL), RBD_ERR_NAN);
     ck_assert_int_ge(rbd_singular_dof(r->w), 0);
     ck_assert(largest(a, r->nv) == 0 && largest(tau, r->nv) == 0);
 }
@@ -217,14 +217,14 @@ START_TEST(errors_have_their_names) {
     const double x[MAX_Q] = {0};
     const unsigned char given[2] = {1, 0};
     double a[MAX_V], tau[MAX_V];
-    ck_assert_int_eq(rbd_hybrid(NULL, r.w, x, x, given, NULL, a, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, NULL, x, x, given, NULL, a, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, NULL, x, given, NULL, a, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, NULL, given, NULL, a, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, NULL, NULL, a, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, given, NULL, NULL, tau), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, given, NULL, a, NULL), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_hybrid(r.m, other.w, x, x, given, NULL, a, tau), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_hybrid(NULL, r.w, x, x, given, a, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, NULL, x, x, given, a, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, NULL, x, given, a, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, NULL, given, a, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, NULL, a, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, given, NULL, tau, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, r.w, x, x, given, a, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_hybrid(r.m, other.w, x, x, given, a, tau, NULL), RBD_ERR_WORK);
     expect_nan(&r, (const unsigned char[2]){0, 1}); /* the other joint's inertia is a constant */
     expect_nan(&other, (const unsigned char[2]){0, 1});
     robot_free(&r);

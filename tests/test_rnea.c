@@ -13,7 +13,7 @@ static void check_reference(const robot *r, const ref_model *model, const ref_st
     expect_close("rnea, wrenches", r, number, tau, s->tau_rnea_ext, nv, 1e-14);
     RUN(rbd_bias(r->m, r->w, s->q, s->v, NULL, tau));
     expect_close("bias", r, number, tau, s->c, nv, 1e-12); /* iiwa at rest: hardly any torque */
-    RUN(rbd_gravity(r->m, r->w, s->q, tau));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, tau));
     expect_close("gravity", r, number, tau, s->g, nv, 1e-12);
 }
 
@@ -31,7 +31,7 @@ static void check_textbook(const robot *r, const state *s, int number) {
     RUN(rbd_bias(r->m, r->w, s->q, s->v, s->f_ext, tau));
     expect_close_tb("bias, textbook", r, number, tau, expected, r->nv, 1e-13);
     tb_rnea(r->bodies, r->nb, s->gravity, s->q, zero, zero, NULL, expected, NULL);
-    RUN(rbd_gravity(r->m, r->w, s->q, tau));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, tau));
     expect_close_tb("gravity, textbook", r, number, tau, expected, r->nv, 1e-13);
 }
 
@@ -45,7 +45,7 @@ static void check_bias(const robot *r, const state *s, int number) {
     RUN(rbd_bias(r->m, r->w, s->q, s->v, s->f_ext, c));
     expect_close("bias = rnea at a = 0", r, number, c, tau, r->nv, 1e-13);
     RUN(rbd_rnea(r->m, r->w, s->q, zero, zero, NULL, tau));
-    RUN(rbd_gravity(r->m, r->w, s->q, g));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, g));
     expect_close("gravity = rnea at rest", r, number, g, tau, r->nv, 1e-13);
 }
 
@@ -113,7 +113,7 @@ static void check_repeatable(const robot *r, const state *s, int number) {
     RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, NULL, first));
     RUN(rbd_crba(r->m, r->w, s->q, M));
     RUN(rbd_kinematics(r->m, r->w, s->q, s->a, s->v));
-    RUN(rbd_gravity(r->m, r->w, s->q, between));
+    RUN(rbd_gravity_torque(r->m, r->w, s->q, between));
     RUN(rbd_rnea(r->m, r->w, s->q, s->v, s->a, NULL, again));
     ck_assert_msg(memcmp(first, again, (size_t)r->nv * sizeof(double)) == 0, "%s: other bits", r->name);
 }
@@ -136,10 +136,10 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_bias(r.m, r.w, NULL, x, NULL, out), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_bias(r.m, r.w, x, NULL, NULL, out), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_bias(r.m, r.w, x, x, NULL, NULL), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_gravity(NULL, r.w, x, out), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_gravity(r.m, NULL, x, out), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, NULL, out), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, x, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_gravity_torque(NULL, r.w, x, out), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, NULL, x, out), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, NULL, out), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, x, NULL), RBD_ERR_NULL);
     robot_free(&r);
 }
 END_TEST

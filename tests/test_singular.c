@@ -291,7 +291,7 @@ END_TEST
 enum { NAMING = 10 };
 typedef struct naming {
     rbd_derivatives *d;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     rbd_status status[NAMING];
     int dof[NAMING];
 } naming;
@@ -311,13 +311,20 @@ static rbd_status call_that_factors(const robot *r, const naming *n, int call, c
     case 4:
         ck_assert_int_eq(rbd_crba_packed(r->m, r->w, q, M), RBD_OK);
         return rbd_cholesky_factor_packed(r->m, r->w, M);
-    case 5: return rbd_hybrid(r->m, r->w, q, v, given, NULL, a, tau);
+    case 5: return rbd_hybrid(r->m, r->w, q, v, given, a, tau, NULL);
     case 6: return rbd_fd_derivatives(r->m, n->d, q, v, tau, NULL, a, M, N, P);
     case 7: return rbd_constrained_fd(r->m, n->c, q, v, tau, NULL, a, lambda);
     case 8: return rbd_impact(r->m, n->c, q, v, 0.5, a, lambda);
     default:
-        return rbd_constrained_derivatives(r->m, n->c, n->d, q, v, tau, NULL, a, lambda, M, N, P, rows[0],
-                                           rows[1], rows[2]);
+        return rbd_constrained_fd_derivatives(r->m, n->c, n->d, q, v, tau, NULL,
+                                              &(rbd_constrained_fd_results){.a = a,
+                                                                            .lambda = lambda,
+                                                                            .da_dq = M,
+                                                                            .da_dv = N,
+                                                                            .da_dtau = P,
+                                                                            .dlambda_dq = rows[0],
+                                                                            .dlambda_dv = rows[1],
+                                                                            .dlambda_dtau = rows[2]});
     }
 }
 
@@ -373,9 +380,9 @@ START_TEST(dof_before_the_coordinate_that_is_not_a_number_is_named) {
         void *memory = malloc(size), *more;
         ck_assert_int_eq(rbd_derivatives_init(r.m, r.w, memory, size, &n.d), RBD_OK);
         k = rbd_point_contact(7, point, NULL);
-        more = malloc(rbd_constraints_size(r.m, &k, 1));
+        more = malloc(rbd_constraint_set_size(r.m, &k, 1));
         ck_assert_int_eq(
-            rbd_constraints_init(r.m, r.w, &k, 1, more, rbd_constraints_size(r.m, &k, 1), &n.c, NULL),
+            rbd_constraint_set_init(r.m, r.w, &k, 1, more, rbd_constraint_set_size(r.m, &k, 1), &n.c, NULL),
             RBD_OK);
         draw_state(&r, &seed, &s);
         for (int i = 0; i < 8; i++)

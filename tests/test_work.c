@@ -152,7 +152,7 @@ static void still_dynamics(const robot *r, double *none, double *f_ext) {
     RUN(rbd_rnea(r->m, r->w, none, none, none, NULL, none));
     RUN(rbd_rnea(r->m, r->w, none, none, none, f_ext, none));
     RUN(rbd_bias(r->m, r->w, none, none, f_ext, none));
-    RUN(rbd_gravity(r->m, r->w, none, none));
+    RUN(rbd_gravity_torque(r->m, r->w, none, none));
     RUN(rbd_crba(r->m, r->w, none, none));
     RUN(rbd_crba_packed(r->m, r->w, none, none));
     RUN(rbd_aba(r->m, r->w, none, none, none, f_ext, none));
@@ -226,15 +226,15 @@ START_TEST(gravity_is_earth_s_until_set) {
     double g[MAX_V], expected[MAX_V], lunar[MAX_V];
     tb_real tb[TB_MAX_DOFS];
     const double rest[MAX_V] = {0}, *q = model->states[1].q;
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, g), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, g), RBD_OK);
     tb_rnea(r.bodies, r.nb, earth, q, rest, rest, NULL, tb, NULL);
     expect_close_tb("gravity by default", &r, 1, g, tb, r.nv, 1e-13);
     ck_assert_int_eq(rbd_set_gravity(r.w, moon), RBD_OK);
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, lunar), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, lunar), RBD_OK);
     tb_rnea(r.bodies, r.nb, moon, q, rest, rest, NULL, tb, NULL);
     expect_close_tb("gravity that was set", &r, 1, lunar, tb, r.nv, 1e-13);
     ck_assert_int_eq(rbd_set_gravity(r.w, earth), RBD_OK);
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, expected), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, expected), RBD_OK);
     ck_assert_int_eq(memcmp(g, expected, (size_t)r.nv * sizeof *g), 0);
     robot_free(&r);
 }
@@ -252,9 +252,9 @@ START_TEST(works_are_independent) {
     ck_assert_int_eq(rbd_set_gravity(other, none), RBD_OK);
     ck_assert_int_eq(rbd_kinematics(r.m, other, q, NULL, NULL), RBD_OK);
     ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, NULL, p), RBD_ERR_ORDER);
-    ck_assert_int_eq(rbd_gravity(r.m, other, q, g), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, other, q, g), RBD_OK);
     ck_assert(!(largest(g, r.nv) > 0));
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, g), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, g), RBD_OK);
     ck_assert(largest(g, r.nv) > 1);
     free(memory);
     robot_free(&r);
@@ -270,7 +270,7 @@ START_TEST(work_of_another_model_is_refused) {
     ck_assert_int_ne(r.nv, other.nv);
     ck_assert_int_eq(rbd_rnea(other.m, r.w, x, x, x, NULL, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_bias(other.m, r.w, x, x, NULL, y), RBD_ERR_WORK);
-    ck_assert_int_eq(rbd_gravity(other.m, r.w, x, y), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_gravity_torque(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_crba(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_crba_packed(other.m, r.w, x, y), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_aba(other.m, r.w, x, x, x, NULL, y), RBD_ERR_WORK);
@@ -309,8 +309,8 @@ static void chain(rbd_body *b, const rbd_joint_type *types, int nb) {
 static void expect_apart(const char *number, const rbd_body *a, int a_nb, const rbd_body *b, int b_nb) {
     robot r = robot_build(number, a, a_nb), other = robot_build(number, b, b_nb);
     double q[MAX_Q] = {0}, g[MAX_V];
-    ck_assert_msg(rbd_gravity(r.m, other.w, q, g) == RBD_ERR_WORK, "%s", number);
-    ck_assert_msg(rbd_gravity(other.m, r.w, q, g) == RBD_ERR_WORK, "%s", number);
+    ck_assert_msg(rbd_gravity_torque(r.m, other.w, q, g) == RBD_ERR_WORK, "%s", number);
+    ck_assert_msg(rbd_gravity_torque(other.m, r.w, q, g) == RBD_ERR_WORK, "%s", number);
     robot_free(&r);
     robot_free(&other);
 }
@@ -367,8 +367,8 @@ START_TEST(work_serves_every_copy_of_its_model) {
     const double *q = model->states[1].q;
     double g[MAX_V], expected[MAX_V];
     ck_assert_ptr_ne(r.m, copy.m);
-    ck_assert_int_eq(rbd_gravity(r.m, r.w, q, expected), RBD_OK);
-    ck_assert_int_eq(rbd_gravity(copy.m, r.w, q, g), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, expected), RBD_OK);
+    ck_assert_int_eq(rbd_gravity_torque(copy.m, r.w, q, g), RBD_OK);
     ck_assert_int_eq(memcmp(g, expected, (size_t)r.nv * sizeof *g), 0);
     robot_free(&copy);
     robot_free(&r);
@@ -393,7 +393,7 @@ START_TEST(work_of_a_model_built_over_is_refused) {
             ck_assert_int_eq(
                 rbd_model_build(bodies[j], nb[j], memory, RBD_MODEL_SIZE(MAX_BODIES), &second, NULL), RBD_OK);
             ck_assert_ptr_eq(first, second);
-            ck_assert_int_eq(rbd_gravity(second, w, x, y), expected);
+            ck_assert_int_eq(rbd_gravity_torque(second, w, x, y), expected);
             ck_assert_int_eq(rbd_crba(second, w, x, y), expected);
             ck_assert_int_eq(rbd_kinematics(second, w, x, NULL, NULL), expected);
         }
@@ -443,7 +443,8 @@ START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
             rbd_work *w;
             void *work = malloc(rbd_work_size(m[s]));
             ck_assert_int_eq(rbd_work_init(m[s], work, rbd_work_size(m[s]), &w), RBD_OK);
-            ck_assert_msg(rbd_gravity(m[t], w, x, y) == (s == t ? RBD_OK : RBD_ERR_WORK), "%d, %d", s, t);
+            ck_assert_msg(rbd_gravity_torque(m[t], w, x, y) == (s == t ? RBD_OK : RBD_ERR_WORK), "%d, %d", s,
+                          t);
             free(work);
         }
     for (int t = 0; t < TREES; t++) free(memory[t]);

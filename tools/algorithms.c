@@ -20,7 +20,9 @@ static rbd_status run_fd_cholesky(const state *s, double *out) {
 static rbd_status run_bias(const state *s, double *out) {
     return rbd_bias(s->m, s->w, s->q, s->v, NULL, out);
 }
-static rbd_status run_gravity(const state *s, double *out) { return rbd_gravity(s->m, s->w, s->q, out); }
+static rbd_status run_gravity(const state *s, double *out) {
+    return rbd_gravity_torque(s->m, s->w, s->q, out);
+}
 static rbd_status run_minv(const state *s, double *out) { return rbd_minverse(s->m, s->w, s->q, out); }
 static rbd_status run_coriolis(const state *s, double *out) {
     return rbd_coriolis(s->m, s->d, s->q, s->v, out);
@@ -77,7 +79,7 @@ static rbd_status run_generalized_momentum(const state *s, double *out) {
 
 static rbd_status run_id_derivatives(const state *s, double *out) {
     const int nv = rbd_nv(s->m);
-    return rbd_rnea_derivatives(s->m, s->d, s->q, s->v, s->a, NULL, out, out + nv * nv, NULL);
+    return rbd_id_derivatives(s->m, s->d, s->q, s->v, s->a, NULL, out, out + nv * nv, NULL);
 }
 static rbd_status run_fd_derivatives(const state *s, double *out) {
     const int square = rbd_nv(s->m) * rbd_nv(s->m);
@@ -85,7 +87,7 @@ static rbd_status run_fd_derivatives(const state *s, double *out) {
                               out + 2 * square);
 }
 static rbd_status run_gravity_derivatives(const state *s, double *out) {
-    return rbd_gravity_derivatives(s->m, s->d, s->q, out);
+    return rbd_gravity_torque_derivatives(s->m, s->d, s->q, out);
 }
 
 static rbd_status run_integrate_derivatives(const state *s, double *out) {
@@ -113,7 +115,7 @@ static rbd_status run_hybrid(const state *s, double *out) {
     const int nv = rbd_nv(s->m);
     memcpy(out, s->a, (size_t)nv * sizeof *out);
     memcpy(out + nv, s->tau, (size_t)nv * sizeof *out);
-    return rbd_hybrid(s->m, s->w, s->q, s->v, s->given, NULL, out, out + nv);
+    return rbd_hybrid(s->m, s->w, s->q, s->v, s->given, out, out + nv, NULL);
 }
 
 static rbd_status run_constrained(const state *s, double *out) {
@@ -129,10 +131,10 @@ static const algorithm algorithms[] = {
     {"fd_cholesky", "forward dynamics (Cholesky)", TAKES_V | TAKES_TAU, {{"a", ONE, DOFS}}, run_fd_cholesky},
     {"hybrid", "some a given, other tau", TAKES_V | TAKES_A | TAKES_TAU | TAKES_GIVEN,
      {{"a", ONE, DOFS}, {"tau", ONE, DOFS}}, run_hybrid},
-    {"constrained", "with --constraints FILE", TAKES_V | TAKES_TAU | TAKES_CONSTRAINTS,
+    {"constrained_fd", "with --constraints FILE", TAKES_V | TAKES_TAU | TAKES_CONSTRAINTS,
      {{"a", ONE, DOFS}, {"lambda", ONE, HELD}}, run_constrained},
     {"bias", "inverse dynamics, a = 0", TAKES_V, {{"tau", ONE, DOFS}}, run_bias},
-    {"gravity", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
+    {"gravity_torque", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
     {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
     {"pose", "of every link in the world", 0, {{"", ONE, POSES}}, run_pose},
     {"energy", "kinetic and potential", TAKES_V, {{"kinetic", ONE, ONE}, {"potential", ONE, ONE}},
@@ -153,7 +155,7 @@ static const algorithm algorithms[] = {
      {{"dtau_dq", DOFS, DOFS}, {"dtau_dv", DOFS, DOFS}}, run_id_derivatives},
     {"fd_derivatives", "of forward dynamics", TAKES_V | TAKES_TAU,
      {{"da_dq", DOFS, DOFS}, {"da_dv", DOFS, DOFS}, {"Minv", DOFS, DOFS}}, run_fd_derivatives},
-    {"gravity_derivatives", "of the gravity torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
+    {"gravity_torque_derivatives", "of gravity_torque", 0, {{"dg_dq", DOFS, DOFS}}, run_gravity_derivatives},
     {"integrate_derivatives", "of the step v from q", TAKES_V,
      {{"dnext_dq", DOFS, DOFS}, {"dnext_dv", DOFS, DOFS}}, run_integrate_derivatives},
     {"difference_derivatives", "of (q after v) - q", TAKES_V,
@@ -165,7 +167,7 @@ static const algorithm algorithms[] = {
 /* clang-format on */
 enum { ALGORITHMS = sizeof algorithms / sizeof *algorithms };
 
-static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}};
+static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}, {"minverse", "minv"}};
 enum { OTHERS = sizeof others / sizeof *others };
 
 void see_algorithms(nearest *n) {

@@ -13,7 +13,7 @@ typedef struct state {
     const rbd_model *m;
     rbd_work *w;
     rbd_derivatives *d;
-    rbd_constraints *c; /* NULL: none given */
+    rbd_constraint_set *c; /* NULL: none given */
     double *q, *v, *a, *tau;
     void *memory; /* of w, d and given */
     int body;     /* where the algorithm is one of a point */

@@ -138,12 +138,12 @@ static int read_all(csv *table, const robot *r, rbd_constraint **list, int **row
 
 /* Prepares the set. Returns 0, or -1 after a message. */
 static int prepare(csv *table, const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                   const int *rows, void **memory, rbd_constraints **c) {
-    const size_t size = rbd_constraints_size(m, list, n);
+                   const int *rows, void **memory, rbd_constraint_set **c) {
+    const size_t size = rbd_constraint_set_size(m, list, n);
     const rbd_finding *f;
     rbd_report report;
     *memory = allocate(size + 1, 1);
-    if (rbd_constraints_init(m, w, list, n, *memory, size, c, &report) == RBD_OK) return 0;
+    if (rbd_constraint_set_init(m, w, list, n, *memory, size, c, &report) == RBD_OK) return 0;
     f = &report.error;
     table->line = f->body < 0 ? 1 : rows[f->body];
     return csv_error(table, "%s%s%s", f->field ? f->field : "", f->field ? ": " : "",
@@ -151,7 +151,7 @@ static int prepare(csv *table, const rbd_model *m, rbd_work *w, const rbd_constr
 }
 
 int constraints_read(const char *path, const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
-                     rbd_constraints **c) {
+                     rbd_constraint_set **c) {
     csv table = {0};
     int n, *rows = NULL;
     *list = NULL, *memory = NULL;

@@ -8,6 +8,6 @@
 /* Reads the table, docs/tools.md says how, and prepares the set. The caller frees list and memory, NULL or
    not. Returns how many there are, or -1 after a message. */
 int constraints_read(const char *path, const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
-                     rbd_constraints **c);
+                     rbd_constraint_set **c);
 
 #endif

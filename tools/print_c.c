@@ -117,7 +117,7 @@ static void print_frame(const rbd_constraint *k, int second, const rbd_body *bod
     printf(" */\n");
 }
 
-/* A table of constraints, for rbd_constraints_init. */
+/* A table of constraints, for rbd_constraint_set_init. */
 void print_c_constraints(const robot *r, const char *name, const rbd_constraint *list, int n) {
     int rows = 0;
     for (int i = 0; i < 6 * n; i++) rows += list[i / 6].axes[i % 6];

@@ -16,7 +16,7 @@ void print_dot(const robot *r) {
     printf("\" {\n  node [shape=box];\n");
     for (int i = 0; i < u->nframes; i++) {
         const rbd_urdf_frame *f = &u->frames[i];
-        const int body = rbd_urdf_joint(u, f->joint);
+        const int body = rbd_urdf_joint_index(u, f->joint);
         printf("  n%d [label=\"", i);
         quoted(f->link);
         if (body >= 0 && u->bodies[body].mass > 0) printf("\\n%.4g kg", u->bodies[body].mass);

@@ -79,7 +79,7 @@ static int own_body(const rbd_urdf *u, const rbd_urdf_frame *f) {
 
 static void fill_row(const rbd_urdf *u, int i, int depth, row cells) {
     const rbd_urdf_frame *f = &u->frames[i];
-    const int own = own_body(u, f), moving = rbd_urdf_joint(u, f->joint);
+    const int own = own_body(u, f), moving = rbd_urdf_joint_index(u, f->joint);
     memset(cells, 0, sizeof(row));
     snprintf(cells[0], CELL, "%*s%s", depth > 20 ? 40 : 2 * depth, "", f->link);
     if (f->joint) snprintf(cells[1], CELL, "%s", f->joint);

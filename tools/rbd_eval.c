@@ -42,7 +42,7 @@ static const char help_columns[] =
     "  --given DOF         its a is given in hybrid, of all others tau; a joint's name for all of its; may "
     "stand\n"
     "                      several times\n"
-    "  --constraints FILE  table of constraints, for constrained: a row each with the columns body1 and "
+    "  --constraints FILE  table of constraints, for constrained_fd: a row each with the columns body1 and "
     "axes, "
     "and of\n"
     "                      body2 x1 y1 z1 x2 y2 z2 r1_0 ... r1_8 r2_0 ... r2_8 kp kd those that are wanted: "

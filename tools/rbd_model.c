@@ -18,7 +18,8 @@ static const char help[] =
     "  --urdf              URDF of what dynamics needs, fixed links merged\n"
     "  --dot               the tree, for Graphviz: rbd-model --dot FILE | dot -Tsvg\n"
     "  --check             nothing: only the messages and the exit status\n"
-    "  --constraints FILE  with --c or --c-model: NAME_constraints too, a C table for rbd_constraints_init, "
+    "  --constraints FILE  with --c or --c-model: NAME_constraints too, a C table for "
+    "rbd_constraint_set_init, "
     "of\n"
     "                      the table of constraints that rbd-eval reads\n"
     "How the file is read:\n";
@@ -118,7 +119,7 @@ static void print_output(const options *o, const robot *r) {
 static int read_constraints(const options *o, const robot *r, rbd_constraint **list) {
     const size_t size = rbd_work_size(r->model);
     void *work_memory = allocate(size, 1), *memory = NULL;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     rbd_work *w;
     int n = -1;
     if (rbd_work_init(r->model, work_memory, size, &w) == RBD_OK)

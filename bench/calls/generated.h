@@ -193,19 +193,20 @@ CALL(fd, STATE, 1, NV)
 static rbd_status group_minv(const struct group *g) { return judged(FUNCTION(minv)(g->q, g->out)); }
 CALL(minv, ONLY_Q, 1, SQUARE)
 
-static rbd_status group_did(const struct group *g) {
+static rbd_status group_id_derivatives(const struct group *g) {
     FUNCTION(id_derivatives)(g->q, g->v, g->x, gravity_now, g->out, g->out + SQUARE);
     return RBD_OK;
 }
-CALL(did, STATE, 2, SQUARE)
+CALL(id_derivatives, STATE, 2, SQUARE)
 
-static rbd_status group_dfd(const struct group *g) {
+static rbd_status group_fd_derivatives(const struct group *g) {
     real a[NV], *by_v = g->out + SQUARE, *Minv = by_v + SQUARE;
     return judged(FUNCTION(fd_derivatives)(g->q, g->v, g->x, gravity_now, a, g->out, by_v, Minv));
 }
-CALL(dfd, STATE, 3, SQUARE)
+CALL(fd_derivatives, STATE, 3, SQUARE)
 
-#define DERIVATIVES , [MINV] = call_minv, [ID_DERIVATIVES] = call_did, [FD_DERIVATIVES] = call_dfd
+#define DERIVATIVES \
+    , [MINV] = call_minv, [ID_DERIVATIVES] = call_id_derivatives, [FD_DERIVATIVES] = call_fd_derivatives
 #else
 #define DERIVATIVES
 #endif

@@ -18,16 +18,16 @@ static size_t aligned(size_t size) { return (size + ALIGNMENT - 1) / ALIGNMENT *
 static size_t constraints_size(const rbd_model *m, int algorithm) {
     rbd_constraint list[MAX_CONTACTS];
     const int n = contacts_of(m, algorithm, list);
-    return n > 0 ? aligned(rbd_batch_constraints_size(m, list, n)) : 0;
+    return n > 0 ? aligned(rbd_batch_constraint_set_size(m, list, n)) : 0;
 }
 
 static rbd_status init_constraints(const rbd_model *m, struct rbd_memory *own, int algorithm,
                                    unsigned char *memory) {
     rbd_constraint list[MAX_CONTACTS];
-    rbd_batch_constraints *c = NULL;
+    rbd_batch_constraint_set *c = NULL;
     const int n = contacts_of(m, algorithm, list);
-    const rbd_status status = n > 0 ? rbd_batch_constraints_init(m, own->work, list, n, memory,
-                                                                 constraints_size(m, algorithm), &c, NULL)
+    const rbd_status status = n > 0 ? rbd_batch_constraint_set_init(m, own->work, list, n, memory,
+                                                                    constraints_size(m, algorithm), &c, NULL)
                                     : RBD_OK;
     own->constraints[algorithm - CONSTRAINED] = c;
     return status;
@@ -129,21 +129,21 @@ static rbd_status call_coriolis(const void *model, void *work, int n, const void
     return rbd_batch_coriolis(model, derivatives_of(work), n, q, v, C);
 }
 
-static rbd_status call_did(const void *model, void *work, int n, const void *q, const void *v, const void *a,
-                           void *out) {
+static rbd_status call_id_derivatives(const void *model, void *work, int n, const void *q, const void *v,
+                                      const void *a, void *out) {
     RBD_REAL *dq = out, *dv = dq + BATCH * rbd_nv(model) * rbd_nv(model);
-    return rbd_batch_rnea_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, NULL);
+    return rbd_batch_id_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, NULL);
 }
 
-static rbd_status call_did_mm(const void *model, void *work, int n, const void *q, const void *v,
-                              const void *a, void *out) {
+static rbd_status call_id_derivatives_mm(const void *model, void *work, int n, const void *q, const void *v,
+                                         const void *a, void *out) {
     const int part = BATCH * rbd_nv(model) * rbd_nv(model);
     RBD_REAL *dq = out, *dv = dq + part, *M = dv + part;
-    return rbd_batch_rnea_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, M);
+    return rbd_batch_id_derivatives(model, derivatives_of(work), n, q, v, a, NULL, dq, dv, M);
 }
 
-static rbd_status call_dfd(const void *model, void *work, int n, const void *q, const void *v,
-                           const void *tau, void *out) {
+static rbd_status call_fd_derivatives(const void *model, void *work, int n, const void *q, const void *v,
+                                      const void *tau, void *out) {
     const int part = BATCH * rbd_nv(model) * rbd_nv(model);
     RBD_REAL *dq = out, *dv = dq + part, *Minv = dv + part;
     return rbd_batch_fd_derivatives(model, derivatives_of(work), n, q, v, tau, NULL, NULL, dq, dv, Minv);
@@ -151,7 +151,7 @@ static rbd_status call_dfd(const void *model, void *work, int n, const void *q, 
 
 static rbd_status constrained(const void *model, void *work, int algorithm, int n, const void *q,
                               const void *v, const void *tau, void *out) {
-    rbd_batch_constraints *c = ((struct rbd_memory *)work)->constraints[algorithm - CONSTRAINED];
+    rbd_batch_constraint_set *c = ((struct rbd_memory *)work)->constraints[algorithm - CONSTRAINED];
     RBD_REAL *a = out, *lambda = a + BATCH * rbd_nv(model);
     return rbd_batch_constrained_fd(model, c, n, q, v, tau, NULL, a, lambda);
 }
@@ -170,6 +170,7 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
 #define CALLS \
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky, [MINV] = call_minv, [JACOBIAN] = call_jacobian, \
-    [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, [ID_DERIVATIVES] = call_did, \
-    [ID_DERIVATIVES_MM] = call_did_mm, [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
+    [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, \
+    [ID_DERIVATIVES] = call_id_derivatives, [ID_DERIVATIVES_MM] = call_id_derivatives_mm, \
+    [FD_DERIVATIVES] = call_fd_derivatives, [CONSTRAINED] = call_constrained, \
     [CONSTRAINED_HAND] = call_constrained_hand

@@ -54,9 +54,10 @@ typedef rbd_status library_call(const void *model, void *work, int n, const void
 
 /* What the run-time variants and the batches of rbd have for a work. */
 struct rbd_memory {
-    void *work;                                  /* rbd_work, rbd_batch */
-    void *derivatives;                           /* rbd_derivatives, rbd_batch_derivatives */
-    void *constraints[ALGORITHMS - CONSTRAINED]; /* rbd_constraints, rbd_batch_constraints; NULL: none */
+    void *work;        /* rbd_work, rbd_batch */
+    void *derivatives; /* rbd_derivatives, rbd_batch_derivatives */
+    void
+        *constraints[ALGORITHMS - CONSTRAINED]; /* rbd_constraint_set, rbd_batch_constraint_set; NULL: none */
 };
 
 /* A state in rbd's conventions, and in double. */

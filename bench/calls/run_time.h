@@ -19,17 +19,17 @@ static size_t aligned(size_t size) { return (size + ALIGNMENT - 1) / ALIGNMENT *
 static size_t constraints_size(const rbd_model *m, int algorithm) {
     rbd_constraint list[MAX_CONTACTS];
     const int n = contacts_of(m, algorithm, list);
-    return n > 0 ? aligned(rbd_constraints_size(m, list, n)) : 0;
+    return n > 0 ? aligned(rbd_constraint_set_size(m, list, n)) : 0;
 }
 
 static rbd_status init_constraints(const rbd_model *m, struct rbd_memory *own, int algorithm,
                                    unsigned char *memory) {
     rbd_constraint list[MAX_CONTACTS];
-    rbd_constraints *c = NULL;
+    rbd_constraint_set *c = NULL;
     const int n = contacts_of(m, algorithm, list);
-    const rbd_status status =
-        n > 0 ? rbd_constraints_init(m, own->work, list, n, memory, constraints_size(m, algorithm), &c, NULL)
-              : RBD_OK;
+    const rbd_status status = n > 0 ? rbd_constraint_set_init(m, own->work, list, n, memory,
+                                                              constraints_size(m, algorithm), &c, NULL)
+                                    : RBD_OK;
     own->constraints[algorithm - CONSTRAINED] = c;
     return status;
 }
@@ -114,7 +114,7 @@ static rbd_status call_hybrid(const void *model, void *work, int n, const void *
         given[i] = (unsigned char)(base ? i >= 6 : i % 2);
         tau[i] = 0;
     }
-    return rbd_hybrid(model, work_of(work), q, v, given, NULL, acceleration, tau);
+    return rbd_hybrid(model, work_of(work), q, v, given, acceleration, tau, NULL);
 }
 
 /* The same by the call that needs no flags; of a robot without a base plain inverse dynamics. */
@@ -124,7 +124,7 @@ static rbd_status call_free_base(const void *model, void *work, int n, const voi
     rbd_real *acceleration = out, *tau = acceleration + nv;
     (void)n;
     for (int i = 0; i < nv; i++) acceleration[i] = ((const rbd_real *)a)[i], tau[i] = 0;
-    return rbd_rnea_free_base(model, derivatives_of(work), q, v, NULL, acceleration, tau);
+    return rbd_id_free_base(model, derivatives_of(work), q, v, acceleration, tau, NULL);
 }
 
 static rbd_status call_minv(const void *model, void *work, int n, const void *q, const void *v, const void *x,
@@ -160,24 +160,24 @@ static rbd_status call_regressor(const void *model, void *work, int n, const voi
     return rbd_regressor(model, derivatives_of(work), q, v, a, Y);
 }
 
-static rbd_status call_did(const void *model, void *work, int n, const void *q, const void *v, const void *a,
-                           void *out) {
+static rbd_status call_id_derivatives(const void *model, void *work, int n, const void *q, const void *v,
+                                      const void *a, void *out) {
     const int nv = rbd_nv(model);
     rbd_real *dq = out, *dv = dq + nv * nv;
     (void)n;
-    return rbd_rnea_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, NULL);
+    return rbd_id_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, NULL);
 }
 
-static rbd_status call_did_mm(const void *model, void *work, int n, const void *q, const void *v,
-                              const void *a, void *out) {
+static rbd_status call_id_derivatives_mm(const void *model, void *work, int n, const void *q, const void *v,
+                                         const void *a, void *out) {
     const int nv = rbd_nv(model);
     rbd_real *dq = out, *dv = dq + nv * nv, *M = dv + nv * nv;
     (void)n;
-    return rbd_rnea_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, M);
+    return rbd_id_derivatives(model, derivatives_of(work), q, v, a, NULL, dq, dv, M);
 }
 
-static rbd_status call_dfd(const void *model, void *work, int n, const void *q, const void *v,
-                           const void *tau, void *out) {
+static rbd_status call_fd_derivatives(const void *model, void *work, int n, const void *q, const void *v,
+                                      const void *tau, void *out) {
     const int nv = rbd_nv(model);
     rbd_real *dq = out, *dv = dq + nv * nv, *Minv = dv + nv * nv;
     (void)n;
@@ -186,7 +186,7 @@ static rbd_status call_dfd(const void *model, void *work, int n, const void *q, 
 
 static rbd_status constrained(const void *model, void *work, int algorithm, const void *q, const void *v,
                               const void *tau, void *out) {
-    rbd_constraints *c = ((struct rbd_memory *)work)->constraints[algorithm - CONSTRAINED];
+    rbd_constraint_set *c = ((struct rbd_memory *)work)->constraints[algorithm - CONSTRAINED];
     rbd_real *a = out, *lambda = a + rbd_nv(model);
     return rbd_constrained_fd(model, c, q, v, tau, NULL, a, lambda);
 }
@@ -208,6 +208,6 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [FREE_BASE] = call_free_base, \
     [MINV] = call_minv, [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, \
-    [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_did, \
-    [ID_DERIVATIVES_MM] = call_did_mm, [FD_DERIVATIVES] = call_dfd, [CONSTRAINED] = call_constrained, \
-    [CONSTRAINED_HAND] = call_constrained_hand
+    [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_id_derivatives, \
+    [ID_DERIVATIVES_MM] = call_id_derivatives_mm, [FD_DERIVATIVES] = call_fd_derivatives, \
+    [CONSTRAINED] = call_constrained, [CONSTRAINED_HAND] = call_constrained_hand

@@ -14,9 +14,10 @@ enum { MAX_NB = ATLAS_NB, MAX_NQ = ATLAS_NQ, MAX_NV = ATLAS_NV }; /* the largest
 
 /* Static, so that every run has them at the same addresses. */
 static unsigned char model_memory[RBD_MODEL_SIZE(MAX_NB)];
-static unsigned char variant_memory[2 * (MAX_LANES + 1) *
-                                    (RBD_WORK_SIZE(MAX_NB, MAX_NV) + RBD_DERIVATIVES_SIZE(MAX_NB, MAX_NV) +
-                                     RBD_CONSTRAINTS_SIZE(MAX_NV, 12) + RBD_CONSTRAINTS_SIZE(MAX_NV, 15))];
+static unsigned char
+    variant_memory[2 * (MAX_LANES + 1) *
+                   (RBD_WORK_SIZE(MAX_NB, MAX_NV) + RBD_DERIVATIVES_SIZE(MAX_NB, MAX_NV) +
+                    RBD_CONSTRAINT_SET_SIZE(MAX_NV, 12) + RBD_CONSTRAINT_SET_SIZE(MAX_NV, 15))];
 static rbd_real q[STATES * MAX_NQ], v[STATES * MAX_NV], a[STATES * MAX_NV], tau[STATES * MAX_NV];
 static rbd_real out[STATES * MAX_NV * 10 * MAX_NB];
 
@@ -91,17 +92,17 @@ static const struct {
     [FD] = {"fd", tau},
     [FD_CHOLESKY] = {"fd_cholesky", tau},
     [HYBRID] = {"hybrid", a},
-    [FREE_BASE] = {"free_base", a},
+    [FREE_BASE] = {"id_free_base", a},
     [MINV] = {"minv", tau},
     [JACOBIAN] = {"jacobian", tau},
     [MOMENTUM_MATRIX] = {"momentum_matrix", tau},
     [CORIOLIS] = {"coriolis", tau},
     [REGRESSOR] = {"regressor", a},
-    [ID_DERIVATIVES] = {"did", a},
-    [ID_DERIVATIVES_MM] = {"did_mm", a},
-    [FD_DERIVATIVES] = {"dfd", tau},
-    [CONSTRAINED] = {"constrained", tau},
-    [CONSTRAINED_HAND] = {"constrained_hand", tau},
+    [ID_DERIVATIVES] = {"id_derivatives", a},
+    [ID_DERIVATIVES_MM] = {"id_derivatives_mm", a},
+    [FD_DERIVATIVES] = {"fd_derivatives", tau},
+    [CONSTRAINED] = {"constrained_fd", tau},
+    [CONSTRAINED_HAND] = {"constrained_fd_hand", tau},
 };
 
 /* ---- counting ---- */

@@ -115,7 +115,7 @@ static rbd_status call_hybrid(const robot &r) {
         out[i] = x[i];
         more[0][i] = 0;
     }
-    return rbd_hybrid(r.m, r.w, q, v, given, NULL, out, more[0]);
+    return rbd_hybrid(r.m, r.w, q, v, given, out, more[0], NULL);
 }
 
 static rbd_status call_minv(const robot &r) { return rbd_minverse(r.m, r.w, q, out); }
@@ -128,10 +128,10 @@ static rbd_status call_momentum_matrix(const robot &r) {
 }
 static rbd_status call_coriolis(const robot &r) { return rbd_coriolis(r.m, r.d, q, v, out); }
 static rbd_status call_regressor(const robot &r) { return rbd_regressor(r.m, r.d, q, v, x, out); }
-static rbd_status call_did(const robot &r) {
-    return rbd_rnea_derivatives(r.m, r.d, q, v, x, NULL, out, more[0], NULL);
+static rbd_status call_id_derivatives(const robot &r) {
+    return rbd_id_derivatives(r.m, r.d, q, v, x, NULL, out, more[0], NULL);
 }
-static rbd_status call_dfd(const robot &r) {
+static rbd_status call_fd_derivatives(const robot &r) {
     return rbd_fd_derivatives(r.m, r.d, q, v, x, NULL, NULL, out, more[0], more[1]);
 }
 
@@ -150,8 +150,8 @@ static const algorithm algorithms[] = {{"id", call_id},
                                        {"momentum_matrix", call_momentum_matrix},
                                        {"coriolis", call_coriolis},
                                        {"regressor", call_regressor},
-                                       {"did", call_did},
-                                       {"dfd", call_dfd}};
+                                       {"id_derivatives", call_id_derivatives},
+                                       {"fd_derivatives", call_fd_derivatives}};
 
 static void draw_state(const robot &r, uint64_t *seed) {
     rbd_random(r.m, seed, q);

@@ -54,8 +54,8 @@ static rbd_derivatives *d;
 
 #ifdef FIGURES_CONTACTS /* HyQ on four points, Atlas on two flat feet: 12 rows each */
 enum { ROWS = 12 };
-static unsigned char constraints_memory[RBD_CONSTRAINTS_SIZE(ATLAS_NV, ROWS)];
-static rbd_constraints *c;
+static unsigned char constraints_memory[RBD_CONSTRAINT_SET_SIZE(ATLAS_NV, ROWS)];
+static rbd_constraint_set *c;
 static size_t set_size;
 static rbd_real lambda[ROWS], by_v_lambda[ROWS * MAX_NV], by_q_lambda[ROWS * MAX_NV];
 
@@ -103,22 +103,26 @@ CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
 CALL(kinematics, rbd_kinematics(m, w, q, v, a))
 CALL(jacobian, rbd_jacobian(m, w, rbd_nb(m) - 1, NULL, RBD_WORLD_AXES, out))
-CALL(hybrid, rbd_hybrid(m, w, q, v, given, NULL, hybrid_a, hybrid_tau))
+CALL(hybrid, rbd_hybrid(m, w, q, v, given, hybrid_a, hybrid_tau, NULL))
 CALL(minv, rbd_minverse(m, w, q, out))
 #if FIGURES_ROBOTS == 3
 CALL(momentum_matrix, rbd_momentum_matrix(m, d, q, NULL, out, NULL))
 CALL(coriolis, rbd_coriolis(m, d, q, v, out))
-CALL(did, rbd_rnea_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
-CALL(dfd, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
+CALL(id_derivatives, rbd_id_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
+CALL(fd_derivatives, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
 #endif
 #endif
 
 #ifdef FIGURES_CONTACTS
-CALL(constrained, rbd_constrained_fd(m, c, q, v, tau, NULL, out, lambda))
+CALL(constrained_fd, rbd_constrained_fd(m, c, q, v, tau, NULL, out, lambda))
 CALL(impact, rbd_impact(m, c, q, v, 0, out, lambda))
 CALL(constrained_id, rbd_constrained_id(m, c, q, v, a, NULL, NULL, NULL, out, lambda))
-CALL(constrained_derivatives, rbd_constrained_derivatives(m, c, d, q, v, tau, NULL, NULL, NULL, out, by_v,
-                                                          NULL, by_q_lambda, by_v_lambda, NULL))
+CALL(constrained_fd_derivatives,
+     rbd_constrained_fd_derivatives(m, c, d, q, v, tau, NULL,
+                                    &(rbd_constrained_fd_results){.da_dq = out,
+                                                                  .da_dv = by_v,
+                                                                  .dlambda_dq = by_q_lambda,
+                                                                  .dlambda_dv = by_v_lambda}))
 #endif
 
 #ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
@@ -136,10 +140,10 @@ typedef struct algorithm {
 } algorithm;
 
 #if defined FIGURES_CONTACTS
-static const algorithm algorithms[] = {{"constrained", constrained},
+static const algorithm algorithms[] = {{"constrained_fd", constrained_fd},
                                        {"impact", impact},
                                        {"constrained_id", constrained_id},
-                                       {"constrained_derivatives", constrained_derivatives}};
+                                       {"constrained_fd_derivatives", constrained_fd_derivatives}};
 #elif defined FIGURES_ALONE
 static const algorithm algorithms[] = {{"fd_alone", fd}};
 #else
@@ -155,8 +159,8 @@ static const algorithm algorithms[] = {
 #if FIGURES_ROBOTS == 3
     {"momentum_matrix", momentum_matrix},
     {"coriolis", coriolis},
-    {"did", did},
-    {"dfd", dfd},
+    {"id_derivatives", id_derivatives},
+    {"fd_derivatives", fd_derivatives},
 #endif
 };
 #endif
@@ -235,8 +239,8 @@ static rbd_status prepare(const rbd_model *m) {
     rbd_constraint list[4];
     const int n = rbd_nv(m) == HYQ_NV ? 4 : 2;
     for (int i = 0; i < n; i++) list[i] = contact(rbd_nv(m), i);
-    set_size = rbd_constraints_size(m, list, n);
-    return rbd_constraints_init(m, w, list, n, constraints_memory, sizeof constraints_memory, &c, NULL);
+    set_size = rbd_constraint_set_size(m, list, n);
+    return rbd_constraint_set_init(m, w, list, n, constraints_memory, sizeof constraints_memory, &c, NULL);
 #else
     return status;
 #endif

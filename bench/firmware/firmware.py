@@ -24,15 +24,15 @@ ROBOTS = ["iiwa", "hyq", "atlas"]
 SMALL = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
          "kinematics": "rbd_kinematics", "jacobian": "rbd_jacobian", "hybrid": "rbd_hybrid", "minv": "rbd_minverse"}
 # Where RAM for Atlas is.
-LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "did": "rbd_rnea_derivatives",
-         "dfd": "rbd_fd_derivatives"}
+LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "id_derivatives": "rbd_id_derivatives",
+         "fd_derivatives": "rbd_fd_derivatives"}
 ALGORITHMS = {**SMALL, **LARGE}
 # Straight-line code of rbd-codegen, for one robot: float, -O2, where RAM for Atlas is.
 GENERATED = {"generated_id": "id", "generated_fd": "fd"}
 # Float, -O2, where RAM for Atlas is, each in a library of its own: contacts, 12 rows (work: with the set of constraints),
-# and rbd_aba by RBD_NO_CHOLESKY and RBD_NO_CRBA without what only mimic joints need.
-KINDS = {"contacts": {"constrained": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
-                      "constrained_derivatives": "rbd_constrained_derivatives"},
+# and rbd_aba by RBD_NO_CHOLESKY without what only mimic joints need.
+KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
+                      "constrained_fd_derivatives": "rbd_constrained_fd_derivatives"},
          "alone": {"fd_alone": "rbd_aba"}}
 # What the examples print of themselves, on the targets that their README has: words before or after a number.
 EXAMPLES = {("cortex-m4f", "five_bar"): {"torques": r"torques (\d+) instructions", "motion": r"the mechanism (\d+)",
@@ -176,7 +176,7 @@ def prove(target, folder, scalars):
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
-        checked = program == "five_bar"  # rbd_constraints_init checks a description, which is in double
+        checked = program == "five_bar"  # rbd_constraint_set_init checks a description, which is in double
         unwanted = sorted(n for n in names if DOUBLE.fullmatch(n) and not checked
                           or n in ("malloc", "free", "sbrk", "_sbrk"))
         lines.append(f"{program}: of {len(names)} symbols, {'' if checked else 'double arithmetic or '}a heap: "
@@ -474,7 +474,7 @@ def contacts_table(some, _):
     for algorithm, call in {"fd": "rbd_aba", **KINDS["contacts"]}.items():
         rows = [some["cortex-m4f", robot, algorithm] for robot in ("hyq", "atlas")]
         lines.append(f"| `{call}` | {number(rows[0]['code'])} | " + " | ".join(number(r["instructions"]) for r in rows) + " |")
-    rows = [some["cortex-m4f", robot, "constrained"] for robot in ("hyq", "atlas")]
+    rows = [some["cortex-m4f", robot, "constrained_fd"] for robot in ("hyq", "atlas")]
     lines.append("| stack of `rbd_constrained_fd`, bytes | | " + " | ".join(number(r["stack"]) for r in rows) + " |")
     return lines + ["| work and set, RAM, bytes | | " + " | ".join(number(r["work"]) for r in rows) + " |"]
 
@@ -482,7 +482,7 @@ def contacts_table(some, _):
 def alone_table(some, _):
     lines = ["| float, -O2, bytes of flash | cortex-m3 | cortex-m4f | rv32imafc |", "|---|--:|--:|--:|"]
     for algorithm, name in (("id", "`rbd_rnea`"), ("fd", "`rbd_aba`"),
-                            ("fd_alone", "`rbd_aba` with `RBD_NO_CHOLESKY` and `RBD_NO_CRBA`")):
+                            ("fd_alone", "`rbd_aba` with `RBD_NO_CHOLESKY`")):
         cells = [some.get((target, "iiwa", algorithm)) for target in ("cortex-m3", "cortex-m4f", "rv32imafc")]
         lines.append(f"| {name} | " + " | ".join(number(r["code"]) if r else "–" for r in cells) + " |")
     return lines

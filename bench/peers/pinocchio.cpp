@@ -222,8 +222,8 @@ CALL(jacobian, pinocchio::computeFrameJacobian(m, d, q, w->last, pinocchio::LOCA
 CALL(momentum_matrix, pinocchio::computeCentroidalMap(m, d, q))
 CALL(coriolis, pinocchio::computeCoriolisMatrix(m, d, q, v))
 CALL(regressor, pinocchio::computeJointTorqueRegressor(m, d, q, v, x))
-CALL(did_mm, pinocchio::computeRNEADerivatives(m, d, q, v, x))
-CALL(dfd, pinocchio::computeABADerivatives(m, d, q, v, x))
+CALL(id_derivatives_mm, pinocchio::computeRNEADerivatives(m, d, q, v, x))
+CALL(fd_derivatives, pinocchio::computeABADerivatives(m, d, q, v, x))
 
 CALL(constrained, run_sparse(w->m, &w->sets[SPARSE_CHOLESKY][0], q, v, x))
 CALL(constrained_hand, run_sparse(w->m, &w->sets[SPARSE_CHOLESKY][1], q, v, x))
@@ -438,8 +438,8 @@ library make_library() {
     l.call[MOMENTUM_MATRIX] = call_momentum_matrix;
     l.call[CORIOLIS] = call_coriolis;
     l.call[REGRESSOR] = call_regressor;
-    l.call[ID_DERIVATIVES_MM] = call_did_mm;
-    l.call[FD_DERIVATIVES] = call_dfd;
+    l.call[ID_DERIVATIVES_MM] = call_id_derivatives_mm;
+    l.call[FD_DERIVATIVES] = call_fd_derivatives;
     l.call[CONSTRAINED] = call_constrained;
     l.call[CONSTRAINED_HAND] = call_constrained_hand;
     l.can = can;

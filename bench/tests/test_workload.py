@@ -442,19 +442,19 @@ class Page(unittest.TestCase):
             with open(os.path.join(folder, "times-gcc.csv"), "w", newline="") as f:
                 csv.writer(f).writerows([Schemas.COLUMNS, *(
                     [library, "1", "gcc", "double", "iiwa", algorithm, 1, 1, time, 0, time, 0, 0, "run-time", 0]
-                    for algorithm in ("id", "did_mm", "minv") for library, time in (("rbd", 100), ("Pinocchio", 250)))])
+                    for algorithm in ("id", "id_derivatives_mm", "minv") for library, time in (("rbd", 100), ("Pinocchio", 250)))])
             data = Data(folder, ["gcc"])
-            self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["did_mm", "dfd", "minv"]])
+            self.assertEqual([[a for a, _ in g] for g in data.groups], [["id", "mm", "fd"], ["id_derivatives_mm", "fd_derivatives", "minv"]])
             self.assertEqual(page.ratios_table(data)[2], ["Pinocchio", "2.50", "–", "–", "2.50", "–", "2.50"])
 
     def test_panels_of_other_algorithms_have_only_who_can(self):
         data = type("data", (), {"robots": [("iiwa", "iiwa"), ("hyq", "HyQ")]})
         ours, peer, third = (figures.Bar(name, name, name, "run-time") for name in ("rbd", "KDL", "RBDL"))
-        has = {"constrained": [(ours, "hyq"), (peer, "hyq")], "id": [(ours, "hyq")], "dfd": []}
+        has = {"constrained_fd": [(ours, "hyq"), (peer, "hyq")], "id": [(ours, "hyq")], "fd_derivatives": []}
         value = lambda bar, robot, algorithm: [1.0] if (bar, robot) in has[algorithm] else None
         drawn = figures.Bars(data, [ours, peer, third], ["time"], value, "us")
-        self.assertEqual(drawn.cells("constrained", drawn.bars), ([ours, peer], [("hyq", "HyQ")]))
-        for algorithm in ("id", "dfd"):
+        self.assertEqual(drawn.cells("constrained_fd", drawn.bars), ([ours, peer], [("hyq", "HyQ")]))
+        for algorithm in ("id", "fd_derivatives"):
             self.assertEqual(drawn.cells(algorithm, drawn.bars), (drawn.bars, data.robots))
 
     def test_rbd_has_another_shade_than_others_where_nothing_is_stacked(self):

@@ -74,17 +74,17 @@ const struct algorithm algorithms[ALGORITHMS] = {
     [FD] = {"fd", "forward dynamics (ABA)", TORQUE},
     [FD_CHOLESKY] = {"fd_cholesky", "forward dynamics (Cholesky)", TORQUE},
     [HYBRID] = {"hybrid", "hybrid dynamics, the base free", ACCELERATION},
-    [FREE_BASE] = {"free_base", "inverse dynamics, the base free", ACCELERATION},
+    [FREE_BASE] = {"id_free_base", "inverse dynamics, the base free", ACCELERATION},
     [MINV] = {"minv", "inverse of the mass matrix", NOTHING},
     [JACOBIAN] = {"jacobian", "kinematics and Jacobian of the last body", NOTHING},
     [MOMENTUM_MATRIX] = {"momentum_matrix", "centroidal momentum matrix", NOTHING},
     [CORIOLIS] = {"coriolis", "Coriolis matrix", NOTHING},
     [REGRESSOR] = {"regressor", "torque regressor", ACCELERATION},
-    [ID_DERIVATIVES] = {"did", "derivatives of inverse dynamics", ACCELERATION},
-    [ID_DERIVATIVES_MM] = {"did_mm", "derivatives of inverse dynamics, and M", ACCELERATION},
-    [FD_DERIVATIVES] = {"dfd", "derivatives of forward dynamics", TORQUE},
-    [CONSTRAINED] = {"constrained", "constrained dynamics, on feet", TORQUE},
-    [CONSTRAINED_HAND] = {"constrained_hand", "constrained dynamics, a hand too", TORQUE},
+    [ID_DERIVATIVES] = {"id_derivatives", "derivatives of inverse dynamics", ACCELERATION},
+    [ID_DERIVATIVES_MM] = {"id_derivatives_mm", "derivatives of inverse dynamics, and M", ACCELERATION},
+    [FD_DERIVATIVES] = {"fd_derivatives", "derivatives of forward dynamics", TORQUE},
+    [CONSTRAINED] = {"constrained_fd", "constrained dynamics, on feet", TORQUE},
+    [CONSTRAINED_HAND] = {"constrained_fd_hand", "constrained dynamics, a hand too", TORQUE},
 };
 
 const char *const scalar_names[] = {[DOUBLE] = "double", [FLOAT] = "float", NULL};

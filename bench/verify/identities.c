@@ -264,7 +264,7 @@ static void take_sum(struct vanishing *x, double first, const double *a, int str
 static int check_constrained(struct check *c, struct states s, double bound) {
     enum { MOST_ROWS = 24 };
     const struct rbd_memory *memory = c->instance->worker[0].work;
-    rbd_constraints *set = memory->constraints[c->algorithm - CONSTRAINED];
+    rbd_constraint_set *set = memory->constraints[c->algorithm - CONSTRAINED];
     const int nv = c->robot->nv, rows = rbd_constraint_rows(set);
     const double *tau = s.tau;
     double gamma[MOST_ROWS], *const a = c->result, *const lambda = a + nv, *const J = c->other;

@@ -6,10 +6,10 @@ import os
 
 ALGORITHMS = [("id", "inverse dynamics"), ("mm", "mass matrix"), ("fd", "forward dynamics")]
 # Beside the paper's three: a row of panels each in the figures.
-MORE = [[("did_mm", "derivatives of inverse dynamics, and M"), ("dfd", "derivatives of forward dynamics"), ("minv", "M⁻¹")],
+MORE = [[("id_derivatives_mm", "derivatives of inverse dynamics, and M"), ("fd_derivatives", "derivatives of forward dynamics"), ("minv", "M⁻¹")],
         [("jacobian", "Jacobian"), ("momentum_matrix", "momentum matrix"), ("regressor", "regressor")],
-        [("coriolis", "Coriolis matrix"), ("constrained", "constrained dynamics"),
-         ("constrained_hand", "constrained, a hand too")]]
+        [("coriolis", "Coriolis matrix"), ("constrained_fd", "constrained dynamics"),
+         ("constrained_fd_hand", "constrained, a hand too")]]
 ROBOTS = [("iiwa", "iiwa"), ("hyq", "HyQ"), ("atlas", "Atlas")]
 
 

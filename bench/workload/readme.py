@@ -21,11 +21,11 @@ MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 # A row: its title, rbd's algorithm, and that of Pinocchio, whose mass matrix is one triangle.
 ROWS = [("inverse dynamics", "id", "id"), ("mass matrix", "mm", None), ("mass matrix, one triangle", "mm_packed", "mm"),
         ("forward dynamics", "fd", "fd"), ("M⁻¹", "minv", "minv"), ("Jacobian of the last body", "jacobian", "jacobian"),
-        ("derivatives of inverse dynamics, and M", "did_mm", "did_mm"),
-        ("derivatives of inverse dynamics", "did", None),
-        ("derivatives of forward dynamics, and M⁻¹", "dfd", "dfd"), ("Coriolis matrix", "coriolis", "coriolis"),
+        ("derivatives of inverse dynamics, and M", "id_derivatives_mm", "id_derivatives_mm"),
+        ("derivatives of inverse dynamics", "id_derivatives", None),
+        ("derivatives of forward dynamics, and M⁻¹", "fd_derivatives", "fd_derivatives"), ("Coriolis matrix", "coriolis", "coriolis"),
         ("centroidal momentum matrix", "momentum_matrix", "momentum_matrix"), ("torque regressor", "regressor", "regressor"),
-        ("constrained dynamics, 12 rows", "constrained", "constrained")]
+        ("constrained dynamics, 12 rows", "constrained_fd", "constrained_fd")]
 
 
 def number(x):

@@ -23,7 +23,7 @@ void loop() {
     float q[DOUBLE_PENDULUM_NQ], tau[DOUBLE_PENDULUM_NV];
     q[DOUBLE_PENDULUM_Q_SHOULDER] = angle(A0);
     q[DOUBLE_PENDULUM_Q_ELBOW] = angle(A1);
-    if (rbd_gravity(&double_pendulum_model, work, q, tau) == RBD_OK) {
+    if (rbd_gravity_torque(&double_pendulum_model, work, q, tau) == RBD_OK) {
         Serial.print(tau[DOUBLE_PENDULUM_DOF_SHOULDER], 4);
         Serial.print(' ');
         Serial.println(tau[DOUBLE_PENDULUM_DOF_ELBOW], 4);

@@ -25,7 +25,7 @@ static rbd_status observe(rbd_work *w, const rbd_real *q, const rbd_real *v, con
                           observer *o) {
     rbd_real p[N], rate[N], g[N];
     rbd_status status = rbd_generalized_momentum(&iiwa_model, w, q, v, p, rate);
-    if (status == RBD_OK) status = rbd_gravity(&iiwa_model, w, q, g);
+    if (status == RBD_OK) status = rbd_gravity_torque(&iiwa_model, w, q, g);
     for (int i = 0; i < N; i++) {
         rate[i] -= g[i];
         o->sum[i] = tau ? o->sum[i] + PERIOD * (tau[i] + (o->rate[i] + rate[i]) / 2 + o->r[i]) : p[i];

@@ -13,9 +13,9 @@ enum { NV = FIVE_BAR_NV, STEPS = 2000000 / PERIOD_US }; /* two seconds: one roun
 
 static const rbd_real ground = 0.2f, crank = 0.25f, rod = 0.35f, radius = 0.05f, pi = 3.14159265f; /* m */
 
-static unsigned char work_memory[FIVE_BAR_WORK_SIZE], loop_memory[RBD_CONSTRAINTS_SIZE(NV, FIVE_BAR_ROWS)];
+static unsigned char work_memory[FIVE_BAR_WORK_SIZE], loop_memory[RBD_CONSTRAINT_SET_SIZE(NV, FIVE_BAR_ROWS)];
 static rbd_work *w;
-static rbd_constraints *loop;
+static rbd_constraint_set *loop;
 
 /* Accelerations of the joints with which the tip has x, z, and each side by itself: two equations each. */
 static void follow(const rbd_real *q, const rbd_real *v, rbd_real x, rbd_real z, rbd_real *a) {
@@ -41,7 +41,7 @@ static void tip(const rbd_real *q, const rbd_real *v, rbd_real at[2], rbd_real m
 
 /* Torques of both motors at time t; off: by how much the tip is away from where it shall be, m. */
 static rbd_status control(rbd_real t, const rbd_real *q, const rbd_real *v, rbd_real *tau, rbd_real *off) {
-    static const int motors[NV] = {1, 0, 1, 0};
+    static const unsigned char motors[NV] = {1, 0, 1, 0};
     const rbd_real s = sinf(pi * t), c = cosf(pi * t), speed = pi * radius, turn = pi * speed;
     const rbd_real x = radius * s, z = 0.45f - radius * c;
     rbd_real at[2], moves[2], a[NV];
@@ -67,8 +67,8 @@ int main(void) {
     int late = 0;
     rbd_status status = rbd_work_init(&five_bar_model, work_memory, sizeof work_memory, &w);
     if (status == RBD_OK)
-        status = rbd_constraints_init(&five_bar_model, w, five_bar_constraints, FIVE_BAR_CONSTRAINTS,
-                                      loop_memory, sizeof loop_memory, &loop, NULL);
+        status = rbd_constraint_set_init(&five_bar_model, w, five_bar_constraints, FIVE_BAR_CONSTRAINTS,
+                                         loop_memory, sizeof loop_memory, &loop, NULL);
     if (status == RBD_OK) status = rbd_assemble(&five_bar_model, loop, guess, NULL, NULL, q, NULL);
     cost_stack(0);
     if (status == RBD_OK) status = control(0, q, v, tau, &off);

@@ -17,7 +17,7 @@ static const rbd_real push = 0.5f; /* rad/s, of the first leg joint */
 /* g: gravity torque, whose first six are the wrench of the gantry; tau: that, and dampers against what moves.
  */
 static rbd_status control(rbd_work *w, const rbd_real *q, const rbd_real *v, rbd_real *g, rbd_real *tau) {
-    rbd_status status = rbd_gravity(&hyq_model, w, q, g);
+    rbd_status status = rbd_gravity_torque(&hyq_model, w, q, g);
     for (int i = 0; i < NV; i++) tau[i] = g[i] - (i < TRUNK ? gantry_damping : damping) * v[i];
     return status;
 }

@@ -65,7 +65,7 @@ static rbd_status conserve(const double *q, const double *momentum, double *v) {
     double tau[NV] = {0};
     for (int i = 0; i < NV; i++) given[i] = i >= 6;
     memcpy(tau, momentum, sizeof *momentum * 6);
-    return rbd_hybrid(&atlas_model, w, q, still, given, NULL, v, tau);
+    return rbd_hybrid(&atlas_model, w, q, still, given, v, tau, NULL);
 }
 
 /* (h; 0) in the axes of the base. */
@@ -102,7 +102,7 @@ static rbd_status differentiate_base(const double *q, const double *v_next, doub
     static const double still[NV];
     static double Mv_q[NV * NV], M[NV * NV], side[6 * NZ];
     double momentum[6];
-    rbd_status status = rbd_rnea_derivatives(&atlas_model, d, q, still, v_next, NULL, Mv_q, NULL, M);
+    rbd_status status = rbd_id_derivatives(&atlas_model, d, q, still, v_next, NULL, Mv_q, NULL, M);
     memset(side, 0, sizeof side);
     momentum_of_base(q, momentum);
     for (int i = 0; i < 6; i++) {

@@ -97,7 +97,7 @@ static void replay_step(double *q, double *v, double *a, double time, double *mo
             vs[i] = v[i] + (stage ? time * node[stage] * a[i] : 0);
         }
         check(rbd_integrate(&atlas_model, q, e, 1, qs));
-        check(rbd_hybrid(&atlas_model, w, qs, vs, given, NULL, a, tau));
+        check(rbd_hybrid(&atlas_model, w, qs, vs, given, a, tau, NULL));
         add_bracket(e, vs, 1, b);
         for (int i = 0; i < NV; i++) turn[i] = vs[i] + b[i] / 2;
         add_bracket(e, b, 1. / 12, turn);

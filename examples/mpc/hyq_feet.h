@@ -31,7 +31,7 @@ static const double toe[3] = {0.33, 0, 0};
 
 static rbd_work *w;
 static rbd_derivatives *d;
-static rbd_constraints *feet;
+static rbd_constraint_set *feet;
 static phase schedule[SCHEDULE];
 static const phase *phases = schedule; /* from the horizon's beginning on */
 static double tried[MOST_KNOTS][ROWS]; /* forces under the feet by the last steps; */
@@ -46,7 +46,7 @@ static void check(rbd_status status) {
    left of a standing foot is gone in a tick. */
 static void prepare_feet(void) {
     static unsigned char work_memory[HYQ_WORK_SIZE], memory[RBD_DERIVATIVES_SIZE(HYQ_NB, NV)],
-        set_memory[RBD_CONSTRAINTS_SIZE(NV, ROWS)];
+        set_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
     rbd_constraint list[FEET];
     for (int i = 0; i < FEET; i++) {
         const double place[3] = {i < 2 ? 0.37 : -0.37, i % 2 ? -0.32 : 0.32, 0};
@@ -55,7 +55,7 @@ static void prepare_feet(void) {
     }
     check(rbd_work_init(&hyq_model, work_memory, sizeof work_memory, &w));
     check(rbd_derivatives_init(&hyq_model, w, memory, sizeof memory, &d));
-    check(rbd_constraints_init(&hyq_model, w, list, FEET, set_memory, sizeof set_memory, &feet, NULL));
+    check(rbd_constraint_set_init(&hyq_model, w, list, FEET, set_memory, sizeof set_memory, &feet, NULL));
 }
 
 /* Stands there, the trunk 0.5 m above, and the torques that hold it. */
@@ -117,10 +117,14 @@ static rbd_status differentiate_impact(const double *q, const double *v, double 
     static const double zero[NV];
     double tau[NV], tau_q[NV * NV], M[NV * NV];
     rbd_status status = rbd_rnea(&hyq_model, w, q, zero, v, NULL, tau);
-    if (status == RBD_OK) status = rbd_rnea_derivatives(&hyq_model, d, q, zero, v, NULL, tau_q, NULL, M);
+    if (status == RBD_OK) status = rbd_id_derivatives(&hyq_model, d, q, zero, v, NULL, tau_q, NULL, M);
     if (status == RBD_OK)
-        status = rbd_constrained_derivatives(&hyq_model, feet, d, q, zero, tau, NULL, NULL, forces, by_q,
-                                             NULL, by_tau, force_q, NULL, force_tau);
+        status = rbd_constrained_fd_derivatives(&hyq_model, feet, d, q, zero, tau, NULL,
+                                                &(rbd_constrained_fd_results){.lambda = forces,
+                                                                              .da_dq = by_q,
+                                                                              .da_dtau = by_tau,
+                                                                              .dlambda_dq = force_q,
+                                                                              .dlambda_dtau = force_tau});
     memset(f_z, 0, sizeof *f_z * NV * NZ);
     for (int i = 0; i < NV; i++) memcpy(f_z + i * NZ, by_q + i * NV, sizeof *f_z * NV);
     add_product(NV, by_tau, tau_q, NZ, f_z);
@@ -147,8 +151,14 @@ static rbd_status derivatives(void *user, const double *q, const double *v, cons
             continue;
         }
         if (phases[k] == STAND) {
-            status = rbd_constrained_derivatives(&hyq_model, feet, d, q, v, tau, NULL, NULL, force[k], by_q,
-                                                 by_v, by_tau, force_q, force_v, force_tau);
+            status = rbd_constrained_fd_derivatives(&hyq_model, feet, d, q, v, tau, NULL,
+                                                    &(rbd_constrained_fd_results){.lambda = force[k],
+                                                                                  .da_dq = by_q,
+                                                                                  .da_dv = by_v,
+                                                                                  .da_dtau = by_tau,
+                                                                                  .dlambda_dq = force_q,
+                                                                                  .dlambda_dv = force_v,
+                                                                                  .dlambda_dtau = force_tau});
             put_forces(force_z[k]);
         } else {
             status = rbd_fd_derivatives(&hyq_model, d, q, v, tau, NULL, NULL, by_q, by_v, by_tau);

@@ -11,7 +11,7 @@ static const double ground_friction = 0.7; /* more than the plan counts on */
 
 typedef struct robot {
     unsigned char model_memory[RBD_MODEL_SIZE(HYQ_NB)], work_memory[RBD_WORK_SIZE(HYQ_NB, NV)],
-        set_memory[RBD_CONSTRAINTS_SIZE(NV, ROWS)];
+        set_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
     const rbd_model *m;
     rbd_work *w;
     double q[NQ], v[NV];
@@ -38,14 +38,14 @@ static void robot_push(robot *r, const double *tau, const double *push, int land
     for (;;) {
         double lambda[ROWS];
         rbd_constraint list[FEET];
-        rbd_constraints *c;
+        rbd_constraint_set *c;
         int n = 0, worst = -1;
         for (int i = 0; i < FEET; i++)
             if (r->standing >> i & 1) {
                 list[n] = rbd_point_contact(leg[i], toe, NULL);
                 list[n++].kd = 1 / robot_dt;
             }
-        check(rbd_constraints_init(r->m, r->w, list, n, r->set_memory, sizeof r->set_memory, &c, NULL));
+        check(rbd_constraint_set_init(r->m, r->w, list, n, r->set_memory, sizeof r->set_memory, &c, NULL));
         check(landing ? rbd_impact(r->m, c, r->q, r->v, 0, out, lambda)
                       : rbd_constrained_fd(r->m, c, r->q, r->v, tau, push, out, lambda));
         memset(r->force, 0, sizeof r->force);

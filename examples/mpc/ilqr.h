@@ -199,7 +199,7 @@ static inline rbd_status ilqr_init(ilqr *s, const ilqr_problem *p, rbd_real *mem
 }
 
 /* f_z of one knot from derivatives of the acceleration, nv x nv each, for v_next = v + dt a: what
-   rbd_fd_derivatives and rbd_constrained_derivatives give. The controls drive the dofs from first on. */
+   rbd_fd_derivatives and rbd_constrained_fd_derivatives give. The controls drive the dofs from first on. */
 static inline void ilqr_accelerations(const ilqr_problem *p, int first, rbd_real dt, const rbd_real *da_dq,
                                       const rbd_real *da_dv, const rbd_real *da_dtau, rbd_real *f_z) {
     const int n = rbd_nv(p->m), m = p->nu;

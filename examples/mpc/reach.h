@@ -46,7 +46,7 @@ static inline void reach_target(rbd_real time, rbd_real target[3]) {
 /* Before each iteration: the target's places on the horizon that begins now, and the torque that holds q. */
 static inline rbd_status reach_aim(reach *r, rbd_real time, const rbd_real *q) {
     for (int k = 0; k <= REACH_N; k++) reach_target(time + r->dt * (rbd_real)k, r->target[k]);
-    return rbd_gravity(&iiwa_model, r->w, q, r->hold);
+    return rbd_gravity_torque(&iiwa_model, r->w, q, r->hold);
 }
 
 static inline rbd_status reach_step(void *user, int k, const rbd_real *q, const rbd_real *v,

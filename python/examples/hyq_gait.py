@@ -42,7 +42,7 @@ q = np.empty((len(time), hyq.nq))
 stands = np.zeros((len(time), 4), bool)
 for k, t in enumerate(time):
     places, stands[k] = zip(*(place(leg, t) for leg in range(4)))
-    feet = hyq.constraints([hyq.point_contact(f"{leg}_lowerleg", toe, p) for leg, p in zip(legs, places)])
+    feet = hyq.constraint_set([hyq.point_contact(f"{leg}_lowerleg", toe, p) for leg, p in zip(legs, places)])
     near[:7] = speed * t, 0, height, 0, 0, 0, 1
     near = q[k] = feet.assemble(near, weight=[1e6] * 6 + [1] * 12).q_near
 
@@ -51,7 +51,7 @@ v = np.array([hyq.difference(q[max(k - 1, 0)], q[min(k + 1, len(q) - 1)]) for k 
 a = np.gradient(v, dt, axis=0)
 tau, force = np.zeros((len(time), hyq.nv)), np.zeros((len(time), 4))
 for pair in [0, 3], [1, 2]:
-    feet = hyq.constraints([hyq.point_contact(f"{legs[leg]}_lowerleg", toe) for leg in pair])
+    feet = hyq.constraint_set([hyq.point_contact(f"{legs[leg]}_lowerleg", toe) for leg in pair])
     for k in np.flatnonzero(stands[:, pair[0]] & stands[:, pair[1]]):
         result = feet.constrained_id(q[k], v[k], a[k])
         tau[k], force[k, pair] = result.tau, result.lambda_[2::3]

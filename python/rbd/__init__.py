@@ -26,7 +26,7 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
   and a (100, nv) gives (100, nv); q (20, 5, nq) gives (20, 5, nv).
 - An error of the library is an `RbdError` with its `status` and a sentence.
 - A call with several results gives a named tuple, in C's order. Results that C can leave out have a keyword:
-  `model.rnea_derivatives(q, v, a, M=False).M` is None, and is not computed.
+  `model.id_derivatives(q, v, a, M=False).M` is None, and is not computed.
 - Threads: C runs without Python's lock. Calls of one Model wait for each other; those of two run side by side
   (`model.copy()` is cheap). A Model keeps what `kinematics` computed: give each thread its own Model.
 """
@@ -57,7 +57,7 @@ from typing import Any, Iterable, Literal, Mapping, NamedTuple, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["AxisAngle", "Body", "Constraint", "Constraints", "Frame", "JointInfo", "JointType", "Library",
+__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Frame", "JointInfo", "JointType", "Library",
            "Model", "Placement", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
            "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
 
@@ -479,8 +479,8 @@ axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
 _SCALARS = ["dt", "restitution"]             # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
-_GAINS = ["restitution", "weight"]           # have a range: ERR_GAIN
-_MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.intc)}  # are 0 or 1 in C
+_GAINS = ["restitution", "weight"]           # have a range: ERR_RANGE
+_MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
 
 
 def _shape(text, dims):
@@ -634,7 +634,7 @@ def _number(call, name, value):
 
 # ---- calls ----
 
-def _c(memory, gives="", batch=False, **shapes):
+def _c(memory, gives="", batch=False, struct=False, **shapes):
     """Makes a method from its signature and docstring: it calls the C function of that name, after `rbd_`.
 
     The method's parameters are the inputs, in C's order, and then keywords that leave results out.
@@ -642,10 +642,11 @@ def _c(memory, gives="", batch=False, **shapes):
     gives    the results in C's order; "dtau_dq?" is left out where the keyword dtau_dq is False, "A_dot_v?v"
              where v is None
     batch    whether C has the call for n states, as rbd_batch_...
+    struct   whether C takes the results as a struct of pointers
     shapes   of quantities that have another shape here than in the table
     """
     def make(method):
-        call = _Call(method, memory, gives, batch, shapes)
+        call = _Call(method, memory, gives, batch, struct, shapes)
         parameters = ", ".join(list(inspect.signature(method).parameters)[1:])
         # A lambda with this signature: Python itself then sorts out the arguments.
         source = (f"lambda {str(inspect.signature(method))[1:-1]}: "
@@ -666,10 +667,11 @@ def _results(call, *names):
 class _Call:
     """A method's call of C: memory, inputs, outputs."""
 
-    def __init__(self, method, memory, gives, batch, shapes):
+    def __init__(self, method, memory, gives, batch, struct, shapes):
         self.name = method.__name__
         self.memory = memory.split()
         self.batch = batch
+        self.struct = struct
         parameters = list(inspect.signature(method).parameters.values())[1:]
         self.inputs = [p.name for p in parameters if p.kind is not p.KEYWORD_ONLY]
         self.optional = {p.name for p in parameters
@@ -714,11 +716,11 @@ class _Bound:
         self.cores = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
         self.function = library.function(call.name, arguments=[
             library.scalar if name in _SCALARS else ctypes.c_int if name in _INTEGERS else ctypes.c_void_p
-            for name in ["model", *call.memory, *call.inputs, *call.outputs]])
+            for name in ["model", *call.memory, *call.inputs, *(["out"] if call.struct else call.outputs)]])
         arrays = [name for name in call.inputs if name not in _SCALARS + _INTEGERS]
         self.arena, views = self._carve([name for name in arrays if name != "actuated"])
         if "actuated" in arrays:
-            views["actuated"] = np.zeros(owner.nv, np.intc)
+            views["actuated"] = np.zeros(owner.nv, np.uint8)
         self.output, results = self._carve(call.outputs)
         self.views = list(results.values())
         self.arguments = [owner._address(kind).value for kind in ["model", *call.memory]]
@@ -764,7 +766,10 @@ class _Bound:
             for place, flag in self.flagged:
                 if not self._wanted(flag, values[flag]):
                     arguments[place] = None
-            status = self.function(*arguments)
+            results = arguments[self.results_at:]
+            if self.call.struct:
+                results = [(ctypes.c_void_p * len(results))(*results)]
+            status = self.function(*arguments[:self.results_at], *results)
             if status or not math.isfinite(self.output.dot(self.output)):
                 self._fail(status, arguments)
             return self.views[0].copy() if self.plain else self._results(arguments)
@@ -799,7 +804,7 @@ class _Bound:
     def _fail(self, status, arguments):
         """Raises the error of the call, if there is one, and forgets the results."""
         label = self.call.name
-        if status == Status.ERR_GAIN:
+        if status == Status.ERR_RANGE:
             label += "".join(f": {name}" for name in self.call.inputs if name in _GAINS)
         try:
             if status:
@@ -879,7 +884,7 @@ def _state(number, loop):
 
 
 class _Owner:
-    """What Model and Constraints have in common: memory for C, and the calls in it."""
+    """What Model and ConstraintSet have in common: memory for C, and the calls in it."""
 
     def __init__(self, library, lock):
         self.library, self._lock = library, lock
@@ -900,13 +905,15 @@ class _Owner:
                 self._calls[call.name] = _Bound(call, self)
         return self._calls[call.name]
 
-    def _run(self, function, memory, inputs, outputs, results=tuple, call=None, states=None):
+    def _run(self, function, memory, inputs, outputs, results=tuple, call=None, states=None, pointers=None):
         """Calls C with arrays that are right: whole numbers and inputs, then outputs by name. Gives
-        results(outputs), checked. call: the name for messages; states: of a batch, the axes of its states."""
+        results(outputs), checked. call: the name for messages; states: of a batch, the axes of its states;
+        pointers: what C takes behind the inputs, if not all outputs."""
         call = call or function
         with self._lock:
             addresses = map(self._address, ["model", *memory])
-            status = self.library.call(function, *addresses, *inputs, *outputs.values())
+            status = self.library.call(function, *addresses, *inputs,
+                                       *(outputs.values() if pointers is None else pointers))
             if status:
                 raise self._error(call, status, results(outputs.values()), states)
         for name, array in outputs.items():
@@ -1458,7 +1465,7 @@ class Model(_Owner):
         """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches."""
 
     @_c("work", "g")
-    def gravity(self, q):
+    def gravity_torque(self, q):
         """Gravity torque g = tau at v = a = 0: what holds the robot still."""
 
     @_c("work", "p? ctv?")
@@ -1498,7 +1505,7 @@ class Model(_Owner):
         return self._hybrid("hybrid", "work", {"q": q, "v": v, "given": given}, a, tau, f_ext)
 
     def _hybrid(self, call, memory, inputs, a, tau, f_ext):
-        inputs = {**inputs, "f_ext": f_ext, "a": a, "tau": tau}
+        inputs = {**inputs, "a": a, "tau": tau, "f_ext": f_ext}
         shapes = {name: _QUANTITIES[name][0] for name in inputs}
         loop, arrays = _broadcast(call, [
             (name, value, _shape(shapes[name], self._dims), tuple(shapes[name].split()))
@@ -1506,8 +1513,8 @@ class Model(_Owner):
 
         def one(k):  # C writes a and tau, of which it reads the parts that are given
             state = {name: array[k] for name, array in arrays.items()}
-            outputs = {name: state.pop(name) for name in ("a", "tau")}
-            self._run(call, [memory], [state.get(name) for name in inputs if name not in outputs], outputs)
+            outputs = {name: state[name] for name in ("a", "tau")}
+            self._run(call, [memory], [state.get(name) for name in inputs], outputs, pointers=())
         arrays["a"], arrays["tau"] = arrays["a"].copy(), arrays["tau"].copy()
         _for_each_state(loop, one)
         return _HYBRID(*(arrays[name].reshape(*loop, self.nv) for name in ("a", "tau")))
@@ -1810,7 +1817,7 @@ class Model(_Owner):
         """The matrix C with C v = c - g and dM/dt - 2 C skew, of all such the one without torsion. Echeandia
         and Wensing (2021)."""
 
-    def rnea_free_base(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
+    def id_free_base(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
                        f_ext: ArrayLike | None = None) -> hybrid_results:
         """Inverse dynamics of a robot that stands on nothing: the accelerations of all joints but those of
         floating bases are given, and the torques of these. The same as `hybrid`, in less time. Gives (a,
@@ -1823,15 +1830,15 @@ class Model(_Owner):
             f_ext        nb x 6    wrenches on the bodies; None = none
 
         Axes before these count states, and are broadcast: one call of C for each state."""
-        return self._hybrid("rnea_free_base", "derivatives", {"q": q, "v": v}, a, tau, f_ext)
+        return self._hybrid("id_free_base", "derivatives", {"q": q, "v": v}, a, tau, f_ext)
 
     @_c("derivatives", "dtau_dq? dtau_dv? M?", batch=True)
-    def rnea_derivatives(self, q, v, a, f_ext=None, *, dtau_dq=True, dtau_dv=True, M=True):
+    def id_derivatives(self, q, v, a, f_ext=None, *, dtau_dq=True, dtau_dv=True, M=True):
         """Derivatives of the inverse dynamics. By q along integrate(q, t e_k), components of v and a held,
         wrenches in their bodies' axes; M = dtau/da."""
 
     @_c("derivatives", "dg_dq")
-    def gravity_derivatives(self, q):
+    def gravity_torque_derivatives(self, q):
         """Derivative of the gravity torque."""
 
     @_c("derivatives", "a? da_dq? da_dv? Minv?", batch=True)
@@ -1861,9 +1868,9 @@ class Model(_Owner):
 
     # -- constraints: rbd_constraints.h --
 
-    def constraints(self, rows: Iterable[Constraint]) -> Constraints:
-        """A set of constraints that hold together, from a list of Constraint: see Constraints."""
-        return Constraints(self, rows)
+    def constraint_set(self, rows: Iterable[Constraint]) -> ConstraintSet:
+        """A set of constraints that hold together, from a list of Constraint: see ConstraintSet."""
+        return ConstraintSet(self, rows)
 
     def _constraint(self, function, *arguments):
         """The Constraint of a function of C: names and indices are bodies, all else points and axes."""
@@ -1919,9 +1926,9 @@ def _again(bodies, gravity, library, layout):
 
 # ---- constraints ----
 
-class Constraints(_Owner):
-    """Contacts and closed loops that hold together, rbd_constraints of a Model; made by
-    Model.constraints(rows).
+class ConstraintSet(_Owner):
+    """Contacts and closed loops that hold together, rbd_constraint_set of a Model; made by
+    Model.constraint_set(rows).
 
     They compute in the Model's memory: after a call `kinematics` must be called anew."""
     model: Model
@@ -1933,7 +1940,7 @@ class Constraints(_Owner):
     def __init__(self, model: Model, rows: Iterable[Constraint]):
         super().__init__(model.library, model._lock)
         if isinstance(rows, Constraint) or not hasattr(rows, "__iter__"):
-            raise TypeError(f"constraints: rows must be a list of Constraint, not {type(rows).__name__}")
+            raise TypeError(f"constraint_set: rows must be a list of Constraint, not {type(rows).__name__}")
         self.model, self.nv, self.list = model, model.nv, list(rows)
         self._rows = (structure("rbd_constraint") * len(self.list))()
         for number, constraint in enumerate(self.list):
@@ -1943,8 +1950,8 @@ class Constraints(_Owner):
             bodies = {side: model._body(getattr(constraint, side), f"{where}, field '{side}'", world=True)
                       for side in ("body1", "body2")}
             _to_c(replace(constraint, **bodies), self._rows[number], where)
-        self._prepare("constraints", "work")
-        self.rows = self.library.call("constraint_rows", self._addresses["constraints"])
+        self._prepare("constraint_set", "work")
+        self.rows = self.library.call("constraint_rows", self._addresses["constraint_set"])
         self._dims = {**model._dims, "rows": self.rows}
 
     def _prepare(self, kind, base):
@@ -1960,12 +1967,12 @@ class Constraints(_Owner):
         self._addresses[kind] = address
 
     def _address(self, kind):
-        if kind == "batch_constraints" and kind not in self._addresses:
+        if kind == "batch_constraint_set" and kind not in self._addresses:
             self._prepare(kind, "batch")
         return self._addresses[kind] if kind in self._addresses else self.model._address(kind)
 
     def __reduce__(self):
-        return Constraints, (self.model, list(self.list))
+        return ConstraintSet, (self.model, list(self.list))
 
     def _layout(self):
         return self.model._layout()
@@ -1982,51 +1989,50 @@ class Constraints(_Owner):
     def first(self, constraint: int) -> int:
         """The first row of a constraint, -1 if there is none (rbd_constraint_first)."""
         number = _int(_whole("first", "constraint", constraint))
-        return self.library.call("constraint_first", self._addresses["constraints"], number)
+        return self.library.call("constraint_first", self._addresses["constraint_set"], number)
 
     def rank(self) -> int:
         """After constrained_fd and impact: the rank of J (rbd_constraint_rank)."""
-        address, scalar = self._addresses["constraints"], self.library.scalar
-        return int(self.library.call("constraint_rank", address, result=scalar))
+        return self.library.call("constraint_rank", self._addresses["constraint_set"])
 
     def infeasible_row(self) -> int:
         """After Status.ERR_INFEASIBLE: the first row that contradicts those behind it, else -1."""
-        return self.library.call("infeasible_row", self._addresses["constraints"])
+        return self.library.call("infeasible_row", self._addresses["constraint_set"])
 
-    @_c("constraints", "J? gamma? e?", J="rows nv")
+    @_c("constraint_set", "J? gamma? e?", J="rows nv")
     def constraint_jacobian(self, q, v=None, *, J=True, gamma=True, e=True):
         """Jacobian J of the constraints, row: constraint; dJ/dt v; and the position error. v: None = zero."""
 
-    @_c("constraints", "a lambda_", batch=True)
+    @_c("constraint_set", "a lambda_", batch=True)
     def constrained_fd(self, q, v, tau, f_ext=None):
         """Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma =
         -kd J v - kp e. Of dependent rows lambda is the solution of least norm. RBDA section 8.4."""
 
-    @_c("constraints", "v_plus impulse")
+    @_c("constraint_set", "v_plus impulse")
     def impact(self, q, v, restitution=0.0):
         """Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v. RBDA section
         11.7."""
 
-    @_c("constraints", "tau lambda_")
+    @_c("constraint_set", "tau lambda_")
     def constrained_id(self, q, v, a, f_ext=None, actuated=None, weight=None):
         """Inverse dynamics with contacts, where only some joints have motors: of all lambda that leave tau =
         0 at the others, that with the least sum of weight lambda^2; else what comes nearest. Mistry, Buchli
         and Schaal (2010)."""
 
-    @_c("constraints", "q_near v_near?v", weight="nv")
+    @_c("constraint_set", "q_near v_near?v", weight="nv")
     def assemble(self, q, v=None, weight=None):
         """Closes loops, or puts feet in their places: q_near with e = 0 nearest to q, in the sum of weight
         d^2, d = difference(q, q_near); and, unless v is None, v_near with J v_near = 0 there nearest to v.
         Newton's method."""
 
-    @_c("constraints derivatives",
-        "a lambda_ da_dq?dq da_dv?dv da_dtau?dtau dlambda_dq?dq dlambda_dv?dv dlambda_dtau?dtau")
-    def constrained_derivatives(self, q, v, tau, f_ext=None, *, dq=True, dv=True, dtau=True):
+    @_c("constraint_set derivatives",
+        "a lambda_ da_dq?dq da_dv?dv da_dtau?dtau dlambda_dq?dq dlambda_dv?dv dlambda_dtau?dtau", struct=True)
+    def constrained_fd_derivatives(self, q, v, tau, f_ext=None, *, dq=True, dv=True, dtau=True):
         """Derivatives of constrained_fd by q, v and tau; by those for which the keyword is True. Carpentier,
         Budhiraja and Mansard (2021)."""
 
     def __repr__(self):
-        return f"<rbd.Constraints, {len(self.list)} with {self.rows} rows>"
+        return f"<rbd.ConstraintSet, {len(self.list)} with {self.rows} rows>"
 
 
 # ---- C tables: the writers of rbd-model ----

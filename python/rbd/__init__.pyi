@@ -19,7 +19,7 @@ __all__ = [
     "AxisAngle",
     "Body",
     "Constraint",
-    "Constraints",
+    "ConstraintSet",
     "Frame",
     "JointInfo",
     "JointType",
@@ -93,9 +93,9 @@ class Constraint:
     kd: float = 0.0                     #: 1/s
 
 
-class Constraints:
-    """Contacts and closed loops that hold together, rbd_constraints of a Model; made by
-    Model.constraints(rows).
+class ConstraintSet:
+    """Contacts and closed loops that hold together, rbd_constraint_set of a Model; made by
+    Model.constraint_set(rows).
 
     They compute in the Model's memory: after a call `kinematics` must be called anew."""
     model: Model
@@ -186,9 +186,9 @@ class Constraints:
             v_near       nv        velocity
         Axes before these count states, and are broadcast: one call of C for each state."""
 
-    def constrained_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike,
-                                f_ext: ArrayLike | None = None, *, dq: bool = True, dv: bool = True,
-                                dtau: bool = True) -> constrained_derivatives_results:
+    def constrained_fd_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike,
+                                   f_ext: ArrayLike | None = None, *, dq: bool = True, dv: bool = True,
+                                   dtau: bool = True) -> constrained_fd_derivatives_results:
         """Derivatives of constrained_fd by q, v and tau; by those for which the keyword is True. Carpentier,
         Budhiraja and Mansard (2021).
 
@@ -383,7 +383,7 @@ class Model:
             c            nv        bias force: N m, N
         Axes before these count states, and are broadcast: C computes them together."""
 
-    def gravity(self, q: ArrayLike) -> Array:
+    def gravity_torque(self, q: ArrayLike) -> Array:
         """Gravity torque g = tau at v = a = 0: what holds the robot still.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
@@ -785,8 +785,8 @@ class Model:
             C            nv x nv   Coriolis matrix
         Axes before these count states, and are broadcast: C computes them together."""
 
-    def rnea_free_base(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
-                       f_ext: ArrayLike | None = None) -> hybrid_results:
+    def id_free_base(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: ArrayLike,
+                     f_ext: ArrayLike | None = None) -> hybrid_results:
         """Inverse dynamics of a robot that stands on nothing: the accelerations of all joints but those of
         floating bases are given, and the torques of these. The same as `hybrid`, in less time. Gives (a,
         tau), all of both.
@@ -799,9 +799,8 @@ class Model:
 
         Axes before these count states, and are broadcast: one call of C for each state."""
 
-    def rnea_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, f_ext: ArrayLike | None = None, *,
-                         dtau_dq: bool = True, dtau_dv: bool = True,
-                         M: bool = True) -> rnea_derivatives_results:
+    def id_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, f_ext: ArrayLike | None = None, *,
+                       dtau_dq: bool = True, dtau_dv: bool = True, M: bool = True) -> id_derivatives_results:
         """Derivatives of the inverse dynamics. By q along integrate(q, t e_k), components of v and a held,
         wrenches in their bodies' axes; M = dtau/da.
 
@@ -815,7 +814,7 @@ class Model:
             M            nv x nv   mass matrix: kg m^2, kg m, kg
         Axes before these count states, and are broadcast: C computes them together."""
 
-    def gravity_derivatives(self, q: ArrayLike) -> Array:
+    def gravity_torque_derivatives(self, q: ArrayLike) -> Array:
         """Derivative of the gravity torque.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
@@ -887,8 +886,8 @@ class Model:
             dd_dq1       nv x nv   row: d; column: tangent step of q1
         Axes before these count states, and are broadcast: one call of C for each state."""
 
-    def constraints(self, rows: Iterable[Constraint]) -> Constraints:
-        """A set of constraints that hold together, from a list of Constraint: see Constraints."""
+    def constraint_set(self, rows: Iterable[Constraint]) -> ConstraintSet:
+        """A set of constraints that hold together, from a list of Constraint: see ConstraintSet."""
 
     def point_contact(self, body: int | str, point: ArrayLike = (0, 0, 0),
                       place: ArrayLike | None = None) -> Constraint:
@@ -1204,7 +1203,7 @@ class Status(IntEnum):
     ERR_MIMIC = -23
     ERR_WORK = -24
     ERR_NAN = -25
-    ERR_GAIN = -26
+    ERR_RANGE = -26
     ERR_INFEASIBLE = -27
     ERR_LEFT_OUT = -28
     WARN_INERTIA_NEGATIVE = 1
@@ -1334,7 +1333,7 @@ class momentum_matrix_results(NamedTuple):
     A_dot_v: Array | _MaybeNone
 
 
-class rnea_derivatives_results(NamedTuple):
+class id_derivatives_results(NamedTuple):
     dtau_dq: Array | _MaybeNone
     dtau_dv: Array | _MaybeNone
     M: Array | _MaybeNone
@@ -1388,7 +1387,7 @@ class assemble_results(NamedTuple):
     v_near: Array | _MaybeNone
 
 
-class constrained_derivatives_results(NamedTuple):
+class constrained_fd_derivatives_results(NamedTuple):
     a: Array
     lambda_: Array
     da_dq: Array | _MaybeNone

@@ -23,8 +23,8 @@ HERE = rbd.Path(rbd.__file__).resolve().parent
 NOT_WRAPPED = {
     "rbd_keep_zeros": "results are new arrays each time, which C has to write whole",
     "rbd_urdf_status_string": "the sentence of a finding says more; UrdfStatus has the names",
-    "rbd_urdf_joint": "Urdf.bodies and Urdf.frames are lists to look in",
-    "rbd_urdf_link": "likewise",
+    "rbd_urdf_joint_index": "Urdf.bodies and Urdf.frames are lists to look in",
+    "rbd_urdf_link_index": "likewise",
     "rbd_vec3_of": "three numbers are an array",
     "rbd_rotation_identity": "numpy.eye(3)",
     "rbd_placement_of": "a pair",
@@ -47,13 +47,13 @@ ELSEWHERE = {
     "rbd_model_build": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
     "rbd_derivatives_init": "Model", "rbd_derivatives_size": "Model", "rbd_batch_init": "Model",
     "rbd_batch_size": "Model", "rbd_batch_derivatives_init": "Model", "rbd_batch_derivatives_size": "Model",
-    "rbd_constraints_init": "Constraints", "rbd_constraints_size": "Constraints",
-    "rbd_batch_constraints_init": "Constraints", "rbd_batch_constraints_size": "Constraints",
-    "rbd_constraint_rows": "Constraints.rows", "rbd_constraint_first": "Constraints.first",
-    "rbd_constraint_rank": "Constraints.rank",
+    "rbd_constraint_set_init": "ConstraintSet", "rbd_constraint_set_size": "ConstraintSet",
+    "rbd_batch_constraint_set_init": "ConstraintSet", "rbd_batch_constraint_set_size": "ConstraintSet",
+    "rbd_constraint_rows": "ConstraintSet.rows", "rbd_constraint_first": "ConstraintSet.first",
+    "rbd_constraint_rank": "ConstraintSet.rank",
     "rbd_nb": "Model.nb", "rbd_nq": "Model.nq", "rbd_nv": "Model.nv",
     "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
-    "rbd_constraint_finding_text": "Constraints",
+    "rbd_constraint_finding_text": "ConstraintSet",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
 }
 
@@ -70,7 +70,7 @@ def public_functions():
             text = rbd._HEADERS[name].partition("Implementation\n")[0]
             found |= set(re.findall(r"^(?:const char \*|int |rbd_urdf_status )(rbd_urdf_\w+)\(", text, re.M))
         else:
-            found |= set(re.findall(r"^RBD_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
+            found |= set(re.findall(r"^RBDI_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
     return found
 
 
@@ -78,7 +78,7 @@ def test_every_public_function_is_wrapped_or_excused():
     functions = public_functions()
     assert len(functions) > 150
     assert {"rbd_rnea", "rbd_batch_crba", "rbd_constrained_fd", "rbd_urdf_load", "rbd_motion_up"} <= functions
-    methods = {name for owner in (rbd.Model, rbd.Constraints, rbd.Library, rbd.Spatial)
+    methods = {name for owner in (rbd.Model, rbd.ConstraintSet, rbd.Library, rbd.Spatial)
                for name, method in inspect.getmembers(owner, callable) if not name.startswith("_")}
     batches = {f"rbd_batch_{call.name}" for call in table_calls() if call.batch}
     wrapped = {f"rbd_{name}" for name in methods} | batches
@@ -90,7 +90,7 @@ def test_every_public_function_is_wrapped_or_excused():
 
 def table_calls():
     """The calls that the decorator made."""
-    return [method._rbd_call for owner in (rbd.Model, rbd.Constraints) for method in vars(owner).values()
+    return [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet) for method in vars(owner).values()
             if hasattr(method, "_rbd_call")]
 
 
@@ -104,13 +104,17 @@ def test_arguments_are_those_of_the_header():
     text = re.sub(r"/\*.*?\*/", "", rbd._TEXT, flags=re.S)
     assert len(table_calls()) >= 50
     for call in table_calls():
-        expected = [IN_C.get(x, x) for x in call.inputs + call.outputs]
+        expected = [IN_C.get(x, x) for x in call.inputs + (["out"] if call.struct else call.outputs)]
         for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
             declared = re.search(rf"\b{prefix}{call.name}\(([^;]*)\);", text)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
             assert first == 1 + len(call.memory) + (prefix == "rbd_batch_"), call.name
+        if call.struct:
+            kind = re.search(rf"const (\w+) \*out\);", text[text.index(f"rbd_{call.name}("):])[1]
+            members = re.search(rf"typedef struct {kind} \{{(.*?)\}}", text, re.S)[1]
+            assert re.findall(r"\*(\w+)", members) == [x.rstrip("_") for x in call.outputs], call.name
 
 
 def test_help_shows_signature_shapes_and_units():
@@ -194,7 +198,7 @@ WRONG = [
     (lambda m: m.hybrid(q, v, [2] + [0] * 6, a, a), ValueError,
      r"hybrid: given must be 0 or 1 .*, not 2 as at \[0\]"),
     (lambda m: m.hybrid(q, v, [256] + [0] * 6, a, a), ValueError, "hybrid: given must be 0 or 1"),
-    (lambda m: m.constraints([]).constrained_id(q, v, a, actuated=np.full(7, 3, np.intc)), ValueError,
+    (lambda m: m.constraint_set([]).constrained_id(q, v, a, actuated=np.full(7, 3, np.uint8)), ValueError,
      "constrained_id: actuated must be 0 or 1"),
     (lambda m: m.fd_derivatives(q, v, a, Minv="no"), TypeError,
      "fd_derivatives: Minv must be True or False, not 'no'"),
@@ -215,9 +219,9 @@ WRONG = [
     (lambda m: m.batch_set_layout("columns"), ValueError, "layout must be 'rows' or 'blocks', not 'columns'"),
     (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
     (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
-    (lambda m: m.constraints(["foot"]), TypeError, "constraint 0 must be a Constraint"),
-    (lambda m: m.constraints([rbd.Constraint("tip", None)]), TypeError, "'tip', field 'body1': a body is an index"),
-    (lambda m: m.constraints(m.point_contact(6)), TypeError,
+    (lambda m: m.constraint_set(["foot"]), TypeError, "constraint 0 must be a Constraint"),
+    (lambda m: m.constraint_set([rbd.Constraint("tip", None)]), TypeError, "'tip', field 'body1': a body is an index"),
+    (lambda m: m.constraint_set(m.point_contact(6)), TypeError,
      "rows must be a list of Constraint, not Constraint"),
     (lambda m: m.c_model("iiwa", None), TypeError, "source must be text, not None"),
     (lambda m: rbd.Model("robot.urdf"), TypeError,
@@ -226,7 +230,7 @@ WRONG = [
     (lambda m: rbd.Model(m.bodies, library="float"), TypeError, "library must be a Library"),
     (lambda m: m.library.set_parameters(None, np.ones(10)), TypeError, "body must be a Body, not NoneType"),
     (lambda m: m.library.spatial.placement_inverse(5), TypeError, "x must be a pair"),
-    (lambda m: m.constraints([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
+    (lambda m: m.constraint_set([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
     (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop: point1 must have the shape"),
 ]
 
@@ -250,9 +254,9 @@ FAILING = [
     (lambda m: m.describe(2**33), "ERR_INDEX", "describe: "),
     (lambda m: m.add_payload(2, -100), "ERR_MASS", "add_payload: "),
     (lambda m: m.batch_jacobian(np.zeros((2, 7)), 99), "ERR_INDEX", "batch_jacobian: "),
-    (lambda m: m.constraints([m.point_contact(6)]).impact(q, v, 2), "ERR_GAIN", "impact: restitution: "),
-    (lambda m: m.constraints([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
-    (lambda m: m.constraints([rbd.Constraint("tip", 2**32, axes=[1] * 6)]), "ERR_INDEX", "0 'tip'"),
+    (lambda m: m.constraint_set([m.point_contact(6)]).impact(q, v, 2), "ERR_RANGE", "impact: restitution: "),
+    (lambda m: m.constraint_set([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
+    (lambda m: m.constraint_set([rbd.Constraint("tip", 2**32, axes=[1] * 6)]), "ERR_INDEX", "0 'tip'"),
     (lambda m: m.library.check_parameters([-1] + [0] * 9), "ERR_MASS", "check_parameters: "),
 ]
 
@@ -351,9 +355,9 @@ def test_blocks_of_lanes_are_not_transposed(iiwa):
     def blocks(x):
         return np.moveaxis(x.reshape(3, lanes, *x.shape[1:]), 1, -1)
 
-    constraints = iiwa.constraints([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
+    constraints = iiwa.constraint_set([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
     for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
-                         (iiwa.rnea_derivatives, rows), (constraints.constrained_fd, rows)):
+                         (iiwa.id_derivatives, rows), (constraints.constrained_fd, rows)):
         expected = call(*inputs)
         iiwa.batch_set_layout("blocks")
         found, one = call(*map(blocks, inputs)), call(*(blocks(x)[0] for x in inputs))
@@ -374,19 +378,19 @@ def test_axes_before_those_of_a_state_are_broadcast(iiwa, library):
     rng = np.random.default_rng(3)
     Q, V = iiwa.random(1, 12).reshape(4, 3, 7), rng.uniform(-1, 1, (3, 7))
     u, f = rng.uniform(-1, 1, 7), rng.uniform(-9, 9, (4, 1, 7, 6))
-    held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+    held = iiwa.constraint_set([iiwa.point_contact("lbr_iiwa_link_6")])
     given = np.array([[1, 0, 1, 0, 1, 0, 1]] * 3)
     steps = np.array([[0.1], [0.2], [0.3], [0.4]])
     weight = rng.uniform(1, 2, (4, 1, 3))
     calls = [
         (iiwa.rnea, [Q, V, u], (1, 1, 1)), (iiwa.aba, [Q, V, u, f], (1, 1, 1, 2)),
         (iiwa.rnea, [u, u, u, f], (1, 1, 1, 2)), (iiwa.crba, [Q], (1,)),
-        (iiwa.rnea_derivatives, [Q, u, V], (1, 1, 1)), (iiwa.gravity, [Q], (1,)),
+        (iiwa.id_derivatives, [Q, u, V], (1, 1, 1)), (iiwa.gravity_torque, [Q], (1,)),
         (iiwa.integrate, [Q, V, 0.1], (1, 1, 0)), (iiwa.integrate, [u, V, steps], (1, 1, 0)),
         (iiwa.difference, [Q, u], (1, 1)), (iiwa.cholesky_factor, [iiwa.crba(Q)], (2,)),
         (iiwa.cholesky_factor_packed, [iiwa.crba_packed(Q)], (1,)),
         (iiwa.hybrid, [Q, u, given, V, u, f], (1, 1, 1, 1, 1, 2)),
-        (iiwa.rnea_free_base, [Q, V, u, u], (1, 1, 1, 1)),
+        (iiwa.id_free_base, [Q, V, u, u], (1, 1, 1, 1)),
         (iiwa.batch_momentum, [Q, V], (1, 1)), (iiwa.joint_wrench, [Q, V, u], (1, 1, 1)),
         (iiwa.energy_regressors, [Q, V], (1, 1)), (held.constrained_fd, [Q, V, u], (1, 1, 1)),
         (held.constrained_id, [Q, V, u, None, given, weight], (1, 1, 1, 0, 1, 1)),
@@ -417,7 +421,7 @@ def test_axes_before_those_of_a_state_are_broadcast(iiwa, library):
     assert both.rotation.shape == (2, 3, 3, 3) and both.position.shape == (2, 3, 3)
     assert s.rotation_to_axis_angle(pose.rotation).angle.shape == (2, 1)
     assert iiwa.rnea(np.zeros((0, 7)), v, np.zeros((4, 1, 7))).shape == (4, 0, 7)
-    assert iiwa.gravity(np.zeros((0, 7))).shape == (0, 7)
+    assert iiwa.gravity_torque(np.zeros((0, 7))).shape == (0, 7)
     assert s.rotation_log(np.zeros((0, 3, 3))).shape == (0, 3)
     assert iiwa.fd_derivatives(Q, V, u, a=0, Minv=np.False_).a is None
 
@@ -432,19 +436,19 @@ def test_errors_of_many_states_name_the_state(double):
     fast[1, 0] = 1e300
     with pytest.raises(FloatingPointError, match=r"generalized_momentum: p\[0\] is inf; state \(1, 0\)"):
         heavy.generalized_momentum(Q, fast)
-    held = m.constraints([rbd.Constraint("wall", "slider", axes=(0, 0, 0, 1, 0, 0))])
+    held = m.constraint_set([rbd.Constraint("wall", "slider", axes=(0, 0, 0, 1, 0, 0))])
     tau = np.zeros((2, 3, 1))
     np.testing.assert_allclose(held.constrained_fd(Q, Q, tau).a, 0)
     with pytest.raises(rbd.RbdError, match=r"impact: restitution: .*; state \(1, 2\)") as caught:
         held.impact(Q, Q, [[1, 1, 1], [1, 1, 7]])
-    assert caught.value.status == rbd.Status.ERR_GAIN and caught.value.results is None
+    assert caught.value.status == rbd.Status.ERR_RANGE and caught.value.results is None
 
 
 def test_results_are_arrays_of_their_own(iiwa):
     x = iiwa.random(6)
-    first = iiwa.rnea_derivatives(x, v, a)
+    first = iiwa.id_derivatives(x, v, a)
     kept = [array.copy() for array in first]
-    iiwa.rnea_derivatives(iiwa.random(7), v + 1, a)
+    iiwa.id_derivatives(iiwa.random(7), v + 1, a)
     for array, copy in zip(first, kept):
         np.testing.assert_array_equal(array, copy)
     M = iiwa.crba(x)
@@ -470,13 +474,13 @@ def test_float_is_float(library):
 
 def test_gravity(iiwa):
     x, moon = iiwa.random(1), (0, 0, -1.62)
-    on_earth = iiwa.gravity(x)
+    on_earth = iiwa.gravity_torque(x)
     iiwa.bias(x[None], v[None])
     iiwa.set_gravity(moon)
-    np.testing.assert_allclose(iiwa.gravity(x), on_earth * 1.62 / 9.81, atol=1e-12)
+    np.testing.assert_allclose(iiwa.gravity_torque(x), on_earth * 1.62 / 9.81, atol=1e-12)
     np.testing.assert_allclose(iiwa.bias(x[None], v[None])[0], on_earth * 1.62 / 9.81, atol=1e-12)
-    np.testing.assert_allclose(iiwa.copy().gravity(x), iiwa.gravity(x))
-    np.testing.assert_allclose(iiwa.copy().bias(x[None], v[None])[0], iiwa.gravity(x), atol=1e-12)
+    np.testing.assert_allclose(iiwa.copy().gravity_torque(x), iiwa.gravity_torque(x))
+    np.testing.assert_allclose(iiwa.copy().bias(x[None], v[None])[0], iiwa.gravity_torque(x), atol=1e-12)
     there = rbd.Model(iiwa.bodies, gravity=moon, library=iiwa.library)
     np.testing.assert_array_equal(there.get_gravity(), moon)
 
@@ -486,7 +490,7 @@ def test_payload_is_that_of_a_new_build(iiwa):
     before = iiwa.fd_derivatives(x, u, a)
     batch = [x[None], u[None], a[None]]
     iiwa.fd_derivatives(*batch)
-    held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+    held = iiwa.constraint_set([iiwa.point_contact("lbr_iiwa_link_6")])
     held.constrained_fd(x, u, a)
     iiwa.add_payload("lbr_iiwa_link_7", 3, com=(0, 0.1, 0.2), inertia=(0.1, 0, 0, 0.1, 0, 0.1))
     fresh = iiwa.copy()
@@ -494,7 +498,7 @@ def test_payload_is_that_of_a_new_build(iiwa):
         for found, expected, old in zip(loaded, fresh.fd_derivatives(x, u, a), before):
             np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
             assert np.abs(found - old).max() > 1e-3 * np.abs(old).max()
-    fresh_held = fresh.constraints([fresh.point_contact("lbr_iiwa_link_6")])
+    fresh_held = fresh.constraint_set([fresh.point_contact("lbr_iiwa_link_6")])
     for found, expected in zip(held.constrained_fd(x, u, a), fresh_held.constrained_fd(x, u, a)):
         np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
     assert abs(iiwa.describe(6).mass - iiwa.bodies[6].mass) < 1e-12
@@ -798,14 +802,14 @@ def test_models_travel_to_processes(iiwa):
     iiwa.set_gravity((0, 0, -1))
     other = pickle.loads(pickle.dumps(iiwa))
     x = iiwa.random(9)
-    np.testing.assert_array_equal(other.gravity(x), iiwa.gravity(x))
+    np.testing.assert_array_equal(other.gravity_torque(x), iiwa.gravity_torque(x))
     with multiprocessing.get_context("fork").Pool(2) as pool:
-        np.testing.assert_array_equal(pool.map(iiwa.gravity, [x, x]), [iiwa.gravity(x)] * 2)
-        held = iiwa.constraints([iiwa.point_contact("lbr_iiwa_link_6")])
+        np.testing.assert_array_equal(pool.map(iiwa.gravity_torque, [x, x]), [iiwa.gravity_torque(x)] * 2)
+        held = iiwa.constraint_set([iiwa.point_contact("lbr_iiwa_link_6")])
         found = pool.apply(held.constrained_fd, (x, v, a))
         np.testing.assert_array_equal(found.a, held.constrained_fd(x, v, a).a)
-        found = pool.apply(iiwa.rnea_derivatives, (x, v, a))
-        np.testing.assert_array_equal(found.M, iiwa.rnea_derivatives(x, v, a).M)
+        found = pool.apply(iiwa.id_derivatives, (x, v, a))
+        np.testing.assert_array_equal(found.M, iiwa.id_derivatives(x, v, a).M)
         np.testing.assert_array_equal(pool.apply(iiwa.hybrid, (x, v, v < 1, a, a)).a, a)
         with pytest.raises(rbd.RbdError, match="body_pose") as caught:
             pool.apply(iiwa.body_pose, (99,))
@@ -865,7 +869,7 @@ def test_names_are_those_of_python():
     assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
     for sentence, expected in (
             ("rbd_kinematics must be called first", "kinematics must be called first"),
-            ("RBD_URDF_ERR_FILE rbd_urdf_load RBD_NO_CRBA", "ERR_FILE load RBD_NO_CRBA"),
+            ("RBD_URDF_ERR_FILE rbd_urdf_load RBD_NO_CHOLESKY", "ERR_FILE load RBD_NO_CHOLESKY"),
             ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),

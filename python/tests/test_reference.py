@@ -70,17 +70,17 @@ DYNAMICS = [
     ("qdd", lambda m, s: m.fd_cholesky(s.q, s.v, s.tau), True),
     ("qdd_ext", lambda m, s: m.fd_cholesky(s.q, s.v, s.tau, s.f_ext), True),
     ("A_h", lambda m, s: m.momentum_matrix(s.q).A, False),
-    ("dtau_dq", lambda m, s: m.rnea_derivatives(s.q, s.v, s.vdot).dtau_dq, False),
-    ("dtau_dv", lambda m, s: m.rnea_derivatives(s.q, s.v, s.vdot, dtau_dq=False).dtau_dv, False),
-    ("M", lambda m, s: m.rnea_derivatives(s.q, s.v, s.vdot, dtau_dq=False, dtau_dv=False).M, False),
+    ("dtau_dq", lambda m, s: m.id_derivatives(s.q, s.v, s.vdot).dtau_dq, False),
+    ("dtau_dv", lambda m, s: m.id_derivatives(s.q, s.v, s.vdot, dtau_dq=False).dtau_dv, False),
+    ("M", lambda m, s: m.id_derivatives(s.q, s.v, s.vdot, dtau_dq=False, dtau_dv=False).M, False),
     ("dqdd_dq", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau).da_dq, True),
     ("dqdd_dv", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau, a=False).da_dv, True),
     ("Minv", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau, a=False, da_dq=False, da_dv=False).Minv, True),
     ("qdd", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau, Minv=False).a, True),
 ]
 CONTROL = [
-    ("dtau_dq_ext", lambda m, s: m.rnea_derivatives(s.q, s.v, s.vdot, s.f_ext).dtau_dq, False),
-    ("dtau_dv_ext", lambda m, s: m.rnea_derivatives(s.q, s.v, s.vdot, s.f_ext).dtau_dv, False),
+    ("dtau_dq_ext", lambda m, s: m.id_derivatives(s.q, s.v, s.vdot, s.f_ext).dtau_dq, False),
+    ("dtau_dv_ext", lambda m, s: m.id_derivatives(s.q, s.v, s.vdot, s.f_ext).dtau_dv, False),
     ("dqdd_dq_ext", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau, s.f_ext).da_dq, True),
     ("dqdd_dv_ext", lambda m, s: m.fd_derivatives(s.q, s.v, s.tau, s.f_ext).da_dv, True),
     ("C", lambda m, s: m.coriolis(s.q, s.v), False),
@@ -173,7 +173,7 @@ def test_reference(library):
             judge.where = f"{model.name}, state {number}"
             m.set_gravity(s.gravity)
             check_rows(judge, m, s, DYNAMICS, s.cond_M)
-            judge("g", m.gravity(s.q), s.g, least=1)
+            judge("g", m.gravity_torque(s.q), s.g, least=1)
             judge("Y", m.regressor(s.q, s.v, s.vdot), s.Y.reshape(m.nv, -1))
             check_kinematics(judge, m, s, model.pi)
             check_steps(judge, m, s)
@@ -220,7 +220,7 @@ def check_control(judge, m, s, armature):
     hybrid = m.hybrid(s.q, s.v, s.hybrid_given, s.vdot, s.tau)
     judge("hybrid a", hybrid.a, s.hybrid_a, s.cond_M)
     judge("hybrid tau", hybrid.tau, s.hybrid_tau, s.cond_M)
-    free = m.rnea_free_base(s.q, s.v, s.vdot, s.tau_rnea_ext, s.f_ext)
+    free = m.id_free_base(s.q, s.v, s.vdot, s.tau_rnea_ext, s.f_ext)
     judge("free base a", free.a, s.vdot, s.cond_M)
     judge("free base tau", free.tau, s.tau_rnea_ext, s.cond_M)
     momentum = m.generalized_momentum(s.q, s.v)
@@ -241,8 +241,8 @@ def check_control(judge, m, s, armature):
     judge("d_dq0", difference.dd_dq0, s.difference_d_dq0)
     judge("d_dq1", difference.dd_dq1, s.difference_d_dq1)
     m.set_gravity(s.gravity)
-    at_rest = m.rnea_derivatives(s.q, 0 * s.v, 0 * s.v)
-    judge("dg_dq", m.gravity_derivatives(s.q), at_rest.dtau_dq.astype(float))
+    at_rest = m.id_derivatives(s.q, 0 * s.v, 0 * s.v)
+    judge("dg_dq", m.gravity_torque_derivatives(s.q), at_rest.dtau_dq.astype(float))
 
 
 def check_set(judge, m, s, reference_set):
@@ -250,8 +250,8 @@ def check_set(judge, m, s, reference_set):
     r = reference_set
     cond = s.cond_M + r.cond
     rows = [rbd.Constraint(None, k.body1, k.body2, k.R1, k.p1, k.R2, k.p2, k.axes) for k in r.constraints]
-    plain = m.constraints(rows)
-    held = m.constraints([replace(row, kp=r.kp, kd=r.kd) for row in rows])
+    plain = m.constraint_set(rows)
+    held = m.constraint_set([replace(row, kp=r.kp, kd=r.kd) for row in rows])
     assert plain.rows == r.rows and plain.first(0) == 0
     jacobian = plain.constraint_jacobian(s.q, s.v)
     judge("J_c", jacobian.J, r.J_c)
@@ -276,11 +276,11 @@ def check_set(judge, m, s, reference_set):
 
 
 def check_constrained_derivatives(judge, plain, held, s, r, cond):
-    d = plain.constrained_derivatives(s.q, s.v, s.tau)
+    d = plain.constrained_fd_derivatives(s.q, s.v, s.tau)
     for name in "dq", "dv", "dtau":
         judge(f"da_{name}", getattr(d, f"da_{name}"), getattr(r, f"dqdd_c_{name}"), cond)
         judge(f"dlambda_{name}", getattr(d, f"dlambda_{name}"), getattr(r, f"dlambda_{name}"), cond)
-    b = held.constrained_derivatives(s.q, s.v, s.tau, dtau=False)
+    b = held.constrained_fd_derivatives(s.q, s.v, s.tau, dtau=False)
     assert b.da_dtau is None and b.dlambda_dtau is None
     for name in "dq", "dv":
         judge(f"da_{name}, b", getattr(b, f"da_{name}"), getattr(r, f"dqdd_b_{name}"), cond)
@@ -309,7 +309,7 @@ def test_control(library):
 def test_inverse_dynamics_with_contacts(hyq):
     """tau of the motors and the feet's forces carry the robot; the base's share is 0."""
     feet = [f"{leg}_lowerleg" for leg in ("lf", "rf", "lh", "rh")]
-    c = hyq.constraints([hyq.point_contact(foot, (0.33, 0, 0)) for foot in feet])
+    c = hyq.constraint_set([hyq.point_contact(foot, (0.33, 0, 0)) for foot in feet])
     q = hyq.neutral()
     q[7:] = np.repeat([-0.2, 0.7, -1.4], 4) * np.tile([1, 1, 1, 1], 3)
     v = a = np.zeros(hyq.nv)
@@ -330,12 +330,12 @@ def test_assemble(double):
     m = rbd.Model([rbd.Body("upper", "a", -1, **rod),
                    rbd.Body("lower", "b", "upper", position=(1, 0, 0), **rod)], library=double)
     tip = rbd.Constraint("tip", "lower", position1=(1, 0, 0), position2=(1, 0, -1), axes=(0, 0, 0, 1, 0, 1))
-    c = m.constraints([tip])
+    c = m.constraint_set([tip])
     near = c.assemble([0.1, 1.4], [0.3, 0.2])
     m.kinematics(near.q_near, near.v_near)
     np.testing.assert_allclose(m.point_position("lower", (1, 0, 0)), [1, 0, -1], atol=1e-12)
     np.testing.assert_allclose(m.point_velocity("lower", (1, 0, 0))[3:], 0, atol=1e-12)
     assert c.assemble([0.1, 1.4]).v_near is None
     with pytest.raises(rbd.RbdError, match="row 0, of constraint 0 'far'") as caught:
-        m.constraints([replace(tip, name="far", position2=(9, 0, 0))]).assemble([0.1, 1.4])
+        m.constraint_set([replace(tip, name="far", position2=(9, 0, 0))]).assemble([0.1, 1.4])
     assert caught.value.status == rbd.Status.ERR_INFEASIBLE

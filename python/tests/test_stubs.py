@@ -25,7 +25,7 @@ work: float = model.energy().kinetic + model.mass()
 product = d.da_dq @ d.da_dv.T
 R, p = model.body_pose("hand")
 J = model.jacobian("hand", (0, 0, 1), axes="link")
-held = model.constraints([model.point_contact("foot"), rbd.Constraint("tip", 0, rotation1=np.eye(3))])
+held = model.constraint_set([model.point_contact("foot"), rbd.Constraint("tip", 0, rotation1=np.eye(3))])
 force = held.constrained_fd(q, tau, tau).lambda_.sum()
 names = [name.upper() for name in model.dof_names]
 spatial = model.library.spatial

@@ -32,52 +32,50 @@ typedef enum rbd_layout {
 } rbd_layout;
 
 RBDI_EXTERN_C_BEGIN
-RBD_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
+RBDI_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
 
 /* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
-RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m);
-RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
-RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
+RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m);
+RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
+RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
 
 /* The layout of all arrays of the calls that follow, RBD_ROWS after rbd_batch_init. Results are the same bits
    in both. Error: RBD_ERR_NULL. */
-RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
+RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
 
 /* As the calls without _batch, for n states. */
-RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                        RBD_REAL *tau);
-RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
-RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *mass_matrix);
-RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *packed);
-RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                       RBD_REAL *a);
-RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                               RBD_REAL *a);
+RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                         RBD_REAL *tau);
+RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c);
+RBDI_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         RBD_REAL *mass_matrix);
+RBDI_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                RBD_REAL *packed);
+RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                        RBD_REAL *a);
+RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                                RBD_REAL *a);
 
-#ifndef RBDI_NO_MINVERSE
-RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            RBD_REAL *Minv); /* n x nv x nv */
+#ifndef RBD_NO_CHOLESKY
+RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             RBD_REAL *Minv); /* n x nv x nv */
 #endif
 
-#ifndef RBD_NO_POINTS
 /* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
    n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */
-RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes,
-                                            RBD_REAL *jacobian);
-RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
-                                            RBD_REAL *h_dot);
-#endif
+RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             int body, const RBD_REAL point[3], rbd_axes axes,
+                                             RBD_REAL *jacobian);
+RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                             RBD_REAL *h_dot);
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
-RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
+RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 RBDI_EXTERN_C_CLOSE
 
 #endif

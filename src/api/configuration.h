@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RBD_VERSION "0.1.0"
-#define RBD_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_VERSION "0.3.0"
+#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
 
 /* What [configuration] says, checked and completed. */
@@ -66,9 +66,9 @@
 #endif
 
 #ifdef RBD_STATIC
-#define RBD_API static RBDI_UNUSED
+#define RBDI_API static RBDI_UNUSED
 #else
-#define RBD_API extern
+#define RBDI_API extern
 #endif
 #ifdef __GNUC__
 #define RBDI_UNUSED __attribute__((unused))
@@ -117,7 +117,7 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #endif
 
 /* The batch calls are between files also where all else is static. */
-#define RBD_BATCH_API RBDI_EXTENSION extern
+#define RBDI_BATCH_API RBDI_EXTENSION extern
 #if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
 #define RBDI_EXTERN_C_BEGIN extern "C" {
 #define RBDI_EXTERN_C_CLOSE }

@@ -6,8 +6,8 @@
 #define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
 #define rbd_ball_loop RBDI_SYMBOL(rbd_ball_loop)
 #define rbd_hinge_loop RBDI_SYMBOL(rbd_hinge_loop)
-#define rbd_constraints_size RBDI_SYMBOL(rbd_constraints_size)
-#define rbd_constraints_init RBDI_SYMBOL(rbd_constraints_init)
+#define rbd_constraint_set_size RBDI_SYMBOL(rbd_constraint_set_size)
+#define rbd_constraint_set_init RBDI_SYMBOL(rbd_constraint_set_init)
 #define rbd_constraint_finding_text RBDI_SYMBOL(rbd_constraint_finding_text)
 #define rbd_constraint_rows RBDI_SYMBOL(rbd_constraint_rows)
 #define rbd_constraint_first RBDI_SYMBOL(rbd_constraint_first)
@@ -18,9 +18,9 @@
 #define rbd_impact RBDI_SYMBOL(rbd_impact)
 #define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
 #define rbd_assemble RBDI_SYMBOL(rbd_assemble)
-#define rbd_constrained_derivatives RBDI_SYMBOL(rbd_constrained_derivatives)
-#define rbd_batch_constraints_size RBDI_OF_SCALAR(rbd_batch_constraints_size)
-#define rbd_batch_constraints_init RBDI_OF_SCALAR(rbd_batch_constraints_init)
+#define rbd_constrained_fd_derivatives RBDI_SYMBOL(rbd_constrained_fd_derivatives)
+#define rbd_batch_constraint_set_size RBDI_OF_SCALAR(rbd_batch_constraint_set_size)
+#define rbd_batch_constraint_set_init RBDI_OF_SCALAR(rbd_batch_constraint_set_init)
 #define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
 
 /* ---- description [description] ---- */
@@ -41,53 +41,52 @@ typedef struct rbd_constraint {
 /* Rows for what is common. Every field may be changed afterwards.
    Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
    origin, which is as good as any without kp. */
-RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
+RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
 /* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
-RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
+RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
 
 /* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
    and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
    refused as rotation1 or rotation2. */
-RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
-RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
-                                      const double point2[3], const double axis2[3]);
+RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
+RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                       const double point2[3], const double axis2[3]);
 
 /* ---- set [set] ---- */
 
 #define RBD_MAX_CONSTRAINTS 1000
 
-typedef struct rbd_constraints rbd_constraints; /* constraints that hold together, and scratch */
+typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
    use. Contacts that come and go: a set for each phase; they may share the work.
    list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment. RBD_CONSTRAINTS_SIZE(nv, rows) suffices, rows: axes held by all.
-            RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) is nearer; rbd_constraints_size says what this set takes
+   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+            RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
-   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _GAIN. */
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **c, rbd_report *report);
+   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
+                                            int n, void *memory, size_t size, rbd_constraint_set **c,
+                                            rbd_report *report);
 
-/* Bytes that rbd_constraints_init needs for these; 0 if n is out of range. */
-RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
+/* Bytes that rbd_constraint_set_init needs for these; 0 if n is out of range. */
+RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
 
-#ifndef RBD_NO_TEXT
 /* As rbd_finding_text, e.g. "constraint 3 'left foot', field 'axes': no axis is held". */
-RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
-#endif
+RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size);
 
 /* Number of rows, axes held by all constraints; and the first row of a constraint, -1 if there is none. */
-RBD_API int rbd_constraint_rows(const rbd_constraints *c);
-RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint);
+RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
+RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* After rbd_constrained_fd and rbd_impact: the rank of J, a whole number (in each lane its own). */
-RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c);
+/* After rbd_constrained_fd and rbd_impact: the rank of J; with lanes the least of all states. */
+RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
 /* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
-RBD_API int rbd_infeasible_row(const rbd_constraints *c);
+RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
@@ -96,9 +95,9 @@ RBD_API int rbd_infeasible_row(const rbd_constraints *c);
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
    NULL, and v for zero. */
-RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
-                                           rbd_real *e);
+RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *jacobian, rbd_real *gamma,
+                                            rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
@@ -108,17 +107,17 @@ RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
    all the same, and the second in the sense of least squares. A state in which rows depend on each other
    takes up to four times as long as one in which they do not. */
-RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *lambda);
+RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *lambda);
 
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_GAIN, a restitution that is not from 0 to 1.
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1.
    Dependent rows never contradict each other here. */
-RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
+RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
    motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
@@ -126,13 +125,13 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
    lambda must be checked by the caller: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
               the task is rows with gains, too
-   actuated   nv, 1 where there is a motor, else 0; NULL: everywhere but in floating joints at the root
+   actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
-RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
-                                      rbd_real *lambda);
+   Errors: also RBD_ERR_RANGE, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
+RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
+                                       rbd_real *lambda);
 
 /* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
    one that is nearest to v in the sum of weight (v_near - v)^2.
@@ -144,31 +143,32 @@ RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, co
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_GAIN, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
+   Errors: also RBD_ERR_RANGE, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
-RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near);
+RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
+                                 rbd_real *v_near);
 
 /* ---- batches [batch] ----
    As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
    constraints the same for all. */
 
-typedef struct rbd_batch_constraints rbd_batch_constraints; /* scratch of one thread */
+typedef struct rbd_batch_constraint_set rbd_batch_constraint_set; /* scratch of one thread */
 
 RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_constraints_init needs, and the call itself: as rbd_constraints_size and _init, of a
-   batch b of the model instead of a work. */
-RBD_BATCH_API size_t rbd_batch_constraints_size(const rbd_model *m, const rbd_constraint *list, int n);
-RBD_BATCH_API rbd_status rbd_batch_constraints_init(const rbd_model *m, rbd_batch *b,
-                                                    const rbd_constraint *list, int n, void *memory,
-                                                    size_t size, rbd_batch_constraints **c,
-                                                    rbd_report *report);
+/* Bytes that rbd_batch_constraint_set_init needs, and the call itself: as rbd_constraint_set_size and _init,
+   of a batch b of the model instead of a work. */
+RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
+RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
+                                                        const rbd_constraint *list, int n, void *memory,
+                                                        size_t size, rbd_batch_constraint_set **c,
+                                                        rbd_report *report);
 
 /* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
    rows, and none after it is singular. */
-RBD_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraints *c, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
+RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
 RBDI_EXTERN_C_CLOSE
 
 #endif

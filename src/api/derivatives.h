@@ -15,56 +15,48 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
    d        receives the structure, which lies inside memory: do not move it
    It holds constants of the model m in another order: call it again when those have changed. With any other
    model every call returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
-RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
-                                        rbd_derivatives **d);
+RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                         rbd_derivatives **d);
 
 /* Bytes that rbd_derivatives_init needs for this model. */
-RBD_API size_t rbd_derivatives_size(const rbd_model *m);
-
-/* For linkers that keep all functions of a file: RBD_NO_MOMENTUM leaves section [momentum] out,
-   RBD_NO_CORIOLIS [coriolis], RBD_NO_HYBRID [free base], RBD_NO_REGRESSOR [identification],
-   RBD_NO_DERIVATIVES the rest. Derivatives of forward dynamics go with rbd_fd_cholesky, those of steps with
-   RBD_NO_MANIFOLD too. */
+RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 
 /* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
 /* ---- momentum [momentum] ---- */
 
-#ifndef RBD_NO_MOMENTUM
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
    all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
    the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
-RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
+RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
 /* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
    no mass. */
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                    rbd_real *jacobian);
-#endif
+RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     rbd_real *jacobian);
 
 /* ---- Coriolis matrix [coriolis] ---- */
 
-#ifndef RBD_NO_CORIOLIS
-/* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity) and dM/dt - 2 C
-   skew: C = sum over the bodies of J' (I dJ/dt + B J), B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
+/* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity_torque) and
+   dM/dt - 2 C skew: C = sum over the bodies of J' (I dJ/dt + B J),
+   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
    the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
    where v are rates of q. Echeandia and Wensing (2021). */
-RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *matrix);
-#endif
+RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 rbd_real *matrix);
 
 /* ---- inverse dynamics with a free base [free base] ---- */
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
    all joints given but floating ones on the world, of which the torques are, in half of its instructions.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
-RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
+RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
 #endif
 
 /* ---- derivatives of inverse dynamics [inverse dynamics] ----
@@ -74,35 +66,33 @@ RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, co
    its tangent step e, omega in body axes, dp = p (e/2, 0): the derivative by p is two times that by e with
    p' (conjugate) multiplied from the left, d/dp = 2 d/de vec(p' dp). */
 
-#ifndef RBD_NO_DERIVATIVES
 /* Derivatives of tau = rbd_rnea(q, v, a, f_ext): dtau_dq and dtau_dv, nv x nv, and the mass matrix M =
    dtau/da, nv x nv. Any of the three may be NULL, and is then not computed. The common frame's form of
    Carpentier and Mansard (2018) and Singh, Russell and Wensing (2022). */
-RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
+RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *mass_matrix);
 
-/* Derivative of the gravity torque rbd_gravity(q) by q: dg_dq, nv x nv. */
-RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                           rbd_real *dg_dq);
+/* Derivative of the gravity torque rbd_gravity_torque(q) by q: dg_dq, nv x nv. */
+RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                                   rbd_real *dg_dq);
 
 /* Matrices of these calls, of rbd_coriolis and of rbd_regressor are written whole. With keep other than 0
    what is zero in all states, dofs on different branches, bodies that a dof does not move, need not be
    written any more, for a caller who cleared the matrix once (as 0 or not at all: less memory passes). Not
    with mimic joints. Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
-#endif
+RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */
 
-#ifndef RBDI_NO_FD_DERIVATIVES
+#ifndef RBD_NO_CHOLESKY
 /* Derivatives of a = rbd_aba(q, v, tau, f_ext), as those above with the components of v and tau held: a, nv;
    da_dq, da_dv and da/dtau = Minv, nv x nv. Any of the four may be NULL, and is then not computed. da/dx =
    -M^-1 dtau/dx, the latter at a: Carpentier and Mansard (2018), here by the branch-sparse factor. a may be
    v or tau. Also RBD_ERR_SINGULAR, RBD_ERR_NAN; after either all results are 0. */
-RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
+RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv);
 #endif
 
 /* ---- regressors and inertial parameters [identification] ----
@@ -110,46 +100,42 @@ RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, co
    not the centre of mass; link axes. Torques and energies are linear in them (Atkeson, An and Hollerbach
    1986). */
 
-#ifndef RBD_NO_REGRESSOR
 /* Torque regressor Y, nv x 10 nb: rbd_rnea(q, v, a) without wrenches is Y pi + armature a, pi of all bodies
    one after the other. Columns of bodies that no joint moves are zero. */
-RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *regressor);
+RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *a, rbd_real *regressor);
 
 /* Energy regressors, 10 nb each, for rbd_energy's figures: kinetic = Y_kinetic pi + sum of armature v^2 / 2,
    potential = Y_potential pi. Either may be NULL; v may be NULL if Y_kinetic is. */
-RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential);
+RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                          const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential);
 
 /* The parameters of a body of the model, as it was described. Errors: RBD_ERR_NULL, _INDEX. */
-RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
+RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]);
 
 #ifndef RBD_NO_BUILD
 /* Sets mass, com and inertia of a row of a description to these parameters. Without mass com becomes 0.
    Errors: RBD_ERR_NULL. */
-RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
+RBDI_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]);
 
 /* Whether a body can have these parameters: RBD_OK if some distribution of mass does, else RBD_ERR_MASS
    (negative, or not a number), _COM (moment without mass) or _INERTIA (the second moment of mass about the
    centre of mass, tr(I)/2 - I, has a negative principal value beyond rounding). Errors: RBD_ERR_NULL.
    Traversaro et al. (2016); Wensing, Kim and Slotine (2018). */
-RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
-#endif
+RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
    What linearises a step on a floating base. Rows and columns: tangent components, as v; q moves by
    rbd_integrate(q, t e_k), so do results. Either output may be NULL. Errors: RBD_ERR_NULL. */
 
-#ifndef RBDI_NO_STEP_DERIVATIVES
 /* Of q_next = rbd_integrate(q, v, dt) by q and by v: dnext_dq, dnext_dv, nv x nv. They do not depend on q. */
-RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
-                                             rbd_real *dnext_dq, rbd_real *dnext_dv);
+RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                              rbd_real *dnext_dq, rbd_real *dnext_dv);
 
 /* Of d = rbd_difference(q0, q1) by q0 and by q1: dd_dq0, dd_dq1, nv x nv. */
-RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
-                                              rbd_real *dd_dq0, rbd_real *dd_dq1);
-#endif
+RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                               rbd_real *dd_dq0, rbd_real *dd_dq1);
 
 /* ---- batches [batch] ----
    As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, each
@@ -161,35 +147,27 @@ typedef struct rbd_batch_derivatives rbd_batch_derivatives; /* scratch of one th
 RBDI_EXTERN_C_BEGIN
 /* Bytes that rbd_batch_derivatives_init needs, and the call itself: as rbd_derivatives_size and _init, of a
    batch b of the model instead of a work. */
-RBD_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
-RBD_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                    size_t size, rbd_batch_derivatives **d);
-#ifndef RBD_NO_MOMENTUM
-RBD_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
-                                                   RBD_REAL *A_dot_v);
+RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
+RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
+                                                     size_t size, rbd_batch_derivatives **d);
+RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
+                                                    RBD_REAL *A_dot_v);
+RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
+RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
+                                                   RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
+#ifndef RBD_NO_CHOLESKY
+RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
+                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
+                                                   RBD_REAL *da_dv, RBD_REAL *Minv);
 #endif
-#ifndef RBD_NO_CORIOLIS
-RBD_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                            const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
-#endif
-#ifndef RBD_NO_DERIVATIVES
-RBD_BATCH_API rbd_status rbd_batch_rnea_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                    const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                    RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
-#endif
-#ifndef RBDI_NO_FD_DERIVATIVES
-RBD_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                  const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                  RBD_REAL *da_dv, RBD_REAL *Minv);
-#endif
-#ifndef RBD_NO_REGRESSOR
-RBD_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                             RBD_REAL *regressor);
-#endif
+RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
+                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                              RBD_REAL *regressor);
 RBDI_EXTERN_C_CLOSE
 
 #endif

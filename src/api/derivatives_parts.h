@@ -3,22 +3,14 @@
 #include "api/symbols.h"
 #include "api/parts.h"
 
-/* What may be left out: see [memory]. */
-#if defined RBD_NO_DERIVATIVES || defined RBDI_NO_FD_CHOLESKY
-#define RBDI_NO_FD_DERIVATIVES
-#endif
-#if defined RBD_NO_DERIVATIVES || defined RBD_NO_MANIFOLD
-#define RBDI_NO_STEP_DERIVATIVES
-#endif
-
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
 #define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
-#define rbd_rnea_free_base RBDI_SYMBOL(rbd_rnea_free_base)
-#define rbd_rnea_derivatives RBDI_SYMBOL(rbd_rnea_derivatives)
-#define rbd_gravity_derivatives RBDI_SYMBOL(rbd_gravity_derivatives)
+#define rbd_id_free_base RBDI_SYMBOL(rbd_id_free_base)
+#define rbd_id_derivatives RBDI_SYMBOL(rbd_id_derivatives)
+#define rbd_gravity_torque_derivatives RBDI_SYMBOL(rbd_gravity_torque_derivatives)
 #define rbd_keep_zeros RBDI_SYMBOL(rbd_keep_zeros)
 #define rbd_fd_derivatives RBDI_SYMBOL(rbd_fd_derivatives)
 #define rbd_regressor RBDI_SYMBOL(rbd_regressor)
@@ -32,7 +24,7 @@
 #define rbd_batch_derivatives_init RBDI_OF_SCALAR(rbd_batch_derivatives_init)
 #define rbd_batch_momentum_matrix RBDI_OF_SCALAR(rbd_batch_momentum_matrix)
 #define rbd_batch_coriolis RBDI_OF_SCALAR(rbd_batch_coriolis)
-#define rbd_batch_rnea_derivatives RBDI_OF_SCALAR(rbd_batch_rnea_derivatives)
+#define rbd_batch_id_derivatives RBDI_OF_SCALAR(rbd_batch_id_derivatives)
 #define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
 #define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 

@@ -15,69 +15,61 @@
    description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
    move is in doubt. The call then computes and factors M to judge it: rbd_aba takes up to three (7 degrees of
    freedom) or six times as long (36).
-   With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
+   With RBD_NO_CHOLESKY nothing can judge: each state in doubt is RBD_ERR_SINGULAR. */
 
-#ifndef RBD_NO_RNEA
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
-RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
+RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
 
 /* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
-RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c);
+RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *f_ext, rbd_real *c);
 
 /* Gravity torque g = tau at v = a = 0: what holds the robot still. */
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
-#endif
+RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
-#ifndef RBD_NO_OBSERVER
 /* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
    since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
    rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
    (dS_i/dt)' h_i.
    p, ctv: nv; each may be NULL, not the same array. */
-RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                            const rbd_real *v, rbd_real *p, rbd_real *ctv);
-#endif
+RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                             const rbd_real *v, rbd_real *p, rbd_real *ctv);
 
-#ifndef RBD_NO_CRBA
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
+RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
 /* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
    are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
    others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
-#endif
+RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
-RBD_API int rbd_packed_size(const rbd_model *m);
+RBDI_API int rbd_packed_size(const rbd_model *m);
 
 /* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j);
+RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
-#ifndef RBD_NO_ABA
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
    RBD_ERR_SINGULAR. Models with mimic joints are solved by rbd_fd_cholesky. */
-RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
-#endif
+RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
    wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
-   Where all but a floating base is given rbd_rnea_free_base of rbd_derivatives.h is faster.
+   Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
-RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau);
+RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                               const unsigned char *given, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
 #endif
 
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBD_NO_CHOLESKY
 /* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 #endif
 
 #ifndef RBD_NO_CHOLESKY
@@ -85,32 +77,32 @@ RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_re
    mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
    Both may be the same array. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
-                                       rbd_real *factor);
+RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *mass_matrix,
+                                        rbd_real *factor);
 
 /* The same on a packed matrix, in place. Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
+RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *packed);
 
 /* Solves M x = b with the factor. b, x: nv; may be the same. */
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
-                                      const rbd_real *b, rbd_real *x);
+RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
+                                       const rbd_real *b, rbd_real *x);
 
 /* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
    is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
-                                           const rbd_real *b, rbd_real *x);
+RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
+                                            const rbd_real *b, rbd_real *x);
 #endif
 
-#ifndef RBDI_NO_MINVERSE
+#ifndef RBD_NO_CHOLESKY
 /* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
    M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
-RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
+RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
    A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
+RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
 #endif

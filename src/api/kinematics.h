@@ -6,53 +6,49 @@
 
 /* ---- kinematics [kinematics] ---- */
 
-#ifndef RBD_NO_KINEMATICS
 /* Computes poses, velocities and accelerations of all bodies; the functions below read them.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics, or of
    rbd_joint_wrench.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                  const rbd_real *a);
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a);
 
 /* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
    Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
-                                 rbd_real p[3]);
+RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
+                                  rbd_real p[3]);
 
 /* Spatial velocity (omega; v of the link origin), link axes. */
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
 
 /* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
-RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                         rbd_real acceleration[6]);
+RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          rbd_real acceleration[6]);
 
 /* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity:
    what an accelerometer at the origin measures, plus gravity. */
-RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
-                                                   rbd_real acceleration[6]);
+RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                    rbd_real acceleration[6]);
 
 /* Kinetic energy (rotors' included) and potential energy (zero at the world origin), of all bodies
    that a joint moves, J; after rbd_kinematics. Either may be NULL. Errors of these two: RBD_ERR_NULL,
    _WORK, _ORDER. */
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
 
 /* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
    Each may be NULL. Zero if there is no mass. */
-RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
-                           rbd_real acceleration[3]);
+RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                            rbd_real acceleration[3]);
 
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
-RBD_API rbd_const rbd_mass(const rbd_model *m);
+RBDI_API rbd_const rbd_mass(const rbd_model *m);
 
-#ifndef RBD_NO_WRENCH
 /* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and
    bearings, and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's
    origin. RBDA table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
    Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
    Errors: RBD_ERR_NULL, _WORK. */
-RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
-#endif
-#endif
+RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                     const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
 
 #endif

@@ -7,30 +7,28 @@
 /* ---- configuration manifold [manifold] ----
    q: nq, v and d: nv, in the coordinates of [conventions]. Errors: RBD_ERR_NULL. */
 
-#ifndef RBD_NO_MANIFOLD
 /* The neutral configuration: zeros, identity quaternions, (cos, sin) = (1, 0). */
-RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
+RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 
 /* q_next = q moved by the tangent step v dt: exponentials in body axes for spherical (SO(3)), planar
    (SE(2)) and floating (SE(3)) joints, addition for the others. q_next may be q. */
-RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
-                                 rbd_real *q_next);
+RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                  rbd_real *q_next);
 
 /* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
+RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
    q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
-RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
-                                           rbd_real *rates);
+RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                            rbd_real *rates);
 
 /* The velocity, nv, from such rates. What changes the length of a quaternion or (cos, sin) does not count. */
-RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
-                                           rbd_real *v);
+RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                            rbd_real *v);
 
 /* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
    (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
-RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
-#endif
+RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
 
 #endif

@@ -32,9 +32,9 @@ typedef enum rbd_status {
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
-    RBD_ERR_GAIN = -26,       /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
+    RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
-    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_... leaves out what solves them */
+    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_CHOLESKY is defined */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -42,10 +42,8 @@ typedef enum rbd_status {
     RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
 } rbd_status;
 
-#ifndef RBD_NO_TEXT
 /* One sentence for a status, English, static. */
-RBD_API const char *rbd_status_string(rbd_status status);
-#endif
+RBDI_API const char *rbd_status_string(rbd_status status);
 
 /* One finding of the build. */
 typedef struct rbd_finding {
@@ -64,10 +62,8 @@ typedef struct rbd_report {
     rbd_finding warning[RBD_MAX_WARNINGS];
 } rbd_report;
 
-#ifndef RBD_NO_TEXT
 /* Writes a finding as a sentence, e.g. "body 3 'left_foot', field 'mass': negative or not finite",
    cut to fit, always terminated. text: size bytes. Returns text. */
-RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
-#endif
+RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
 
 #endif

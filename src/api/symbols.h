@@ -27,7 +27,7 @@
 #define rbd_singular_dof RBDI_SYMBOL(rbd_singular_dof)
 #define rbd_rnea RBDI_SYMBOL(rbd_rnea)
 #define rbd_bias RBDI_SYMBOL(rbd_bias)
-#define rbd_gravity RBDI_SYMBOL(rbd_gravity)
+#define rbd_gravity_torque RBDI_SYMBOL(rbd_gravity_torque)
 #define rbd_generalized_momentum RBDI_SYMBOL(rbd_generalized_momentum)
 #define rbd_crba RBDI_SYMBOL(rbd_crba)
 #define rbd_crba_packed RBDI_SYMBOL(rbd_crba_packed)

@@ -237,15 +237,15 @@ static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_b
     return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
 
-RBD_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
+RBDI_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
 
-RBD_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
+RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
            sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
 }
 
-RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
+RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch) {
     unsigned char *p;
     rbd_batch *b;
     rbd_status status;
@@ -265,11 +265,11 @@ RBD_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t
     return status;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
+RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]) {
     return b ? rbd_set_gravity(b->w, gravity) : RBD_ERR_NULL;
 }
 
-RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
+RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
     if (!b) return RBD_ERR_NULL;
     b->layout = layout;
     return RBD_OK;
@@ -278,14 +278,14 @@ RBD_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) {
 static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
     return rbd_rnea(m, t->w, t->x[0], t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
-                                        RBD_REAL *tau) {
+RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
+                                         RBD_REAL *tau) {
     if (!v || !a) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
 }
-RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
+RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, NULL, f_ext, c, rbd_nv(m));
 }
@@ -293,25 +293,25 @@ RBD_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n,
 static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                        RBD_REAL *M) {
+RBDI_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                         RBD_REAL *M) {
     return rbdi_batch_one(rbdi_lanes_crba, m, b, n, q, NULL, NULL, NULL, M, rbd_nv(m) * rbd_nv(m));
 }
 
 static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               RBD_REAL *H) {
+RBDI_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                RBD_REAL *H) {
     return rbdi_batch_one(rbdi_lanes_crba_packed, m, b, n, q, NULL, NULL, NULL, H, rbd_packed_size(m));
 }
 
 static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
     return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                       const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                       RBD_REAL *a) {
+RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                        const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                        RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_aba, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
@@ -319,24 +319,23 @@ RBD_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, 
 static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                               const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
-                                               RBD_REAL *a) {
+RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                                const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
+                                                RBD_REAL *a) {
     if (!v || !tau) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-#ifndef RBDI_NO_MINVERSE
+#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            RBD_REAL *Minv) {
+RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             RBD_REAL *Minv) {
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
 #endif
 
-#ifndef RBD_NO_POINTS
 typedef struct rbdi_lane_point {
     int body;
     rbd_axes axes;
@@ -348,8 +347,8 @@ static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
     return rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
 }
-RBD_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
+RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
     rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
     rbdi_lane_point p;
     rbd_real lanes[3];
@@ -364,17 +363,16 @@ static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
-RBD_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
-                                            const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
-                                            RBD_REAL *h_dot) {
+RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
+                                             const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
+                                             RBD_REAL *h_dot) {
     rbdi_task t = rbdi_task_of(q, v, a, NULL);
     rbdi_task_output(&t, 0, h, 6);
     rbdi_task_output(&t, 1, h_dot, 6);
     return rbdi_batch_run(rbdi_lanes_momentum, m, b, n, b ? b->y : NULL, &t);
 }
-#endif
 
-RBD_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
+RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
     if (dof) *dof = b ? b->dof : -1;
     return b ? b->state : -1;
 }

@@ -28,8 +28,8 @@
 #endif
 
 /* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
-RBDI_INLINE void rbdi_start_rows(const rbd_constraints *c, const rbdi_constraint *k, const rbdi_axes_held *h,
-                                 rbdi_v3 arm, int side) {
+RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
+                                 const rbdi_axes_held *h, rbdi_v3 arm, int side) {
     const rbdi_mat E = c->w->kin[k->link[side]].X.E;
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(E.xx, E.xy, E.xz)),
@@ -122,7 +122,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
 }
 
 /* A row block goes down the tree to link `stop`, if it is on the way; -1: to the world, which accelerates. */
-static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block *block, int stop) {
+static void rbdi_rows_to(const rbd_model *m, rbd_constraint_set *c, rbdi_row_block *block, int stop) {
     const int stride = c->stride;
     rbd_real *to = c->Y + block->row;
     rbdi_carried on;
@@ -145,7 +145,7 @@ static void rbdi_rows_to(const rbd_model *m, rbd_constraints *c, rbdi_row_block 
 }
 
 /* 1/D of the links on a path from `first` on, of those before number `at`. Returns how many are left. */
-static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int first) {
+static int rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c, int at, int first) {
     rbdi_mask none = rbdi_less(c->give, c->give);
     rbd_real give = c->give;
     for (; at > 0 && c->link[at - 1] >= first; --at) {
@@ -161,7 +161,7 @@ static int rbdi_path_inverse(const rbd_model *m, rbd_constraints *c, int at, int
 }
 
 /* W = K R^-1 of the rows first .. end - 1, which the blocks from `on` on carry, before `stop`. */
-static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, const rbdi_row_block *on,
+static void rbdi_scaled_wrenches(const rbd_constraint_set *c, int first, int end, const rbdi_row_block *on,
                                  const rbdi_row_block *stop) {
     rbdi_clear(&c->W[6 * first], 6 * (end - first));
     for (; on < stop; ++on)
@@ -179,7 +179,7 @@ static void rbdi_scaled_wrenches(const rbd_constraints *c, int first, int end, c
 
 /* Eliminates the rows of the constraints first .. end - 1 on their common ancestor. IA and pA: what it feels
    of its children. */
-static rbdi_mask rbdi_eliminate(rbd_constraints *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
+static rbdi_mask rbdi_eliminate(rbd_constraint_set *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
     const rbdi_constraint *k = &c->constraint[first], *last = &c->constraint[end - 1];
     const int low = k->row, high = last->row + last->rows;
     rbdi_row_block *own = &c->block[k->block[0]], *stop = c->block + c->blocks,
@@ -227,14 +227,14 @@ static void rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_rea
 }
 
 /* The row blocks from number `first` on go down to link `stop`. */
-static void rbdi_rows_down(const rbd_model *m, rbd_constraints *c, int stop, int first, rbdi_progress *p) {
+static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, int stop, int first, rbdi_progress *p) {
     p->at = rbdi_path_inverse(m, c, p->at, stop + 1);
     for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
 }
 
 /* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
    a row is in doubt. */
-static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, const rbd_real *tau) {
+static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau) {
     int first = 0;
     rbdi_progress p;
     p.IA = rbdi_abi_zero(), p.pA = rbdi_force0(), p.doubt = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -254,7 +254,7 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraints *c, cons
 
 /* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
    known. Returns the number of the next. */
-static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int end) {
+static int rbdi_push_links(const rbd_model *m, rbd_constraint_set *c, int at, int end) {
     for (; at < c->links && c->link[at] < end; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
@@ -265,7 +265,7 @@ static int rbdi_push_links(const rbd_model *m, rbd_constraints *c, int at, int e
 }
 
 /* lambda of the constraints first .. end - 1 from y, the acceleration of their common ancestor. */
-static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_motion *y) {
+static void rbdi_solve_group(rbd_constraint_set *c, int first, int end, const rbdi_motion *y) {
     const rbdi_constraint *k = &c->constraint[end - 1];
     rbd_real Y[6];
     rbdi_motion_to_array(*y, Y);
@@ -278,7 +278,7 @@ static void rbdi_solve_group(rbd_constraints *c, int first, int end, const rbdi_
 }
 
 /* Pass 3, and lambda. */
-static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_real *x) {
+static void rbdi_articulate_down(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     rbdi_motion world = rbdi_motion0(), y;
     world.v = c->world;
     y = world;
@@ -296,7 +296,8 @@ static void rbdi_articulate_down(const rbd_model *m, rbd_constraints *c, rbd_rea
 
 /* x and lambda from the joints' torques, bias wrenches and target. Returns 0, x unknown, if a pivot of a
    joint or a row is in doubt. */
-static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const rbd_real *tau, rbd_real *x) {
+static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau,
+                                  rbd_real *x) {
     c->give = rbdi_zero();
     rbdi_clear(c->lambda, c->stride);
     if (c->dirty) rbdi_clear_rows(m, c);
@@ -310,7 +311,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraints *c, const 
 }
 
 /* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
-static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
     w->have_kinematics = 0;
@@ -323,7 +324,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
-static void rbdi_articulated_rows(rbd_constraints *c, const rbdi_constraint *k, int want) {
+static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_add_levers(c, k);

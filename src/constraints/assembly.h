@@ -21,7 +21,7 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
 /* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
    one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
    they curve, steps with it may end too late or never. */
-static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share, rbd_real share_before) {
+static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -38,7 +38,7 @@ static rbd_real rbdi_next_share(const rbd_constraints *c, int nv, rbd_real share
 }
 
 /* Takes one step, with this share of the distance; returns its length. */
-static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near, rbd_real share) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, k;
@@ -53,7 +53,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* q_near, from q. */
-static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
     rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
@@ -72,12 +72,13 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraints *c, const
     rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
 }
 
-RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                                const rbd_const *weight, rbd_real *q_near, rbd_real *v_near) {
+RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
+                                 rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
     rbd_real open;
     if (status) return status;
-    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_GAIN;
+    if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_RANGE;
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
@@ -98,21 +99,23 @@ RBD_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraints *c, const rb
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
-RBD_API int rbd_constraint_rows(const rbd_constraints *c) { return c ? c->rows : 0; }
+RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }
 
-RBD_API int rbd_constraint_first(const rbd_constraints *c, int constraint) {
+RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
     for (int i = 0; c && i < c->n; ++i)
         if (c->constraint[i].index == constraint) return rbdi_row_of_caller(c, c->constraint[i].row);
     return -1;
 }
 
-RBD_API rbd_real rbd_constraint_rank(const rbd_constraints *c) {
+RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
     rbd_real rank = rbdi_zero();
+    int least = c ? c->rows : 0;
     for (int r = 0; c && r < c->rows; ++r)
         rank = rank + rbdi_select(rbdi_dropped(c, r), rbdi_zero(), rbdi_set(RBD_C(1)));
-    return rank;
+    while (least > 0 && rbdi_any(rbdi_less(rank, rbdi_set(RBD_C(least))))) --least;
+    return least;
 }
 
-RBD_API int rbd_infeasible_row(const rbd_constraints *c) { return c ? c->infeasible : -1; }
+RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->infeasible : -1; }
 
 #endif

@@ -6,7 +6,7 @@
 
 /* ---- call code [call code] ---- */
 
-static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraints *c, int arrays) {
+static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
     if (!m || !c || !arrays) return RBD_ERR_NULL;
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
@@ -14,7 +14,7 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 }
 
 /* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_real *L, int check) {
+static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
@@ -32,21 +32,21 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraints *c, const rbd_r
 }
 
 /* M = L'DL of the work's H, and x = D^-1 L^-T x. */
-static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraints *c) {
+static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set *c) {
     const rbdi_mask doubt = rbdi_factor(m, c->w, c->w->H);
     rbdi_sweep_back(m, c, c->w->H);
     return doubt;
 }
 
 /* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraints *c, rbdi_mask doubt, int check,
-                                         rbd_real *lambda) {
+static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
+                                         int check, rbd_real *lambda) {
     rbdi_multipliers(m, c, c->w->H, check);
     return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
 }
 
 /* r - gamma, by Baumgarte. */
-RBDI_INLINE void rbdi_stabilise(rbd_constraints *c, const rbdi_constraint *k) {
+RBDI_INLINE void rbdi_stabilise(rbd_constraint_set *c, const rbdi_constraint *k) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
         rbdi_batch x = rbdi_zero_batch() - *(const rbdi_batch *)&c->gamma[r];
         if (k->kd > 0) x = x - *(const rbdi_batch *)&c->u[r] * k->kd;
@@ -60,7 +60,7 @@ static int rbdi_stabilisation(const rbdi_constraint *k) {
 }
 
 /* By M = L'DL. */
-static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a,
                                    rbd_real *lambda) {
     rbd_work *w = c->w;
@@ -86,8 +86,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraints *c, const
 }
 
 /* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                               const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     if (c->factored) return 0;
     rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
     rbdi_external(m, c->w, f_ext);
@@ -98,9 +98,9 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraints *c, const rbd
     return rbdi_articulated_solve(m, c, tau, a);
 }
 
-RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *lambda) {
+RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
     if (status) return status;
     if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
@@ -109,7 +109,7 @@ RBD_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraints *c, co
 }
 
 /* The motion of all links without gravity. */
-static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                      const rbd_real *v) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
@@ -119,7 +119,7 @@ static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraints *c, con
 }
 
 /* The rows there. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int want) {
     rbdi_constraint_state_at(m, c, q, v);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
@@ -127,7 +127,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraints *c, cons
 }
 
 /* J v of a constraint as wanted after an impact, less J v before. */
-static void rbdi_rebound(rbd_constraints *c, const rbdi_constraint *k, rbd_real restitution) {
+static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }
 
@@ -137,7 +137,7 @@ static int rbdi_restitution_fits(rbd_real x) {
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
 
-static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, rbd_real restitution, rbd_real *impulse) {
     rbdi_mask doubt;
     rbd_crba_packed(m, c->w, q, c->w->H);
@@ -153,7 +153,7 @@ static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraints *c, c
 }
 
 /* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
-static int rbdi_articulated_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
+static int rbdi_articulated_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbd_real restitution) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (c->factored) return 0;
@@ -166,11 +166,11 @@ static int rbdi_articulated_impact(const rbd_model *m, rbd_constraints *c, const
     return rbdi_articulated_solve(m, c, c->w->zero, c->x);
 }
 
-RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_real *q, const rbd_real *v,
-                              rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
+RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
-    if (!rbdi_restitution_fits(restitution)) return RBD_ERR_GAIN;
+    if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
     if (rbdi_articulated_impact(m, c, q, v, restitution))
         status = rbdi_constrained_status(m, c, RBD_OK, impulse);
     else
@@ -180,8 +180,8 @@ RBD_API rbd_status rbd_impact(const rbd_model *m, rbd_constraints *c, const rbd_
     return status;
 }
 
-RBD_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                           const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
+RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                            const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
     rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);

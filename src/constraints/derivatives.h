@@ -13,7 +13,7 @@
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
    so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
-   tau rho = -1 and sigma = 0. d ID is rbd_rnea_derivatives. The rest depends on the motion of the two
+   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
    bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
    axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
    S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
@@ -61,7 +61,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_encounter rbdi_encounter_of(const rbd_constraints *c, const rbdi_constraint *k) {
+static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
     rbdi_encounter x;
     const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
@@ -93,7 +93,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraints *c, const rbdi_con
 }
 
 /* Dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraints *c, const rbdi_encounter *x,
+static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
@@ -180,7 +180,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 }
 
 /* rho += -d(J' lambda), and sigma, of a constraint. */
-static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, const rbd_derivatives *d,
+static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
                                const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
     const rbdi_encounter x = rbdi_encounter_of(c, k);
@@ -204,7 +204,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraints *c, con
 }
 
 /* -T = -L^-1 D^-1 Y in place of Y. */
-static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = &L[m->dof[k].row];
         rbd_real *y = &c->Y[k * c->stride];
@@ -215,7 +215,7 @@ static void rbdi_response(const rbd_model *m, rbd_constraints *c, const rbd_real
 }
 
 /* n columns of rows n apart lose their components along the null vectors. */
-static void rbdi_project_columns(rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
     rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
     for (int column = 0; rbdi_any(any) && column < n; ++column) {
@@ -226,7 +226,7 @@ static void rbdi_project_columns(rbd_constraints *c, rbd_real *X, int n) {
 }
 
 /* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
-static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
     rbdi_to_order(c, X, n, n, 1);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
@@ -243,7 +243,8 @@ static void rbdi_delta_solve_columns(rbd_constraints *c, rbd_real *X, int n) {
 }
 
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
-static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd_real *rho, rbd_real *sigma) {
+static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                               rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -254,7 +255,7 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraints *c, const rbd
 }
 
 /* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
-static void rbdi_caller_order(const rbd_constraints *c, rbd_real *X, int n) {
+static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
     for (int r = 0; r < c->rows; ++r) {
         int from = c->at[r];
         while (from < r) from = c->at[from];
@@ -266,33 +267,33 @@ static void rbdi_caller_order(const rbd_constraints *c, rbd_real *X, int n) {
     }
 }
 
-RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constraints *c, rbd_derivatives *d,
-                                               const rbd_real *q, const rbd_real *v, const rbd_real *tau,
-                                               const rbd_real *f_ext, rbd_real *a, rbd_real *lambda,
-                                               rbd_real *da_dq, rbd_real *da_dv, rbd_real *da_dtau,
-                                               rbd_real *dlambda_dq, rbd_real *dlambda_dv,
-                                               rbd_real *dlambda_dtau) {
+RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
+                                                   rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                                   const rbd_real *tau, const rbd_real *f_ext,
+                                                   const rbd_constrained_fd_results *out) {
+    const rbd_constrained_fd_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+    const rbd_constrained_fd_results to = out ? *out : none_wanted;
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbd_real *const of_a[3] = {da_dq, da_dv, da_dtau};
-    rbd_real *const of_lambda[3] = {dlambda_dq, dlambda_dv, dlambda_dtau};
+    rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
+    rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
     const int nv = m ? m->nv : 0;
     int pairs = 1;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
-    status = rbdi_check_constraints(m, c, d && q && v && tau && pairs);
+    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, lambda);
-    if (da_dq || da_dv) (void)rbd_rnea_derivatives(m, d, q, v, d->a, f_ext, da_dq, da_dv, NULL);
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
+    if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_differentiate(m, c, d, k, da_dq, dlambda_dq, dlambda_dv);
+        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
     rbdi_response(m, c, c->w->H);
-    if (da_dtau) rbdi_clear(da_dtau, nv * nv);
-    for (int k = 0; da_dtau && k < nv; ++k) da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
+    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
@@ -305,7 +306,7 @@ RBD_API rbd_status rbd_constrained_derivatives(const rbd_model *m, rbd_constrain
         }
         rbdi_caller_order(c, of_lambda[x], nv);
     }
-    for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }
 

@@ -26,20 +26,20 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
 }
 
 /* The sum of the squares of the distances of a constraint's links from the world's origin. */
-RBDI_INLINE void rbdi_add_levers(rbd_constraints *c, const rbdi_constraint *k) {
+RBDI_INLINE void rbdi_add_levers(rbd_constraint_set *c, const rbdi_constraint *k) {
     for (int side = 0; side < 2; ++side)
         if (k->link[side] >= 0)
             c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
 }
 
 /* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
-static rbd_real rbdi_row_noise(const rbd_constraints *c) {
+static rbd_real rbdi_row_noise(const rbd_constraint_set *c) {
     return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
 /* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of the
    paths from the world; else from the common ancestor. Returns their number. */
-RBDI_INLINE int rbdi_list_dofs(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+RBDI_INLINE int rbdi_list_dofs(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
     const int16_t *dof = k->dof + first;
     int32_t *path = c->path;
@@ -49,7 +49,7 @@ RBDI_INLINE int rbdi_list_dofs(const rbd_constraints *c, const rbdi_constraint *
 }
 
 /* Rows i .. i + n - 1 of Delta from the diagonal on, of so many dofs. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, int i, int n, const rbdi_span *span,
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, int i, int n, const rbdi_span *span,
                                  const int16_t *dof, int dofs) {
     const rbd_real *inverse = c->stack, *Y = c->Y;
     const int32_t *path = c->path;
@@ -75,7 +75,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraints *c, int i, int n, const r
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-static void rbdi_delta(const rbd_constraints *c, const rbdi_constraint *k, int whole) {
+static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int dofs = rbdi_list_dofs(c, k, whole), stop = k->row + k->rows;
     const rbdi_span *span = whole ? c->span : c->passed;
     const int16_t *dof = k->dof + k->dofs - dofs;
@@ -94,7 +94,7 @@ static void rbdi_delta(const rbd_constraints *c, const rbdi_constraint *k, int w
 typedef struct rbdi_batches {
     rbdi_batch x, y;
 } rbdi_batches;
-RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraints *c, int t, int low, int j) {
+RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int low, int j) {
     const int stride = c->stride;
     const rbd_real *r = &c->R[low * stride], *row = &c->R[t * stride];
     rbdi_batches b = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
@@ -106,7 +106,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraints *c, int t, int low
 }
 
 /* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
-RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraints *c, int t, int low, int end, rbd_real noise) {
+RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, int low, int end, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
     rbdi_mask none = rbdi_less(least, least), doubt;
@@ -123,7 +123,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraints *c, int t, int low, int en
 }
 
 /* lambda of rows first .. last - 1, that of the rows behind them being known up to `end`. */
-static void rbdi_back_substitute(rbd_constraints *c, int first, int last, int end) {
+static void rbdi_back_substitute(rbd_constraint_set *c, int first, int last, int end) {
     for (int t = last - 1; t >= first; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_batch sum = rbdi_zero_batch();
@@ -134,7 +134,7 @@ static void rbdi_back_substitute(rbd_constraints *c, int first, int last, int en
 }
 
 /* Rows of R and beta of a constraint. whole: as rbdi_list_dofs. Returns whether a pivot is in doubt. */
-static rbdi_mask rbdi_factor_rows(rbd_constraints *c, const rbdi_constraint *k, int whole) {
+static rbdi_mask rbdi_factor_rows(rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
     const int low = whole ? 0 : k->low, end = whole ? c->rows : k->end;
     rbdi_mask doubt = rbdi_less(noise, noise);

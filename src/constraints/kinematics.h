@@ -11,7 +11,7 @@ typedef struct rbdi_station {
 } rbdi_station;
 
 /* The world, link -1, accelerates upward by -gravity if the links do; steady: these only turn. */
-RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraints *c, int link, rbdi_v3 p, int steady) {
+RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link, rbdi_v3 p, int steady) {
     rbdi_station s;
     s.p = p;
     s.omega = s.v = s.omega_dot = rbdi_vec0();
@@ -30,12 +30,12 @@ RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraints *c, int link, r
     }
     return s;
 }
-RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraints *c, int link, rbdi_v3 p) {
+RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     return rbdi_station_with(c, link, p, 0);
 }
 
 /* The origin of a frame of a constraint, fixed in its link. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_constraint *on, int side,
+RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side,
                                          int steady) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
@@ -43,7 +43,7 @@ RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraints *c, const rbdi_co
 }
 
 /* Orientation of the frame in the world. */
-static rbdi_mat rbdi_station_axes(const rbd_constraints *c, const rbdi_constraint *on, int side) {
+static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_mat R = rbdi_mat_c(on->R[side]);
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
@@ -86,7 +86,7 @@ typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_INLINE void rbdi_set_axes(const rbd_constraints *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
     const rbdi_batch zero = rbdi_zero_batch();
     for (int r = 0; r < k->rows; r += RBDI_BATCH)
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
@@ -115,7 +115,7 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
 
 /* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
-RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int want, int steady) {
     const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;

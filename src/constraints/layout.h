@@ -48,7 +48,7 @@ typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
 
-struct rbd_constraints {
+struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride;          /* stride: of rows, padded */
@@ -84,7 +84,8 @@ struct rbd_constraints {
 
 /* n constraints with so many row blocks at most. */
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, blocks) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraints)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
+     RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
      RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
@@ -93,8 +94,8 @@ struct rbd_constraints {
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
 
 /* Bytes that suffice for any n constraints that hold this many axes together; and for any number of them. */
-#define RBD_CONSTRAINTS_SIZE_OF(nv, n, rows) \
+#define RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) \
     RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 4 * RBDI_ROW_BATCH, 2 * (rows))
-#define RBD_CONSTRAINTS_SIZE(nv, rows) RBD_CONSTRAINTS_SIZE_OF(nv, rows, rows)
+#define RBD_CONSTRAINT_SET_SIZE(nv, rows) RBD_CONSTRAINT_SET_SIZE_OF(nv, rows, rows)
 
 #endif

@@ -29,13 +29,13 @@ static rbdi_mask rbdi_is_index(rbd_real x, int k) {
                     rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
 }
 
-static rbdi_mask rbdi_dropped(const rbd_constraints *c, int t) {
+static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
 }
 
 /* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
    n - 1 other x, `next` apart. */
-static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step, int n, int next) {
+static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
         rbd_real *a = x + t * step, *b = x + j * step;
@@ -49,15 +49,15 @@ static void rbdi_exchange(const rbd_constraints *c, int t, rbd_real *x, int step
 }
 
 /* All exchanges: to the order of R, or back. */
-static void rbdi_to_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
     for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
 }
-static void rbdi_from_order(const rbd_constraints *c, rbd_real *x, int step, int n, int next) {
+static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
     for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
 }
 
 /* Of each row from t on the square of what is independent of the rows taken. */
-static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
+static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
         for (int k = t; k < nv; ++k) {
@@ -69,7 +69,7 @@ static void rbdi_independent_squares(const rbd_constraints *c, int nv, int t) {
 }
 
 /* Chooses the row of which the largest share is independent, and exchanges it with row t. */
-static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
+static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
         const rbd_real share = c->square[j] * c->share[j];
@@ -83,7 +83,7 @@ static void rbdi_choose_row(rbd_constraints *c, int nv, int t) {
 }
 
 /* Householder's reflection that leaves of column t but R_tt nothing below row t. */
-static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
+static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
     rbd_real *Z = c->R, *v = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -105,7 +105,7 @@ static void rbdi_reflect(rbd_constraints *c, int nv, int t) {
 }
 
 /* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
-static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
@@ -133,19 +133,19 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraints *c) {
 }
 
 /* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
-static void rbdi_null_vector(const rbd_constraints *c, int t, rbd_real *n) {
+static void rbdi_null_vector(const rbd_constraint_set *c, int t, rbd_real *n) {
     n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
     for (int i = t - 1; i >= 0; --i)
         n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
 }
 
 /* It is kept as row t of c->R, in the lanes that have no other use for that. */
-static void rbdi_keep_null(const rbd_constraints *c, int t, const rbd_real *n) {
+static void rbdi_keep_null(const rbd_constraint_set *c, int t, const rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
     rbd_real *to = &c->R[t * c->stride];
     for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
 }
-static void rbdi_load_null(const rbd_constraints *c, int t, rbd_real *n) {
+static void rbdi_load_null(const rbd_constraint_set *c, int t, rbd_real *n) {
     const rbdi_mask dropped = rbdi_dropped(c, t);
     for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
 }
@@ -162,7 +162,7 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 
 /* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
    that come with them. */
-static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint *k) {
+static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
     const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
@@ -174,7 +174,7 @@ static rbd_real rbdi_motion_size(const rbd_constraints *c, const rbdi_constraint
 
 /* By how much the right-hand sides may contradict each other: c->demand; it and
    c->target are in the order of R then. */
-static void rbdi_bound_demand(rbd_constraints *c) {
+static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
         for (int r = k->row; r < k->row + k->rows; ++r)
@@ -185,14 +185,14 @@ static void rbdi_bound_demand(rbd_constraints *c) {
 }
 
 /* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraints *c, int at) {
+static int rbdi_row_of_caller(const rbd_constraint_set *c, int at) {
     int r = 0;
     while (c->at[r] != at) ++r;
     return r;
 }
 
 /* Notes the row that stands at t if the targets have a component along its null vector n. */
-static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
+static void rbdi_check_row(rbd_constraint_set *c, int t, const rbd_real *n) {
     rbd_real bound = rbdi_zero();
     rbdi_mask bad;
     for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
@@ -207,7 +207,7 @@ static void rbdi_check_row(rbd_constraints *c, int t, const rbd_real *n) {
 }
 
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
-static void rbdi_null_space(const rbd_constraints *c) {
+static void rbdi_null_space(const rbd_constraint_set *c) {
     rbd_real *n = c->square, *before = c->share;
     for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -222,7 +222,7 @@ static void rbdi_null_space(const rbd_constraints *c) {
 }
 
 /* x loses its components along all null vectors. */
-static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
+static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
     for (int t = 0; c->exchanged && t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_load_null(c, t, c->square);
@@ -231,7 +231,7 @@ static void rbdi_project_rows(const rbd_constraints *c, rbd_real *x) {
 }
 
 /* Notes the first row that contradicts others. */
-static void rbdi_check_rows(rbd_constraints *c) {
+static void rbdi_check_rows(rbd_constraint_set *c) {
     rbdi_bound_demand(c);
     for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -243,7 +243,7 @@ static void rbdi_check_rows(rbd_constraints *c) {
 /* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
    agreement before: b loses its components along the null vectors, too. check: whether to note where they do
    not agree. */
-static void rbdi_solve_dependent(const rbd_model *m, rbd_constraints *c, int check) {
+static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {
     c->exchanged = 1;
     rbdi_orthogonalise(m, c);
     rbdi_to_order(c, c->b, 1, 1, 0);
@@ -266,7 +266,7 @@ RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *
 }
 
 /* lambda in the caller's order; what a call returns, status of the pivots being known. */
-static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraints *c, rbd_status status,
+static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
     if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);

@@ -6,7 +6,7 @@
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
-RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                         const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                         rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
@@ -17,7 +17,7 @@ RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraints *c, 
 }
 
 /* The columns of the dofs of a link that carries the point p. */
-RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
@@ -42,7 +42,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraints *c, co
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
 /* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_real *v, int moving) {
+static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
         rbdi_kin_links(m, c->w, first, end, v, moving);
@@ -53,7 +53,7 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraints *c, const rbd_
 /* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
    with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
    there already. */
-RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, const rbd_real *v,
+RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
     const rbdi_state world = rbdi_world_state(gravity);
@@ -68,14 +68,15 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraints *c, c
 }
 
 /* Before Y and R are filled in another pattern. */
-static void rbdi_clear_rows(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
 /* Y = J', gamma, and what else is wanted, of a constraint. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k, int want) {
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+                                 int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, k, &h);

@@ -37,28 +37,27 @@ static void rbdi_frame_along(const double axis[3], double R[9]) {
     for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
 }
 
-RBD_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
+RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
     return rbdi_constraint_of(body, point, -1, place, 0);
 }
 
-RBD_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]) {
+RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]) {
     return rbdi_constraint_of(body, point, -1, place, 3);
 }
 
-RBD_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]) {
+RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]) {
     return rbdi_constraint_of(body1, point1, body2, point2, 0);
 }
 
-RBD_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
-                                      const double point2[3], const double axis2[3]) {
+RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
+                                       const double point2[3], const double axis2[3]) {
     rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
     if (axis1) rbdi_frame_along(axis1, k.rotation1);
     if (axis2) rbdi_frame_along(axis2, k.rotation2);
     return k;
 }
 
-#ifndef RBD_NO_TEXT
-RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
+RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
     rbd_finding rest;
     size_t at = 0;
     if (!finding || !text || size == 0) return text;
@@ -77,7 +76,6 @@ RBD_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text
     rbd_finding_text(&rest, text + at, size - at);
     return text;
 }
-#endif
 
 static int rbdi_held_axes(const rbd_constraint *k) {
     int n = 0;
@@ -101,7 +99,7 @@ static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
     return blocks;
 }
 
-RBD_API size_t rbd_constraints_size(const rbd_model *m, const rbd_constraint *list, int n) {
+RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
@@ -134,8 +132,8 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     RBDI_REQUIRE(rbdi_is_rotation(k->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
     RBDI_REQUIRE(rbdi_finite(k->position2, 3), RBD_ERR_POSITION, "position2", NULL);
     RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_GAIN, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_GAIN, "kd", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_RANGE, "kp", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_RANGE, "kd", NULL);
 #undef RBDI_REQUIRE
     return RBD_OK;
 }
@@ -213,7 +211,7 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
 
 /* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
    what both paths begin with too; articulated bodies eliminate them before: `passed`. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constraint *k) {
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
     const int end = k->row + k->rows;
     k->trunk = 0;
     for (int side = 0; side < 2; ++side) {
@@ -239,7 +237,7 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraints *c, rbdi_constra
 }
 
 /* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
-static void rbdi_know_each_other(rbd_constraints *c) {
+static void rbdi_know_each_other(rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
         k->low = k->row, k->end = (int16_t)(k->row + k->rows);
@@ -267,7 +265,7 @@ static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
 }
 
 /* Rows and row blocks in the order of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraints *c) {
+static void rbdi_number_rows(rbd_constraint_set *c) {
     int row = 0;
     c->blocks = 0;
     for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
@@ -334,7 +332,7 @@ static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
 }
 
 /* Whether the rows between the two links of a constraint must depend on each other. */
-static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k) {
+static int rbdi_too_many_rows(const rbd_constraint_set *c, const rbdi_constraint *k) {
     int rows = 0;
     for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
         if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
@@ -344,14 +342,14 @@ static int rbdi_too_many_rows(const rbd_constraints *c, const rbdi_constraint *k
 }
 
 /* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
-static int rbdi_needs_factor(const rbd_model *m, const rbd_constraints *c) {
+static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
     int needs = m->nmimic > 0 || c->rows > m->nv;
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
     return needs;
 }
 
-/* What rbd_constraints_init was given. */
+/* What rbd_constraint_set_init was given. */
 static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
                                   const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
@@ -367,15 +365,16 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
         const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
         if (status) return status;
     }
-    if (size < rbd_constraints_size(m, list, n)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    if (size < rbd_constraint_set_size(m, list, n))
+        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     return RBD_OK;
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
-    rbd_constraints *c = (rbd_constraints *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraints)));
+    rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
     rbd_real *x;
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
@@ -400,11 +399,11 @@ static rbd_constraints *rbdi_lay_constraints(int nv, int n, int rows, int blocks
     return c;
 }
 
-RBD_API rbd_status rbd_constraints_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                                        void *memory, size_t size, rbd_constraints **constraints,
-                                        rbd_report *report) {
+RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
+                                            int n, void *memory, size_t size,
+                                            rbd_constraint_set **constraints, rbd_report *report) {
     rbd_report own;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     rbd_status status;
     int row = 0;
     if (!report) report = &own;

@@ -18,8 +18,8 @@ RBDI_INLINE void rbdi_subtract_path(rbd_real *Y, const int32_t *path, const rbd_
 /* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
    parts of the path, which do not know each other, come before what they share. The lanes behind the rows
    are those of the next constraint, and still zero. */
-RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, const rbdi_constraint *k, int r,
-                               const rbd_real *L, int n) {
+RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraint_set *c, const rbdi_constraint *k,
+                               int r, const rbd_real *L, int n) {
     const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
     const rbdi_dof *dof = m->dof;
     const int32_t *path = c->path;
@@ -40,7 +40,7 @@ RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraints *c, con
 }
 
 /* Of a constraint: L^-T J' from J', and b. */
-static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const rbdi_constraint *k,
+static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                    const rbd_real *L) {
     const int n = rbdi_list_dofs(c, k, 1);
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
@@ -48,7 +48,7 @@ static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraints *c, const
 
 /* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
    depth, has all that the dof loses. */
-static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbd_real *x = c->x, *stack = c->stack;
     rbdi_clear(stack, m->nv);
     for (int n = m->nv - 1; n >= 0; --n) {
@@ -62,7 +62,7 @@ static void rbdi_sweep_back(const rbd_model *m, rbd_constraints *c, const rbd_re
 }
 
 /* Y'lambda / D of dof k, whose rows are s. */
-RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraints *c, int k, rbdi_span s) {
+RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_span s) {
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
     for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
@@ -71,7 +71,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraints *c, int k, rbdi_span s
 }
 
 /* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraints *c, const rbd_real *L) {
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbd_real *x = c->x, *stack = c->stack;
     for (int n = 0; n < m->nv; ++n) {
         const int k = c->order[n], depth = m->dof[k].depth;

@@ -14,25 +14,25 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
 }
 
 /* x += D^-1 J' lambda, of least norm, J x = target. */
-static void rbdi_weighted_solve(const rbd_model *m, rbd_constraints *c) {
+static void rbdi_weighted_solve(const rbd_model *m, rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_reduce_constraint(m, c, k, NULL);
     rbdi_multipliers(m, c, NULL, 0);
 }
 
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
-static int rbdi_is_passive(const rbd_model *m, const int *actuated, int k) {
+static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
 }
 
-RBD_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraints *c, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                      const int *actuated, const rbd_const *weight, rbd_real *tau,
-                                      rbd_real *lambda) {
+RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
+                                       rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
     if (status) return status;
-    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_GAIN;
+    if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     for (int r = 0; r < c->rows; ++r)

@@ -19,7 +19,7 @@
 
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
-#ifndef RBDI_NO_FD_DERIVATIVES
+#ifndef RBD_NO_CHOLESKY
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
     return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
 }
@@ -150,9 +150,9 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
     }
 }
 
-RBD_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                      rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
+RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
     const int nv = m ? m->nv : 0, need = RBDI_NEED_WRENCH | (da_dq || da_dv ? RBDI_NEED_V : 0);
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
     rbd_real *sides[2];

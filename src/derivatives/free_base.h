@@ -9,7 +9,7 @@
    torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
    rbd_hybrid. */
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
@@ -85,11 +85,11 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
         bases += base;
     }
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
-    return rbd_hybrid(m, d->work, q, v, given, f_ext, a, tau);
+    return rbd_hybrid(m, d->work, q, v, given, a, tau, f_ext);
 }
 
-RBD_API rbd_status rbd_rnea_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                      const rbd_real *v, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real *f;

@@ -5,10 +5,9 @@
 
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
-#ifndef RBD_NO_DERIVATIVES
-RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
+RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                       rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
@@ -18,8 +17,8 @@ RBD_API rbd_status rbd_rnea_derivatives(const rbd_model *m, rbd_derivatives *d, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                           rbd_real *dg_dq) {
+RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                                   rbd_real *dg_dq) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
     if (status) return status;
     rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
@@ -30,11 +29,10 @@ RBD_API rbd_status rbd_gravity_derivatives(const rbd_model *m, rbd_derivatives *
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
+RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
     if (!d) return RBD_ERR_NULL;
     d->keep_zeros = keep;
     return RBD_OK;
 }
-#endif
 
 #endif

@@ -20,7 +20,7 @@ RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
 }
 
-RBD_API size_t rbd_derivatives_size(const rbd_model *m) {
+RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
     const int n = m ? m->nv + m->nmimic : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
@@ -160,8 +160,8 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
-RBD_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
-                                        rbd_derivatives **derivatives) {
+RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                         rbd_derivatives **derivatives) {
     const rbd_status status = rbdi_check(m, w, memory && derivatives);
     unsigned char *p;
     rbd_derivatives *d;

@@ -67,7 +67,6 @@ RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
     return C;
 }
 
-#ifndef RBD_NO_MOMENTUM
 /* From a free base's axes to the world's, E being its rotation. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
@@ -148,8 +147,8 @@ RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives 
     rbdi_store_force(A_dot_v, 1, F);
 }
 
-RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                       const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
+RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                        const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_v3 com;
@@ -162,7 +161,7 @@ RBD_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, c
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
+RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
@@ -170,13 +169,11 @@ RBD_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, cons
     rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
     return RBD_OK;
 }
-#endif
 
 /* ---- Coriolis matrix [coriolis code] ---- */
 
-#ifndef RBD_NO_CORIOLIS
-RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                rbd_real *C) {
+RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                 rbd_real *C) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
@@ -185,6 +182,5 @@ RBD_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rb
     rbdi_put_base_block(d, NULL, C, NULL);
     return RBD_OK;
 }
-#endif
 
 #endif

@@ -5,7 +5,6 @@
 
 /* ---- regressors and inertial parameters [identification code] ---- */
 
-#ifndef RBD_NO_REGRESSOR
 /* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
    inertia. */
 #ifdef RBDI_FOURS
@@ -147,8 +146,8 @@ RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S
 }
 
 /* A free base's six rows are the unit wrenches themselves. */
-RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *a, rbd_real *Y) {
+RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *a, rbd_real *Y) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
     const rbdi_entry *entry;
@@ -184,8 +183,8 @@ RBD_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const r
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
-                                         const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
+RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                          const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
     const int need = Y_kinetic ? RBDI_NEED_V : 0;
     if (status) return status;
@@ -224,7 +223,7 @@ RBD_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
+RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
     const rbdi_frame *u;
     rbd_const m_, x, y, z;
     if (!m || !pi) return RBD_ERR_NULL;
@@ -239,7 +238,7 @@ RBD_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const p
 }
 
 #ifndef RBD_NO_BUILD
-RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
+RBDI_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
     double c[3], mass;
     if (!body || !pi) return RBD_ERR_NULL;
     mass = (double)pi[0];
@@ -255,7 +254,7 @@ RBD_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
+RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
     double trace, size = 0, Sigma[6]; /* trace: about the centre of mass; size: of the figures as given */
     if (!pi) return RBD_ERR_NULL;
@@ -270,7 +269,6 @@ RBD_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     size = trace + 64 * (double)RBDI_EPS / RBDI_SEMIDEFINITE * size;
     return rbdi_semidefinite(Sigma, size) ? RBD_OK : RBD_ERR_INERTIA;
 }
-#endif
 #endif
 
 #endif

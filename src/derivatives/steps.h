@@ -24,7 +24,6 @@
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
-#ifndef RBDI_NO_STEP_DERIVATIVES
 /* f(ad): b, c and their derivatives by x. */
 typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
@@ -106,8 +105,8 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, co
         for (int j = 0; j < u->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }
 
-RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
-                                             rbd_real *dnext_dq, rbd_real *dnext_dv) {
+RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                              rbd_real *dnext_dq, rbd_real *dnext_dv) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !v) return RBD_ERR_NULL;
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
@@ -121,8 +120,8 @@ RBD_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
-                                              rbd_real *dd_dq0, rbd_real *dd_dq1) {
+RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                               rbd_real *dd_dq0, rbd_real *dd_dq1) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !q0 || !q1) return RBD_ERR_NULL;
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
@@ -137,6 +136,5 @@ RBD_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real
     }
     return RBD_OK;
 }
-#endif
 
 #endif

@@ -4,7 +4,7 @@
 #include "dynamics/pivots.h"
 
 #ifndef RBD_NO_CHOLESKY
-RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
+RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
@@ -15,7 +15,7 @@ RBD_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, r
     return rbdi_verdict(m, w, H, rbd_packed_size(m));
 }
 
-RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
+RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
     for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
@@ -27,8 +27,8 @@ RBD_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rb
     return rbd_cholesky_factor_packed(m, w, L);
 }
 
-RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
-                                      rbd_real *x) {
+RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                       rbd_real *x) {
     const rbd_status status = rbdi_check(m, w, L && b && x);
     if (status) return status;
     for (int k = 0; k < m->nv; ++k) x[k] = b[k];
@@ -36,8 +36,8 @@ RBD_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
-                                           const rbd_real *B, rbd_real *X) {
+RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                            const rbd_real *B, rbd_real *X) {
     const rbd_status status = rbdi_check(m, w, L && B && X);
     if (status) return status;
     if (n <= 0) return RBD_OK;
@@ -47,8 +47,8 @@ RBD_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, cons
 }
 #endif
 
-#ifndef RBDI_NO_MINVERSE
-RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && Minv);
     if (status) return status;
@@ -59,6 +59,6 @@ RBD_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real 
 }
 #endif
 
-RBD_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
+RBDI_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
 #endif

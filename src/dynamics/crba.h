@@ -269,7 +269,6 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     }
 }
 
-#ifndef RBD_NO_CRBA
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
     if (m->nmimic) rbdi_clear(w->H, m->nh);
@@ -278,7 +277,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
     for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
 }
 
-RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
+RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -286,7 +285,7 @@ RBD_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_re
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
+RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
@@ -301,11 +300,10 @@ RBD_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_crba(m, w, NULL, M);
     return RBD_OK;
 }
-#endif
 
-RBD_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
+RBDI_API int rbd_packed_size(const rbd_model *m) { return m ? m->nh : 0; }
 
-RBD_API int rbd_packed_index(const rbd_model *m, int i, int j) {
+RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
     int row = i > j ? i : j, column = i > j ? j : i, t;
     if (!m || column < 0 || row >= m->nv) return -1;
     t = m->dof[row].depth;

@@ -6,13 +6,12 @@
 
 /* ---- forward dynamics [forward dynamics code] ---- */
 
-#ifndef RBD_NO_ABA
-RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                           const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                            const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
-#ifndef RBDI_NO_FD_CHOLESKY
+#ifndef RBD_NO_CHOLESKY
     if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
     rbdi_joints(m, w, q);
@@ -22,11 +21,10 @@ RBD_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, c
     rbdi_aba_pass3(m, w, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
-#endif
 
-#ifndef RBDI_NO_FD_CHOLESKY
-RBD_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;

@@ -3,7 +3,7 @@
 #include "dynamics/rnea.h"
 #include "dynamics/pivots.h"
 
-#ifndef RBD_NO_HYBRID
+#ifndef RBD_NO_CHOLESKY
 /* ---- hybrid dynamics [hybrid] ----
    RBDA section 9.1. f: the free dofs, whose torque is given; p: those with a prescribed acceleration. With c
    = rnea of a_p and a_f = 0:
@@ -70,8 +70,9 @@ RBDI_COLD rbd_status rbdi_judge_free(const rbd_model *m, rbd_work *w, const unsi
     return rbdi_verdict(m, w, a, m->nv);
 }
 
-RBD_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                              const unsigned char *given, const rbd_real *f_ext, rbd_real *a, rbd_real *tau) {
+RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                               const unsigned char *given, rbd_real *a, rbd_real *tau,
+                               const rbd_real *f_ext) {
     const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
     rbdi_mask doubt;
     if (status) return status;

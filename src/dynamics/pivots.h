@@ -28,7 +28,7 @@
    that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew
    from the joints' transforms, factors it and judges. The call's own results stand if M is regular.
 
-   With RBD_NO_CRBA or RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
+   With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 
 /* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
    it is not a number. */
@@ -114,7 +114,7 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
 
 /* Judges the state of the last rbdi_joints. The factor is left in w->H. */
 RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
-#ifdef RBDI_JUDGE
+#ifndef RBD_NO_CHOLESKY
     rbdi_crba_of_joints(m, w, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
 #else

@@ -66,9 +66,8 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
     rbdi_rnea_sweep(m, w, a, tau);
 }
 
-#ifndef RBD_NO_RNEA
-RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
+RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -77,19 +76,17 @@ RBD_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                            const rbd_real *f_ext, rbd_real *c) {
+RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                             const rbd_real *f_ext, rbd_real *c) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, v, w->zero, f_ext, c);
 }
 
-RBD_API rbd_status rbd_gravity(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
+RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g) {
     if (!w) return RBD_ERR_NULL;
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
-#endif
 
-#ifndef RBD_NO_OBSERVER
 RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                            rbdi_force F, const rbd_real *a, rbd_real *out) {
     return rbdi_rnea_up_block(m, w, l, F, a, out);
@@ -125,8 +122,8 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     }
 }
 
-RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
-                                            const rbd_real *v, rbd_real *p, rbd_real *ctv) {
+RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
+                                             const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -137,9 +134,8 @@ RBD_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, con
     rbdi_reduce_tau(m, w->ax, ctv);
     return RBD_OK;
 }
-#endif
 
-RBD_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
+RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau) {
     const rbd_real *vx;
     rbd_real *tx;
     const rbd_status status = rbdi_check(m, w, v && tau);

@@ -21,13 +21,13 @@ static void rbdi_build_take(rbdi_build *b, void *memory) {
     b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
 }
 
-RBD_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
+RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
     if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
     return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
 }
 
-RBD_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                   const rbd_model **model, rbd_report *report) {
+RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                    const rbd_model **model, rbd_report *report) {
     rbd_report own;
     if (!report) report = &own;
     report->warnings = 0;

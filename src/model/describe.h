@@ -24,7 +24,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
 }
 #endif
 
-#if !defined RBD_NO_LOOKUP && !defined RBD_NO_BUILD
+#ifndef RBD_NO_BUILD
 /* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
@@ -54,7 +54,7 @@ static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     return dof;
 }
 
-RBD_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
+RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u;
     const rbdi_dof *dof;
     int first;

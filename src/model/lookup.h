@@ -6,32 +6,31 @@
 
 /* ---- lookup [lookup code] ---- */
 
-RBD_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
-RBD_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
-RBD_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
+RBDI_API int rbd_nb(const rbd_model *m) { return m ? m->nb : 0; }
+RBDI_API int rbd_nq(const rbd_model *m) { return m ? m->nq : 0; }
+RBDI_API int rbd_nv(const rbd_model *m) { return m ? m->nv : 0; }
 
-#ifndef RBD_NO_LOOKUP
-RBD_API int rbd_body_index(const rbd_model *m, const char *name) {
+RBDI_API int rbd_body_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].name, name)) return b;
     return -1;
 }
 
-RBD_API int rbd_joint_index(const rbd_model *m, const char *name) {
+RBDI_API int rbd_joint_index(const rbd_model *m, const char *name) {
     for (int b = 0; m && b < m->nb; ++b)
         if (rbdi_same(m->frame[b].joint, name)) return b;
     return -1;
 }
 
-RBD_API const char *rbd_body_name(const rbd_model *m, int body) {
+RBDI_API const char *rbd_body_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].name : NULL;
 }
 
-RBD_API const char *rbd_joint_name(const rbd_model *m, int body) {
+RBDI_API const char *rbd_joint_name(const rbd_model *m, int body) {
     return m && body >= 0 && body < m->nb ? m->frame[body].joint : NULL;
 }
 
-RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info) {
+RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info) {
     const rbdi_frame *u;
     if (!m || !info) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
@@ -45,9 +44,8 @@ RBD_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info)
     return RBD_OK;
 }
 
-RBD_API int rbd_dof_body(const rbd_model *m, int dof) {
+RBDI_API int rbd_dof_body(const rbd_model *m, int dof) {
     return m && dof >= 0 && dof < m->nv ? m->dof[dof].body : -1;
 }
-#endif
 
 #endif

@@ -6,7 +6,6 @@
 
 #ifndef RBD_NO_BUILD
 
-#ifndef RBD_NO_PAYLOAD
 /* -- a payload -- */
 
 /* Own inertia of a body with a payload: masses, moments about the common centre c. */
@@ -122,8 +121,8 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     }
 }
 
-RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
-                                   const double inertia[6]) {
+RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
+                                    const double inertia[6]) {
     const rbd_model *m = memory ? (const rbd_model *)rbdi_aligned(memory) : NULL;
     rbd_status status;
     rbdi_frame *u;
@@ -147,7 +146,6 @@ RBD_API rbd_status rbd_add_payload(void *memory, int body, double mass, const do
     rbdi_payload_bounds(m, u->link, load, &place);
     return RBD_OK;
 }
-#endif
 
 #endif /* RBD_NO_BUILD */
 

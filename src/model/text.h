@@ -6,8 +6,7 @@
 
 /* ---- text [text code] ---- */
 
-#ifndef RBD_NO_TEXT
-RBD_API const char *rbd_status_string(rbd_status status) {
+RBDI_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
@@ -39,11 +38,10 @@ RBD_API const char *rbd_status_string(rbd_status status) {
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
-    case RBD_ERR_GAIN: return "negative, not finite or out of range";
+    case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_LEFT_OUT:
-        return "the model has mimic joints, but RBD_NO_RNEA, RBD_NO_CRBA or RBD_NO_CHOLESKY leaves out what "
-               "rbd_aba needs for them: define none of these, or RBD_NO_ABA too";
+        return "the model has mimic joints, but RBD_NO_CHOLESKY leaves out what rbd_aba needs for them";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
@@ -70,7 +68,7 @@ static size_t rbdi_append_number(char *text, size_t size, size_t at, int number)
     return rbdi_append(text, size, at, &digits[n]);
 }
 
-RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
+RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
     size_t at = 0;
     if (!finding || !text || size == 0) return text;
     if (finding->body >= 0) {
@@ -91,6 +89,5 @@ RBD_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t si
     rbdi_append(text, size, at, finding->text ? finding->text : rbd_status_string(finding->status));
     return text;
 }
-#endif
 
 #endif

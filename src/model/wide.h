@@ -165,10 +165,6 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
     return status;
 }
 
-#ifdef RBD_NO_TEXT
-#define RBDI_TEXT(sentence) NULL
-#else
 #define RBDI_TEXT(sentence) sentence
-#endif
 
 #endif

@@ -6,19 +6,19 @@
 
 /* ---- work [work code] ---- */
 
-RBD_API size_t rbd_work_size(const rbd_model *m) {
+RBDI_API size_t rbd_work_size(const rbd_model *m) {
     if (!m) return 0;
     return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
                            m->nv, m->nh + m->nhx);
 }
 
-RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
+RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
     int n, padded;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
-#if defined RBDI_NO_FD_CHOLESKY && !defined RBD_NO_ABA
+#ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
@@ -59,13 +59,13 @@ RBD_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
+RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
     w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
+RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
     gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
     return RBD_OK;

@@ -7,7 +7,6 @@
 
 /* Interface: rbdi_kin_links, rbdi_point_p */
 
-#ifndef RBD_NO_KINEMATICS
 /* ---- kinematics [kinematics code] ---- */
 
 /* Velocity of what of the parent is at r, both in its axes. */
@@ -63,8 +62,8 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-RBD_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                  const rbd_real *a) {
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
@@ -125,8 +124,8 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
 }
 
-RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
-                                 rbd_real p[3]) {
+RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
+                                  rbd_real p[3]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -140,7 +139,7 @@ RBD_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -151,8 +150,8 @@ RBD_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                         rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                          rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -163,8 +162,8 @@ RBD_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
-                                                   rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
+                                                    rbd_real acceleration[6]) {
     rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_kin k;
     if (status) return status;
@@ -175,15 +174,15 @@ RBD_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd
     return RBD_OK;
 }
 
-RBD_API rbd_const rbd_mass(const rbd_model *m) {
+RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
     for (int b = 0; m && b < m->nb; ++b)
         if (m->frame[b].link >= 0) mass += m->frame[b].mass;
     return mass;
 }
 
-RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
-                           rbd_real acceleration[3]) {
+RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
+                            rbd_real acceleration[3]) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_v3 p = rbdi_vec0(), v = p, a = p;
     rbd_const mass = rbd_mass(m);
@@ -208,7 +207,6 @@ RBD_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posit
     return RBD_OK;
 }
 
-#ifndef RBD_NO_WRENCH
 /* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
    c. */
 static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
@@ -246,8 +244,8 @@ static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, c
     return F;
 }
 
-RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
+RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                     const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
     for (int b = 0; b < m->nb; ++b) {
@@ -266,9 +264,9 @@ RBD_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_r
     }
     return RBD_OK;
 }
-#endif
 
-RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential) {
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
+                               rbd_real *potential) {
     rbd_status status = rbdi_check_body_call(m, w, 0);
     rbd_real T, V = rbdi_zero();
     if (status) return status;
@@ -289,6 +287,5 @@ RBD_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *k
     if (potential) *potential = V;
     return RBD_OK;
 }
-#endif
 
 #endif

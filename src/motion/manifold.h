@@ -6,7 +6,6 @@
 
 /* Interface: rbdi_difference_joint */
 
-#ifndef RBD_NO_MANIFOLD
 /* ---- configuration manifold [manifold code] ---- */
 
 /* q_next = q (+) d for one joint of the description. */
@@ -152,8 +151,8 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
     }
 }
 
-RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
-                                           rbd_real *rates) {
+RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
+                                            rbd_real *rates) {
     if (!m || !q || !v || !rates) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -162,8 +161,8 @@ RBD_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
-                                           rbd_real *v) {
+RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
+                                            rbd_real *v) {
     if (!m || !q || !rates || !v) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -172,8 +171,8 @@ RBD_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
-                                 rbd_real *q_next) {
+RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
+                                  rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -184,7 +183,7 @@ RBD_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rb
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
+RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
     if (!m || !q0 || !q1 || !d) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -193,7 +192,7 @@ RBD_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
+RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     if (!m || !q) return RBD_ERR_NULL;
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
@@ -238,7 +237,7 @@ static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     q[2] = b * s, q[3] = b * c;
 }
 
-RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
+RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
@@ -266,6 +265,5 @@ RBD_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     }
     return RBD_OK;
 }
-#endif
 
 #endif

@@ -6,7 +6,6 @@
 
 /* Interface: rbdi_column */
 
-#ifndef RBD_NO_POINTS
 /* ---- points and momentum [points code] ---- */
 
 /* Place of a point in the world. */
@@ -60,8 +59,9 @@ static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int e
     }
 }
 
-RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real point[3], int reference, rbd_axes axes, rbd_real *J) {
+RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], int reference, rbd_axes axes,
+                                          rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     const int turned = axes == RBD_LINK_AXES && reference >= 0;
     int common, other = -1;
@@ -86,8 +86,8 @@ RBD_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, 
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                rbd_axes axes, rbd_real *J) {
+RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                 rbd_axes axes, rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_mat E;
     if (status) return status;
@@ -99,9 +99,9 @@ RBD_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
-                                          rbd_real *tau) {
+RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
+                                           rbd_real *tau) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_v3 r;
     rbdi_force F;
@@ -125,8 +125,8 @@ RBD_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w,
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
-                                    rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
+RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
+                                     rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     rbdi_force F;
     if (status) return status;
@@ -141,8 +141,8 @@ RBD_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int b
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_real position[3]) {
+RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
     if (status) return status;
     if (!position) return RBD_ERR_NULL;
@@ -168,18 +168,18 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     return RBD_OK;
 }
 
-RBD_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
-                                      const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
+RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
     return rbdi_point_motion(m, w, body, point, axes, 0, velocity);
 }
 
-RBD_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
+RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
     return rbdi_point_motion(m, w, body, point, axes, 1, acceleration);
 }
 
 /* About a place o of the robot, then about the centre of mass c: n_c = n_o - (c - o) x f. */
-RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
+RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
     const rbd_status status = rbdi_check_body_call(m, w, 0);
     rbdi_force H = rbdi_force0(), rate = H;
     rbdi_v3 o, c = H.n;
@@ -214,6 +214,5 @@ RBD_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real 
     if (h_dot) rbdi_store_force(h_dot, 1, rate);
     return RBD_OK;
 }
-#endif
 
 #endif

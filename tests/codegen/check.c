@@ -32,10 +32,10 @@ enum { RANDOM = 57, ZERO = RANDOM, NOT_A_NUMBER, LOCKED, BEYOND, STATES, MOST = 
 typedef const real *in;
 #define FUNCTIONS(x, n) \
     x(n, void, id, (in q, in v, in a, in f_ext, in gravity, real * tau)) \
-        x(n, void, bias, (in q, in v, in f_ext, in gravity, real * c)) x(n, void, gravity, \
+        x(n, void, bias, (in q, in v, in f_ext, in gravity, real * c)) x(n, void, gravity_torque, \
                                                                          (in q, in gravity, real * tau)) \
             x(n, void, mm, (in q, real * M)) x(n, void, mm_packed, (in q, real * H)) \
-                x(n, void, gravity_derivatives, (in q, in gravity, real * dg_dq)) x( \
+                x(n, void, gravity_torque_derivatives, (in q, in gravity, real * dg_dq)) x( \
                     n, void, coriolis, (in q, in v, real * C)) x(n, void, momentum_matrix, (in q, real * A)) \
                     x(n, void, com_jacobian, (in q, real * J)) x(n, void, jacobian_tip, (in q, real * J)) \
                         x(n, void, pose_tip, (in q, real * R, real * p)) \
@@ -208,10 +208,10 @@ static int run_code(const code *c, int call) {
     switch (call) {
     case call_id: c->id(q, v, a, f_ext, gravity, found); break;
     case call_bias: c->bias(q, v, f_ext, gravity, found); break;
-    case call_gravity: c->gravity(q, gravity, found); break;
+    case call_gravity_torque: c->gravity_torque(q, gravity, found); break;
     case call_mm: c->mm(q, found); break;
     case call_mm_packed: c->mm_packed(q, found); break;
-    case call_gravity_derivatives: c->gravity_derivatives(q, gravity, found); break;
+    case call_gravity_torque_derivatives: c->gravity_torque_derivatives(q, gravity, found); break;
     case call_coriolis: c->coriolis(q, v, found); break;
     case call_momentum_matrix: c->momentum_matrix(q, found); break;
     case call_com_jacobian: c->com_jacobian(q, found); break;
@@ -240,16 +240,16 @@ static rbd_status run_rbd(const sample_state *s, int call, REAL *out) {
     switch (call) {
     case call_id: return rbd_rnea(m, w, x, xv, xa, f, out);
     case call_bias: return rbd_bias(m, w, x, xv, f, out);
-    case call_gravity: return rbd_gravity(m, w, x, out);
+    case call_gravity_torque: return rbd_gravity_torque(m, w, x, out);
     case call_mm: return rbd_crba(m, w, x, out);
     case call_mm_packed: return rbd_crba_packed(m, w, x, out);
-    case call_gravity_derivatives: return rbd_gravity_derivatives(m, d, x, out);
+    case call_gravity_torque_derivatives: return rbd_gravity_torque_derivatives(m, d, x, out);
     case call_coriolis: return rbd_coriolis(m, d, x, xv, out);
     case call_momentum_matrix: return rbd_momentum_matrix(m, d, x, NULL, out, NULL);
     case call_com_jacobian: return rbd_com_jacobian(m, d, x, out);
     case call_jacobian_tip: return rbd_jacobian(m, w, tip, NULL, RBD_WORLD_AXES, out);
     case call_pose_tip: return rbd_body_pose(m, w, tip, out, out + 9);
-    case call_id_derivatives: return rbd_rnea_derivatives(m, d, x, xv, xa, f, out, out + nv * nv, NULL);
+    case call_id_derivatives: return rbd_id_derivatives(m, d, x, xv, xa, f, out, out + nv * nv, NULL);
     case call_minv: return rbd_minverse(m, w, x, out);
     case call_fd_derivatives:
         return rbd_fd_derivatives(m, d, x, xv, xtau, f, out, out + nv, out + nv + nv * nv,
@@ -265,7 +265,7 @@ static int size_of(int call) {
     case call_mm_packed: return rbd_packed_size(m);
     case call_mm:
     case call_minv:
-    case call_gravity_derivatives:
+    case call_gravity_torque_derivatives:
     case call_coriolis: return nv * nv;
     case call_id_derivatives: return 2 * nv * nv;
     case call_fd_derivatives: return nv + 3 * nv * nv;

@@ -61,7 +61,7 @@ expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h
-expect 1 "cannot write there/iiwa_code.h: Is a directory" --output there --algorithm gravity "$iiwa"
+expect 1 "cannot write there/iiwa_code.h: Is a directory" --output there --algorithm gravity_torque "$iiwa"
 ls ./*_code.* >/dev/null 2>&1 && fail "files in spite of an error"
 
 # ---- self-tests ----
@@ -85,7 +85,7 @@ selftest() {
             "$(grep -c "^\(int\|void\) ${name}_" "${name}_code.h")" ] || { fail "the self-test does not say what it did: $*"; cat out; }
     done
 }
-all=id,bias,gravity,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives,coriolis,momentum_matrix,com_jacobian
+all=id,bias,gravity_torque,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives,coriolis,momentum_matrix,com_jacobian
 selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
 grep -q "sines_by_libm(" arm_code.c || fail "no sines of libm's for other compilers"
@@ -117,16 +117,16 @@ grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not comp
 selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$root/models/hyq.urdf"
 grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"
 grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does not say what is done at once"
-selftest none --limbs 2 --algorithm gravity "$iiwa"
+selftest none --limbs 2 --algorithm gravity_torque "$iiwa"
 grep -q "LIMBS" none_code.c && fail "like limbs of an arm"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"
 selftest named --algorithm rnea,crba,aba --output= "$root/models/cart_pole.urdf"
 grep -q "^int named_fd(" named_code.h || fail "aba is not fd"
-selftest tilted --gravity 1,2,-9 --algorithm gravity "$root/models/cart_pole.urdf"
+selftest tilted --gravity 1,2,-9 --algorithm gravity_torque "$root/models/cart_pole.urdf"
 
 # the sines
 for scalar in double float; do
-    expect 0 "" --name sines --scalar $scalar --algorithm gravity "$iiwa"
+    expect 0 "" --name sines --scalar $scalar --algorithm gravity_torque "$iiwa"
     ${CC:-cc} -O1 -I"$root" -I. -DRBD_REAL=$scalar -DCODE='"sines_code.c"' "$root/tests/codegen/sines.c" -o sines -lm &&
         ./sines || fail "the sines of $scalar are not those of rbd.h"
 done
@@ -143,7 +143,7 @@ expect 0 "" "$@"
 sed "s/{1 + /{/" first.c | cmp -s - cart_code.c || fail "another source the second time"
 
 # C++ takes the header
-printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity(q, tau); return tau[0] > 1; }\n' >use.cpp
+printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity_torque(q, tau); return tau[0] > 1; }\n' >use.cpp
 ${CC:-cc} -c iiwa_code.c -o iiwa.o && ${CXX:-c++} use.cpp iiwa.o -lm -o use && ./use || fail "not from C++"
 
 exit $failed

@@ -157,7 +157,7 @@ static void *model_memory, *work_memory, *derivatives_memory;
 static const double *f_ext; /* or NULL */
 
 typedef struct set {
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     void *memory;
 } set;
 
@@ -165,9 +165,9 @@ typedef struct set {
 static void *memory_of(size_t size) { return memset(malloc(size), 0xff, size); }
 
 static int build_set(const rbd_constraint *list, set *s) {
-    const size_t size = rbd_constraints_size(model, list, now.n);
+    const size_t size = rbd_constraint_set_size(model, list, now.n);
     s->memory = memory_of(size);
-    return rbd_constraints_init(model, work, list, now.n, s->memory, size, &s->c, NULL) == RBD_OK;
+    return rbd_constraint_set_init(model, work, list, now.n, s->memory, size, &s->c, NULL) == RBD_OK;
 }
 
 static int build(void) {
@@ -412,7 +412,7 @@ static void check_jacobian(const set *s) {
 static void solve(const set *s, answer *out) {
     out->status =
         rbd_constrained_fd(model, s->c, now.state.q, now.state.v, now.state.tau, f_ext, out->x, out->lambda);
-    out->rank = (int)rbd_constraint_rank(s->c);
+    out->rank = rbd_constraint_rank(s->c);
 }
 
 /* Terms of row k of M x. */
@@ -506,11 +506,12 @@ static void check_batch(const question *k, const answer *first, int comparable) 
     enum { STATES = 3 };
     static double at[STATES * WORLD_COORDINATES], rates[STATES * WORLD_DOFS], torques[STATES * WORLD_DOFS],
         wrenches[STATES * 6 * WORLD_BODIES], a[STATES * WORLD_DOFS], lambda[STATES * DENSE_ROWS];
-    const size_t size = rbd_batch_size(model), set_size = rbd_batch_constraints_size(model, now.list, now.n);
+    const size_t size = rbd_batch_size(model),
+                 set_size = rbd_batch_constraint_set_size(model, now.list, now.n);
     const int nb = now.robot.nb, own = below(&now.seed, STATES);
     void *memory = memory_of(size), *set_memory = memory_of(set_size);
     rbd_batch *b;
-    rbd_batch_constraints *c;
+    rbd_batch_constraint_set *c;
     answer found;
     for (int i = 0; i < STATES; i++) {
         double step[WORLD_DOFS];
@@ -522,7 +523,7 @@ static void check_batch(const question *k, const answer *first, int comparable) 
         memcpy(wrenches + i * 6 * nb, now.state.f_ext, sizeof *wrenches * 6 * (size_t)nb);
     }
     if (rbd_batch_init(model, memory, size, &b) || rbd_batch_set_gravity(b, now.state.gravity) ||
-        rbd_batch_constraints_init(model, b, now.list, now.n, set_memory, set_size, &c, NULL)) {
+        rbd_batch_constraint_set_init(model, b, now.list, now.n, set_memory, set_size, &c, NULL)) {
         fail(NOT_BUILT, 0);
     } else {
         found.status = rbd_batch_constrained_fd(model, c, STATES, at, rates, torques, f_ext ? wrenches : NULL,
@@ -552,7 +553,7 @@ static void check_impact(const set *s, double restitution) {
     answer found;
     quad d[WORLD_DOFS], f[WORLD_DOFS], size[WORLD_DOFS];
     found.status = rbd_impact(model, s->c, now.state.q, now.state.v, restitution, found.x, found.lambda);
-    found.rank = (int)rbd_constraint_rank(s->c);
+    found.rank = rbd_constraint_rank(s->c);
     if (!usable(found.status)) return;
     if (!finite(found.x, nv) || !finite(found.lambda, rows)) return;
     for (int i = 0; i < nv; i++) d[i] = found.x[i] - v[i];
@@ -579,7 +580,7 @@ static int on_world(int body) {
     return body < 0;
 }
 
-static int actuated_of(int *actuated, int given) {
+static int actuated_of(unsigned char *actuated, int given) {
     int free_dofs = 0;
     for (int i = 0, iv = 0; i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
@@ -599,7 +600,7 @@ static void check_inverse_dynamics(const set *s, const double *a) {
     quad f[WORLD_DOFS], size[WORLD_DOFS], wanted[DENSE_ROWS],
         x0[WORLD_DOFS] = {0}, x[WORLD_DOFS], unused[DENSE_ROWS], rest[DENSE_ROWS], error = 0, scale = 0;
     double torque[WORLD_DOFS], lambda[DENSE_ROWS], weight[DENSE_ROWS];
-    int actuated[WORLD_DOFS];
+    unsigned char actuated[WORLD_DOFS];
     const int given = below(&now.seed, 2), weighted = below(&now.seed, 2);
     const int free_dofs = actuated_of(actuated, given);
     for (int i = 0; i < rows; i++) weight[i] = weighted ? uniform(&now.seed, 0.1, 10) : 1;
@@ -699,10 +700,17 @@ static void check_derivatives(const set *s, const question *k, const answer *fir
     static double da[3][WORLD_DOFS * WORLD_DOFS], dlambda[3][DENSE_ROWS * WORLD_DOFS];
     answer found;
     quad a[WORLD_DOFS], worst_a = 0, worst_lambda = 0;
-    found.status = rbd_constrained_derivatives(model, s->c, derivatives, now.state.q, now.state.v,
-                                               now.state.tau, f_ext, found.x, found.lambda, da[0], da[1],
-                                               da[2], dlambda[0], dlambda[1], dlambda[2]);
-    found.rank = (int)rbd_constraint_rank(s->c);
+    found.status = rbd_constrained_fd_derivatives(model, s->c, derivatives, now.state.q, now.state.v,
+                                                  now.state.tau, f_ext,
+                                                  &(rbd_constrained_fd_results){.a = found.x,
+                                                                                .lambda = found.lambda,
+                                                                                .da_dq = da[0],
+                                                                                .da_dv = da[1],
+                                                                                .da_dtau = da[2],
+                                                                                .dlambda_dq = dlambda[0],
+                                                                                .dlambda_dv = dlambda[1],
+                                                                                .dlambda_dtau = dlambda[2]});
+    found.rank = rbd_constraint_rank(s->c);
     counts[class_number][DERIVATIVES]++;
     if (!check_motion(k, &found)) return;
     (void)first;

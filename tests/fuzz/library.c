@@ -176,7 +176,7 @@ static int check_torques(void) {
     if (ok("bias", rbd_bias(model, work, q, v, f_ext, found))) compare(BIAS, found, wide_tau, size, nv);
     world_move(&truth, robot.bodies, robot.nb, wide_q, NULL, NULL);
     world_torques(&truth, wide_gravity, NULL, NULL, wide_tau, size);
-    if (ok("gravity", rbd_gravity(model, work, q, found))) compare(GRAVITY, found, wide_tau, size, nv);
+    if (ok("gravity", rbd_gravity_torque(model, work, q, found))) compare(GRAVITY, found, wide_tau, size, nv);
     return 1;
 }
 

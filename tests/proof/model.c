@@ -80,7 +80,7 @@ static void algorithms(const rbd_model *m, rbd_work *w) {
     unknown(q, nq), unknown(v, nv), unknown(f, 6 * NB * sizeof *f);
     rbd_rnea(m, w, q, v, v, f, a);
     rbd_bias(m, w, q, v, NULL, a);
-    rbd_gravity(m, w, q, a);
+    rbd_gravity_torque(m, w, q, a);
     rbd_aba(m, w, q, v, v, f, a);
     rbd_fd_cholesky(m, w, q, v, v, f, a);
     rbd_crba(m, w, q, M);

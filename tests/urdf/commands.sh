@@ -48,7 +48,7 @@ constraints_row() {
     done)
     printf '%s\n' "${frames}axes,kp,kd" "$@" >constraints
     expect 1 "rbd-eval: constraints: $message" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
-        --algorithm constrained --constraints constraints --layout
+        --algorithm constrained_fd --constraints constraints --layout
 }
 
 # ---- arguments ----
@@ -446,10 +446,10 @@ grep -q "^rbd-eval: row 1: it cannot be read: " err || { fail "a read error"; ca
 
 # ---- rbd-eval: tables of constraints ----
 
-expect 2 "rbd-eval: --constraints is missing: constrained takes a table of them; see rbd-eval --help" \
-    "$rbd_eval" --model a --algorithm constrained
+expect 2 "rbd-eval: --constraints is missing: constrained_fd takes a table of them; see rbd-eval --help" \
+    "$rbd_eval" --model a --algorithm constrained_fd
 expect 1 "rbd-eval: nowhere.csv: No such file or directory" \
-    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm constrained --constraints nowhere.csv --layout
+    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm constrained_fd --constraints nowhere.csv --layout
 same=1,0,0,0,1,0,0,0,1
 constraints_row "row 2: column 'body1': the robot has no link 'leg'" "leg,0,0,0,$same,world,0,0,0,$same,000111,0,0"
 constraints_row "row 2: column 'body2': the robot has no link 'polw'; did you mean 'pole'?" "cart,0,0,0,$same,polw,0,0,0,$same,000111,0,0"
@@ -473,7 +473,7 @@ constraints_row "row 4: kd: negative, not finite or out of range" "pole,0,0,0,$s
 header() {
     printf '%s\n' "$2" >constraints
     expect 1 "rbd-eval: constraints: row 1: $1" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
-        --algorithm constrained --constraints constraints --layout
+        --algorithm constrained_fd --constraints constraints --layout
 }
 header "column 'axes' is missing" body1,x1
 header "column 'body1' is missing" axes,body2
@@ -485,14 +485,14 @@ header "column 'colour' is unknown" body1,axes,colour
 header "column '' is unknown" body1,axes,
 : >constraints
 expect 1 "rbd-eval: constraints: row 1: no header: the table is empty" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
-    --algorithm constrained --constraints constraints --layout
+    --algorithm constrained_fd --constraints constraints --layout
 
 # what a table leaves out is the world, 0 and the identity
 printf 'q.rail,q.hinge,v.rail,v.hinge,tau.rail,tau.hinge\n0.1,0.2,0.3,0.4,5,6\n' >table
 # held COLUMNS ROW...: the cart-pole under these constraints
 held() {
     printf '%s\n' "$@" >constraints
-    "$rbd_eval" --model cart_pole.urdf --algorithm constrained --constraints constraints <table >out || fail "constraints: $*"
+    "$rbd_eval" --model cart_pole.urdf --algorithm constrained_fd --constraints constraints <table >out || fail "constraints: $*"
 }
 held "$(for body in 1 2; do
     printf 'body%s,x%s,y%s,z%s,' $body $body $body $body
@@ -520,13 +520,13 @@ cat >held.c <<'END'
 #define RBD_IMPLEMENTATION
 #include "rbd_constraints.h"
 #include "held_model.h"
-static unsigned char work[HELD_WORK_SIZE], memory[RBD_CONSTRAINTS_SIZE(HELD_NV, HELD_ROWS)];
+static unsigned char work[HELD_WORK_SIZE], memory[RBD_CONSTRAINT_SET_SIZE(HELD_NV, HELD_ROWS)];
 int main(void) {
     const rbd_constraint *k = &held_constraints[0];
     rbd_work *w;
-    rbd_constraints *c;
+    rbd_constraint_set *c;
     if (rbd_work_init(&held_model, work, sizeof work, &w)) return 1;
-    if (rbd_constraints_init(&held_model, w, k, HELD_CONSTRAINTS, memory, sizeof memory, &c, NULL)) return 2;
+    if (rbd_constraint_set_init(&held_model, w, k, HELD_CONSTRAINTS, memory, sizeof memory, &c, NULL)) return 2;
     return !(HELD_ROWS == 1 && rbd_constraint_rows(c) == 1 && k->body1 == HELD_BODY_POLE && k->body2 == -1 &&
              k->position1[0] == 0.25 && k->position1[2] == 0.5 && k->axes[5] == 1 && k->axes[4] == 0 && k->kp == 7 &&
              k->rotation2[8] == 1);

@@ -141,8 +141,8 @@ static void check_dynamics(const ref_model *model, const ref_state *s) {
     expect(model, "fd_cholesky", out, s->qdd, nv, inverse);
     ck_assert_int_eq(evaluate(model, s, "bias", out), nv);
     expect(model, "bias", out, s->c, nv, 1e-11);
-    ck_assert_int_eq(evaluate(model, s, "gravity", out), nv);
-    expect(model, "gravity", out, s->g, nv, 1e-11);
+    ck_assert_int_eq(evaluate(model, s, "gravity_torque", out), nv);
+    expect(model, "gravity_torque", out, s->g, nv, 1e-11);
 }
 
 static void check_kinematics(const ref_model *model, const ref_state *s) {
@@ -342,7 +342,7 @@ static void check_constrained(const ref_model *model, const ref_control_state *s
         ck_assert_int_ge(file, 0);
         close(file);
         write_constraints(path, model, set);
-        snprintf(algorithm, sizeof algorithm, "constrained --constraints %s", path);
+        snprintf(algorithm, sizeof algorithm, "constrained_fd --constraints %s", path);
         check_one(model, s, algorithm, expected, lengths, 2, fmax(1e-11, 1e-15 * (s->cond_M + set->cond)));
         unlink(path);
     }

@@ -403,19 +403,19 @@ START_TEST(nothing_is_found_in_what_was_not_filled) {
     static room x;
     static const char text[] = ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", ""));
     rbd_urdf robot = parsed(&x, text, NULL);
-    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), 0);
-    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), 1);
-    ck_assert_int_eq(rbd_urdf_link(&robot, NULL), -1);
-    ck_assert_int_eq(rbd_urdf_joint(NULL, "j"), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&robot, "j"), 0);
+    ck_assert_int_eq(rbd_urdf_link_index(&robot, "b"), 1);
+    ck_assert_int_eq(rbd_urdf_link_index(&robot, NULL), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(NULL, "j"), -1);
     robot.bodies_max = 0;
     ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_ROOM);
     ck_assert_int_eq(robot.nb, 1);
-    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), -1);
-    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&robot, "j"), -1);
+    ck_assert_int_eq(rbd_urdf_link_index(&robot, "b"), -1);
     robot.bodies = NULL, robot.names = NULL; /* to count */
     ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_OK);
-    ck_assert_int_eq(rbd_urdf_joint(&robot, "j"), -1);
-    ck_assert_int_eq(rbd_urdf_link(&robot, "b"), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&robot, "j"), -1);
+    ck_assert_int_eq(rbd_urdf_link_index(&robot, "b"), -1);
 }
 END_TEST
 
@@ -458,10 +458,10 @@ START_TEST(the_order_is_that_of_the_file_but_parents_go_first) {
     ck_assert_int_eq(robot.nb, 4);
     for (int i = 0; i < 4; i++) {
         ck_assert_str_eq(robot.bodies[i].joint, order[i]);
-        ck_assert_int_eq(rbd_urdf_joint(&robot, order[i]), i);
+        ck_assert_int_eq(rbd_urdf_joint_index(&robot, order[i]), i);
     }
-    ck_assert_int_eq(rbd_urdf_joint(&robot, "ba"), -1);
-    ck_assert_int_eq(rbd_urdf_joint(&robot, NULL), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&robot, "ba"), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&robot, NULL), -1);
     ck_assert_int_eq(robot.bodies[3].parent, 2);
 }
 END_TEST
@@ -552,9 +552,9 @@ START_TEST(a_tool_frame_can_be_asked_for_by_name) {
     const rbd_model *m;
     rbd_work *w;
     rbd_urdf kept = parsed(&x, fixed_links, &options), merged = parsed(&y, fixed_links, NULL);
-    const rbd_urdf_frame *f = &merged.frames[rbd_urdf_link(&merged, "tool")];
+    const rbd_urdf_frame *f = &merged.frames[rbd_urdf_link_index(&merged, "tool")];
     ck_assert_int_eq(kept.nb, 3);
-    ck_assert_int_eq(rbd_urdf_link(&merged, "nothing"), -1);
+    ck_assert_int_eq(rbd_urdf_link_index(&merged, "nothing"), -1);
     ck_assert_int_eq(rbd_model_build(kept.bodies, kept.nb, memory, sizeof memory, &m, NULL), RBD_OK);
     ck_assert_int_eq(rbd_work_init(m, work, sizeof work, &w), RBD_OK);
     ck_assert_int_eq(rbd_kinematics(m, w, q, NULL, NULL), RBD_OK);
@@ -980,8 +980,8 @@ START_TEST(a_joint_that_mimics_by_zero_stands_at_its_offset) {
                               JOINT("j", "continuous", "a", "b", "")),
         NULL);
     ck_assert_int_eq(robot.nb, 2);
-    ck_assert_double_eq(robot.frames[rbd_urdf_link(&robot, "c")].position[0], 0.5);
-    ck_assert_double_eq(robot.frames[rbd_urdf_link(&robot, "d")].position[0], -0.75);
+    ck_assert_double_eq(robot.frames[rbd_urdf_link_index(&robot, "c")].position[0], 0.5);
+    ck_assert_double_eq(robot.frames[rbd_urdf_link_index(&robot, "d")].position[0], -0.75);
     ck_assert_int_eq(robot.nwarnings, 3);
     ck_assert_str_eq(robot.warnings[0].text, "joint 'k': held still at 0.5, as its <mimic> has multiplier 0");
     ck_assert_str_eq(robot.warnings[1].text, "joint 'l': held still at -0.75, as it mimics 'k'");
@@ -1031,7 +1031,7 @@ START_TEST(joints_held_still_are_as_at_rest_there) {
     const double tau[3] = {all.tau[0], all.tau[3], all.tau[4]};
     ck_assert_int_eq(held.nb, _i ? 6 : 3);
     ck_assert_int_eq(held.nwarnings, 1); /* the axis of turn; the holding is asked for */
-    ck_assert_int_eq(rbd_urdf_joint(&held, "turn"), -1);
+    ck_assert_int_eq(rbd_urdf_joint_index(&held, "turn"), -1);
     expect_close("tau", rest.tau, tau, 3, 1e-13);
     expect_close("R", rest.R, all.R, 9, 1e-14);
     expect_close("p", rest.p, all.p, 3, 1e-14);
@@ -1086,7 +1086,7 @@ static const char followers[] = ROBOT(
                     JOINT("spin", "continuous", "a", "e", ""));
 
 static double held_at(const rbd_urdf *robot, const char *link) {
-    return robot->frames[rbd_urdf_link(robot, link)].position[0];
+    return robot->frames[rbd_urdf_link_index(robot, link)].position[0];
 }
 
 START_TEST(what_mimics_a_joint_held_still_is_held_too) {

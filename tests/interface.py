@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""docs/interface.md names what the headers declare, and nothing else: interface.py [--list]
+
+Public is each rbd_... and RBD_... of a header's code before "Stop here", and each macro RBD_... that it defines or
+asks for after it. --list prints them. SPDX-License-Identifier: MIT"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h", "rbd_urdf.h"]
+NAME = re.compile(r"\b(?:rbd|RBD)_\w*[A-Za-z0-9]\b")
+MACRO = re.compile(r"^ *# *(?:define|ifdef|ifndef|if|elif)\b.*$", re.M)
+
+
+def code_of(text):
+    """Without comments, literals and messages."""
+    text = re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
+    text = re.sub(r"\\\n", " ", text)
+    text = re.sub(r"^ *# *(?:error|include)\b.*$", "", text, flags=re.M)
+    return re.sub(r'"(?:\\.|[^"\\\n])*"', '""', text)
+
+
+def public(header):
+    """Names that the header shows to its users."""
+    text = (ROOT / header).read_text()
+    public_part, _, rest = text.partition("   Stop here if you only use it.")
+    if header == "rbd_urdf.h":
+        public_part, _, rest = text.partition("\n   Implementation\n")
+    if header == "rbd_spatial.h":
+        public_part, rest = text, ""
+    names = set(NAME.findall(code_of(public_part + "*/")))
+    for line in MACRO.findall(code_of("/*" + rest)):
+        names |= {n for n in NAME.findall(line) if n.startswith("RBD_")}
+    guard = header.replace(".", "_").upper()
+    return {n for n in names if n != guard and not re.fullmatch(r"RBD\w*_H", n)}
+
+
+def documented(text):
+    """Names in the first cell of each row of the tables."""
+    found = []
+    for row in re.findall(r"^\| (`[^|]*) \|", text, re.M):
+        found += re.findall(r"`(\w+)", row)
+    return found
+
+
+def main():
+    declared = set().union(*map(public, HEADERS))
+    if "--list" in sys.argv[1:]:
+        print("\n".join(sorted(declared)))
+        return 0
+    rows = documented((ROOT / "docs/interface.md").read_text())
+    problems = [f"docs/interface.md lacks {n}" for n in sorted(declared - set(rows))]
+    problems += [f"docs/interface.md has {n}, which no header declares" for n in sorted(set(rows) - declared)]
+    problems += [f"docs/interface.md has {n} twice" for n in sorted(set(rows)) if rows.count(n) > 1]
+    print("\n".join(problems))
+    print(f"{len(declared)} public names, {len(problems)} problems")
+    return bool(problems) or len(declared) < 200
+
+
+if __name__ == "__main__":
+    sys.exit(main())
