@@ -402,7 +402,6 @@ struct rbd_constraint_set {
     rbdi_row_block *block;        /* by constraint, side, row */
     int16_t *at;                  /* rows: where each row of the caller's is */
     int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
-    int16_t *order;               /* nv: dofs, depth first */
     rbdi_span *span, *passed;     /* nv each: rows of the paths from the world; from the common ancestor */
     int32_t *path;                /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
@@ -426,7 +425,7 @@ struct rbd_constraint_set {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
-     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
+     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
                          6 * (size_t)(rows) + 11 * (size_t)(stride)))
@@ -1153,61 +1152,38 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 
 /* ==== src/constraints/solution.h ==== */
 /* ---- solution [solution] ----
-   By the factor of M: the sweeps with L on both sides of [factor] or [rank]. */
+   By the factor of M: what comes before and behind [factor] or [rank]. */
 
-/* Y_u -= l_u y, for n dofs whose rows of Y start at path[u]. */
-RBDI_INLINE void rbdi_subtract_path(rbd_real *Y, const int32_t *path, const rbd_real *l, rbdi_batch y,
-                                    int n) {
-    RBDI_UNROLL_TWO for (int u = 0; u < n; ++u) {
-        rbdi_batch *row = (rbdi_batch *)&Y[path[u]];
-        *row = *row - y * l[u];
-    }
-}
-
-/* Y = L^-T Y, if there is an L, of a batch of a constraint's rows, and b = target - Y'x. The bodies' own
-   parts of the path, which do not know each other, come before what they share. The lanes behind the rows
-   are those of the next constraint, and still zero. */
-RBDI_INLINE void rbdi_sweep_up(const rbd_model *m, const rbd_constraint_set *c, const rbdi_constraint *k,
-                               int r, const rbd_real *L, int n) {
-    const int one = k->tip[0] < 0 ? 0 : m->dof[k->tip[0]].depth + 1;
-    const rbdi_dof *dof = m->dof;
-    const int32_t *path = c->path;
-    rbd_real *Y = c->Y + r;
-    rbdi_batch b = *(const rbdi_batch *)&c->target[r], demand = b * b;
-    int t = n - 1;
-    for (int side = 1; side >= 0; --side)
-        for (int i = k->tip[side], end = side ? one : 0; t >= end; --t, i = dof[i].lambda) {
-            const rbdi_batch y = *(const rbdi_batch *)&Y[path[t]], term = y * c->x[i];
-            b = b - term;
-            demand = demand + term * term;
-            if (!L) continue;
-            rbdi_subtract_path(Y, path, L + dof[i].row, y, side ? k->trunk : t);
-            if (side) rbdi_subtract_path(Y, path + one, L + dof[i].row + k->trunk, y, t - one);
-        }
-    *(rbdi_batch *)&c->b[r] = b;
-    *(rbdi_batch *)&c->demand[r] = demand;
-}
-
-/* Of a constraint: L^-T J' from J', and b. */
-static void rbdi_reduce_constraint(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
-                                   const rbd_real *L) {
-    const int n = rbdi_list_dofs(c, k, 1);
-    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) rbdi_sweep_up(m, c, k, r, L, n);
-}
-
-/* x = D^-1 L^-T x. Depth first, what is behind a dof comes right after it: one array, of a dof's path by
-   depth, has all that the dof loses. */
+/* x = D^-1 L^-T x. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbd_real *x = c->x, *stack = c->stack;
-    rbdi_clear(stack, m->nv);
-    for (int n = m->nv - 1; n >= 0; --n) {
-        const int k = c->order[n], d = m->dof[k].depth;
-        const rbd_real *l = &L[m->dof[k].row], y = x[k] + stack[d];
-        stack[d] = rbdi_zero();
-        rbdi_subtract(stack, y, l, d);
-        x[k] = y * l[d];
+    for (int k = m->nv - 1; k >= 0; --k) {
+        const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
+        const int d = m->dof[k].depth;
+        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            c->x[i] = c->x[i] - l[t] * x;
+        c->x[k] = x * l[d];
         c->D_inverse[k] = l[d];
     }
+}
+
+/* Y = L^-T Y, if there is an L, of all rows, and b = target - Y'x; lanes behind a dof's rows are 0. */
+static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
+        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
+        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
+    }
+    for (int k = m->nv - 1; k >= 0; --k)
+        for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
+            const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
+            const rbdi_batch y = *(const rbdi_batch *)&c->Y[k * c->stride + r], term = y * c->x[k];
+            rbdi_batch *b = (rbdi_batch *)&c->b[r], *demand = (rbdi_batch *)&c->demand[r];
+            *b = *b - term;
+            *demand = *demand + term * term;
+            for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda) {
+                rbdi_batch *to = (rbdi_batch *)&c->Y[i * c->stride + r];
+                *to = *to - y * l[t];
+            }
+        }
 }
 
 /* Y'lambda / D of dof k, whose rows are s. */
@@ -1219,14 +1195,14 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_spa
     return rbdi_sum_lanes(sum) * c->D_inverse[k];
 }
 
-/* x = L^-1 (x + D^-1 Y lambda), if there is an L. The stack has what of x is on the path to the dof. */
+/* x = L^-1 (x + D^-1 Y lambda), if there is an L. */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbd_real *x = c->x, *stack = c->stack;
-    for (int n = 0; n < m->nv; ++n) {
-        const int k = c->order[n], depth = m->dof[k].depth;
-        x[k] = x[k] + rbdi_rows_push(c, k, c->span[k]);
-        if (L) x[k] = x[k] - rbdi_rows_product(L + m->dof[k].row, stack, depth);
-        stack[depth] = x[k];
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
+        rbd_real x = c->x[k] + rbdi_rows_push(c, k, c->span[k]);
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda)
+            x = x - l[t] * c->x[i];
+        c->x[k] = x;
     }
 }
 
@@ -1580,9 +1556,11 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
+/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T (right-hand
+   side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_reduce_rows(m, c, L);
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
@@ -1645,7 +1623,6 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
-        rbdi_reduce_constraint(m, c, k, w->H);
     }
     status = rbdi_constrained_solve(m, c, doubt, 1, lambda);
     for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
@@ -1714,7 +1691,6 @@ static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, RBDI_HELD_RATES);
         rbdi_rebound(c, k, restitution);
-        rbdi_reduce_constraint(m, c, k, c->w->H);
     }
     return rbdi_constrained_solve(m, c, doubt, 0, impulse); /* J v is in the range of J */
 }
@@ -1772,13 +1748,6 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
     return 1;
 }
 
-/* x += D^-1 J' lambda, of least norm, J x = target. */
-static void rbdi_weighted_solve(const rbd_model *m, rbd_constraint_set *c) {
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_reduce_constraint(m, c, k, NULL);
-    rbdi_multipliers(m, c, NULL, 0);
-}
-
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
@@ -1804,7 +1773,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_weighted_solve(m, c);
+    rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]] * c->u[c->at[r]];
@@ -1855,7 +1824,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     rbd_difference(m, q, q_near, c->x);
     for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_weighted_solve(m, c);
+    rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
     k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
     rbd_integrate(m, q_near, c->x, k, q_near);
@@ -1895,7 +1864,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
         for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
             rbdi_clear(c->target, c->rows);
-            rbdi_weighted_solve(m, c);
+            rbdi_multipliers(m, c, NULL, 0);
         }
         for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
     }
@@ -2486,19 +2455,6 @@ static void rbdi_know_each_other(rbd_constraint_set *c) {
             k->end = (int16_t)c->rows; /* or the last batches would reach beta */
 }
 
-/* Every dof goes behind those that are behind the dof before it. */
-static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
-    for (int k = 0; k < m->nv; ++k) {
-        const int before = m->dof[k].lambda;
-        int at = k, i;
-        for (; at > 0; order[at] = order[at - 1], --at) {
-            for (i = order[at - 1]; i > before; i = m->dof[i].lambda) continue;
-            if (i == before) break;
-        }
-        order[at] = (int16_t)k;
-    }
-}
-
 /* Rows and row blocks in the order of the sorted constraints. */
 static void rbdi_number_rows(rbd_constraint_set *c) {
     int row = 0;
@@ -2614,9 +2570,9 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blo
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
-    c->order = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 2) + (size_t)rows) * sizeof(int16_t)));
-    c->link = c->order + nv, c->at = c->link + nv;
+    c->link = (int16_t *)rbdi_take(
+        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 1) + (size_t)rows) * sizeof(int16_t)));
+    c->at = c->link + nv;
     for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
     c->passed = c->span + nv;
@@ -2654,7 +2610,6 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     }
     rbdi_sort_constraints(c->constraint, n);
     rbdi_number_rows(c);
-    rbdi_order_dofs(m, c->order);
     for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
     for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
     c->links = 0;

@@ -1,7 +1,9 @@
 #ifndef RBDI_CONSTRAINTS_ARTICULATED_H
 #define RBDI_CONSTRAINTS_ARTICULATED_H
 #include "dynamics/aba.h"
+#include "dynamics/packed.h"
 #include "constraints/rows.h"
+#include "constraints/factor.h"
 #include "constraints/solution.h"
 
 /* ---- articulated bodies [articulated] ----

@@ -45,7 +45,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     rbd_difference(m, q, q_near, c->x);
     for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_weighted_solve(m, c);
+    rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
     k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
     rbd_integrate(m, q_near, c->x, k, q_near);
@@ -85,7 +85,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
         for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
             rbdi_clear(c->target, c->rows);
-            rbdi_weighted_solve(m, c);
+            rbdi_multipliers(m, c, NULL, 0);
         }
         for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
     }

@@ -13,9 +13,11 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* lambda from Y, D^-1 and b; with it x. check: whether right-hand sides may contradict each other. */
+/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T (right-hand
+   side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_reduce_rows(m, c, L);
     c->give = rbdi_zero();
     c->levers = rbdi_set(RBD_C(1));
     for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
@@ -78,7 +80,6 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
         rbdi_stabilise(c, k);
-        rbdi_reduce_constraint(m, c, k, w->H);
     }
     status = rbdi_constrained_solve(m, c, doubt, 1, lambda);
     for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
@@ -147,7 +148,6 @@ static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         rbdi_constraint_rows(m, c, k, RBDI_HELD_RATES);
         rbdi_rebound(c, k, restitution);
-        rbdi_reduce_constraint(m, c, k, c->w->H);
     }
     return rbdi_constrained_solve(m, c, doubt, 0, impulse); /* J v is in the range of J */
 }

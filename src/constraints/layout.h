@@ -63,7 +63,6 @@ struct rbd_constraint_set {
     rbdi_row_block *block;        /* by constraint, side, row */
     int16_t *at;                  /* rows: where each row of the caller's is */
     int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
-    int16_t *order;               /* nv: dofs, depth first */
     rbdi_span *span, *passed;     /* nv each: rows of the paths from the world; from the common ancestor */
     int32_t *path;                /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
@@ -87,7 +86,7 @@ struct rbd_constraint_set {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
-     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 2) + (size_t)(rows)) * sizeof(int16_t)) + \
+     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
      RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
                          6 * (size_t)(rows) + 11 * (size_t)(stride)))

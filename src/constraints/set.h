@@ -251,19 +251,6 @@ static void rbdi_know_each_other(rbd_constraint_set *c) {
             k->end = (int16_t)c->rows; /* or the last batches would reach beta */
 }
 
-/* Every dof goes behind those that are behind the dof before it. */
-static void rbdi_order_dofs(const rbd_model *m, int16_t *order) {
-    for (int k = 0; k < m->nv; ++k) {
-        const int before = m->dof[k].lambda;
-        int at = k, i;
-        for (; at > 0; order[at] = order[at - 1], --at) {
-            for (i = order[at - 1]; i > before; i = m->dof[i].lambda) continue;
-            if (i == before) break;
-        }
-        order[at] = (int16_t)k;
-    }
-}
-
 /* Rows and row blocks in the order of the sorted constraints. */
 static void rbdi_number_rows(rbd_constraint_set *c) {
     int row = 0;
@@ -379,9 +366,9 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blo
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
-    c->order = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 2) + (size_t)rows) * sizeof(int16_t)));
-    c->link = c->order + nv, c->at = c->link + nv;
+    c->link = (int16_t *)rbdi_take(
+        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 1) + (size_t)rows) * sizeof(int16_t)));
+    c->at = c->link + nv;
     for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
     c->passed = c->span + nv;
@@ -419,7 +406,6 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     }
     rbdi_sort_constraints(c->constraint, n);
     rbdi_number_rows(c);
-    rbdi_order_dofs(m, c->order);
     for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
     for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
     c->links = 0;

@@ -13,13 +13,6 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
     return 1;
 }
 
-/* x += D^-1 J' lambda, of least norm, J x = target. */
-static void rbdi_weighted_solve(const rbd_model *m, rbd_constraint_set *c) {
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_reduce_constraint(m, c, k, NULL);
-    rbdi_multipliers(m, c, NULL, 0);
-}
-
 /* Without a motor: what is not said to have one; by default floating joints at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
@@ -45,7 +38,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_weighted_solve(m, c);
+    rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]] * c->u[c->at[r]];
