@@ -59,21 +59,15 @@ static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int e
     }
 }
 
-RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
-                                          const rbd_real point[3], int reference, rbd_axes axes,
-                                          rbd_real *J) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
-    const int turned = axes == RBD_LINK_AXES && reference >= 0;
-    int common, other = -1;
-    rbdi_v3 r;
+/* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
+   axes of the body `axes` (-1 = the world's). */
+static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                              int reference, int axes, rbd_real *J) {
+    const rbdi_v3 r = rbdi_point_place(m, w, body, point);
+    const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
+    int common = other < 0 ? -1 : link;
     rbdi_mat E;
-    if (status) return status;
-    if (!J) return RBD_ERR_NULL;
-    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
-    if (reference >= 0) other = m->frame[reference].link;
-    if (turned) E = rbdi_axes_of(m, w, reference);
-    r = rbdi_point_place(m, w, body, point);
-    common = m->frame[body].link;
+    if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     for (int i = other; common != i;) { /* parents stand before their children */
         if (common > i)
             common = m->link[common].parent;
@@ -81,21 +75,27 @@ RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w,
             i = m->link[i].parent;
     }
     rbdi_clear(J, 6 * m->nv);
-    rbdi_add_columns(m, w, m->frame[body].link, common, r, turned ? &E : NULL, RBD_C(1), J);
-    rbdi_add_columns(m, w, other, common, r, turned ? &E : NULL, RBD_C(-1), J);
+    rbdi_add_columns(m, w, link, common, r, axes >= 0 ? &E : NULL, RBD_C(1), J);
+    rbdi_add_columns(m, w, other, common, r, axes >= 0 ? &E : NULL, RBD_C(-1), J);
+}
+
+RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
+                                          const rbd_real point[3], int reference, rbd_axes axes,
+                                          rbd_real *J) {
+    const rbd_status status = rbdi_check_body_call(m, w, body);
+    if (status) return status;
+    if (!J) return RBD_ERR_NULL;
+    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
+    rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                  rbd_axes axes, rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_mat E;
     if (status) return status;
     if (!J) return RBD_ERR_NULL;
-    if (axes == RBD_LINK_AXES) E = rbdi_axes_of(m, w, body);
-    rbdi_clear(J, 6 * m->nv);
-    rbdi_add_columns(m, w, m->frame[body].link, -1, rbdi_point_place(m, w, body, point),
-                     axes == RBD_LINK_AXES ? &E : NULL, RBD_C(1), J);
+    rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
     return RBD_OK;
 }
 
