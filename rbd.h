@@ -326,14 +326,13 @@ extern "C" {
 #define rbd_batch_momentum RBDI_OF_SCALAR(rbd_batch_momentum)
 #define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
-/* ==== src/api/parts.h ==== */
+/* ==== src/api/types.h ==== */
 #if defined RBD_BATCH_IMPLEMENTATION && defined RBD_NO_CHOLESKY
 #error "rbd: the batch calls need RBD_NO_CHOLESKY undefined"
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
-/* ==== src/api/types.h ==== */
 /* ---- types [types] ---- */
 
 /* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
@@ -453,7 +452,7 @@ typedef struct rbd_report {
    cut to fit, always terminated. text: size bytes. Returns text. */
 RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size);
 
-/* ==== src/api/build.h ==== */
+/* ==== src/api/model.h ==== */
 /* ---- build [build] ---- */
 
 #define RBD_MAX_BODIES 1000
@@ -486,7 +485,6 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 #endif
 
-/* ==== src/api/work.h ==== */
 /* ---- work [work] ---- */
 
 /* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
@@ -997,9 +995,9 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 /* ==== src/model/layout.h ==== */
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART,
-   RBDI_ARMATURE, RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
-   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART, RBDI_ARMATURE,
+   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
+   RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r). */
 typedef struct rbdi_wide_pose {
@@ -1158,7 +1156,7 @@ struct rbd_model {
 #endif
 
 /* ==== src/model/work.h ==== */
-/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot */
+/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot, RBDI_FIXED_STRIDE, RBDI_LINKS */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -1206,9 +1204,6 @@ struct rbd_work {
     rbd_real *H;                 /* nh + nhx */
     rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
 };
-
-/* ==== src/model/sizes.h ==== */
-/* Interface: RBDI_FIXED_STRIDE, RBDI_LINKS */
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
@@ -2404,9 +2399,9 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv + m->nmimic); }
 
 /* ==== src/model/joints.h ==== */
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
-   rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
-   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_FORM */
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
+   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
+   rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
@@ -4282,7 +4277,6 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
 }
 #endif
 
-/* ==== src/dynamics/cholesky.h ==== */
 #ifndef RBD_NO_CHOLESKY
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;

@@ -23,7 +23,7 @@
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
      [articulated]
-     [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
+     [call code] [weights] [assembly] [set code] [batch code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -1897,317 +1897,6 @@ RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
 
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->infeasible : -1; }
 
-/* ==== src/rbd_constraints.h ==== */
-#ifdef RBDI_CONSTRAINED_DERIVATIVES
-
-/* ==== src/constraints/derivatives.h ==== */
-/* ---- derivatives [derivatives code] ----
-   Where x is a component of q, v or tau,
-
-       M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
-       J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
-
-   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
-   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
-   bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
-   axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
-   S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
-   product, A spatial accelerations
-
-       Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
-       d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
-       d(angular) = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw                    by q
-       d(linear) = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
-                   - 2 omega_2 x du                                                                 by q
-       d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
-
-   where w, u is the velocity of body 1 against body 2 and (angular; linear) its rate. If b is body 2, which
-   turns the axes, there comes to these z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear), dw from
-   before, and by v (z x w; 2 z x u). Of J' lambda, m and f being moment and force of lambda, S_i of another
-   such dof:
-
-       d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
-                         S_i . (s x f; 0)       else
-
-   Checked against finite differences in tests/test_constraints.c. */
-
-typedef struct rbdi_encounter { /* of the two bodies of a constraint */
-    rbdi_station body[2];
-    rbdi_v3 w, u, angular, linear, m, f;
-    rbdi_axes_held h;
-    rbdi_v3 turn, free[2]; /* log R; free axis of two held ones, of frame 2 and frame 1 */
-    rbd_real bend;         /* of the derivative of log R */
-} rbdi_encounter;
-
-/* What a dof changes of it. */
-typedef struct rbdi_change {
-    rbdi_motion S, velocity, by_q, by_v;
-} rbdi_change;
-
-RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
-    rbdi_motion C;
-    C.omega = rbdi_cross(V.omega, S.omega);
-    C.v = rbdi_add(rbdi_cross(V.omega, S.v), rbdi_cross(V.v, S.omega));
-    return C;
-}
-
-/* c + a x b */
-RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
-RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
-RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
-
-static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    rbdi_encounter x;
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
-    x.body[0] = one, x.body[1] = two;
-    x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
-    x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
-    x.linear = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(x.u));
-    rbdi_set_axes(c, k, &x.h);
-    x.m = x.f = rbdi_vec0();
-    for (int r = 0; r < k->rows; ++r) {
-        const int angular = r < k->angular, i = angular ? 0 : 3;
-        const rbdi_v3 e = rbdi_vec(x.h.x[i][r], x.h.x[i + 1][r], x.h.x[i + 2][r]);
-        rbdi_v3 *to = angular ? &x.m : &x.f;
-        *to = rbdi_add(*to, rbdi_scale(c->lambda[k->row + r], e));
-    }
-    x.turn = x.free[0] = x.free[1] = rbdi_vec0(), x.bend = rbdi_zero();
-    if (k->kp > 0 && k->angular) {
-        const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
-        const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
-        rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
-        rbdi_tails(x.turn, tails);
-        x.turn = rbdi_mul(R_2, x.turn);
-        x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
-        axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R_2, rbdi_vec(axis[0], axis[1], axis[2]));
-        x.free[1] = rbdi_mul(R_1, rbdi_vec(axis[0], axis[1], axis[2]));
-    }
-    return x;
-}
-
-/* Dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
-                                  int side, int link, int j) {
-    const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
-                       own = rbdi_station_at(c, link, b->p);
-    const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
-    const rbdi_v3 w2 = x->body[1].omega;
-    rbdi_motion V, A, Psi, Phi, U;
-    rbdi_change d;
-    rbdi_v3 z, s, ws;
-    d.S = rbdi_column(m, c->w, link, j, b->p);
-    z = d.S.omega = rbdi_scale(scale, d.S.omega), s = d.S.v = rbdi_scale(scale, d.S.v);
-    V.omega = own.omega, V.v = own.v;
-    U = rbdi_motion_cross(V, d.S);
-    V.omega = P.omega, V.v = P.v;
-    A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
-    Psi = rbdi_motion_cross(V, d.S);
-    Phi = rbdi_motion_add(rbdi_motion_cross(A, d.S), rbdi_motion_cross(V, Psi));
-    U = rbdi_motion_add(U, Psi);
-    ws = rbdi_cross(w2, s);
-    d.velocity.omega = rbdi_cross_add(Psi.omega, z, b->omega);
-    d.velocity.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), ws);
-    d.by_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
-    d.by_q.omega = rbdi_cross_sub(d.by_q.omega, w2, d.velocity.omega);
-    d.by_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
-    d.by_q.v = rbdi_cross_sub(rbdi_cross_sub(d.by_q.v, x->body[1].omega_dot, s), w2, ws);
-    d.by_q.v = rbdi_cross_sub(d.by_q.v, w2, rbdi_twice(d.velocity.v));
-    d.by_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), w2, z);
-    d.by_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(ws));
-    if (side) {
-        d.by_q.omega = rbdi_cross_add(rbdi_cross_add(d.by_q.omega, d.velocity.omega, x->w), z, x->angular);
-        d.by_q.v = rbdi_cross_add(rbdi_cross_add(d.by_q.v, d.velocity.omega, rbdi_twice(x->u)), z, x->linear);
-        d.velocity.omega = rbdi_cross_add(d.velocity.omega, z, x->w);
-        d.velocity.v = rbdi_cross_add(d.velocity.v, z, x->u);
-        d.by_v.omega = rbdi_cross_add(d.by_v.omega, z, x->w);
-        d.by_v.v = rbdi_cross_add(d.by_v.v, z, rbdi_twice(x->u));
-    }
-    return d;
-}
-
-/* sigma of a dof: a column of rows. */
-static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
-                           rbd_real *by_q, rbd_real *by_v) {
-    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
-    rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-    rbdi_add_held(k, &x->h, d->by_q.omega, d->by_q.v, sum[0]);
-    rbdi_add_held(k, &x->h, d->by_v.omega, d->by_v.v, sum[1]);
-    for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
-        rbdi_v3 turn = part == 0 ? d->velocity.omega : d->S.omega;
-        const rbd_const gain = part < 2 ? k->kd : k->kp;
-        if (!(gain > 0)) continue;
-        if (part == 2 && k->angular == 2) {
-            turn = rbdi_cross(x->free[0], rbdi_cross(turn, x->free[1]));
-        } else if (part == 2) {
-            const rbdi_v3 bent = rbdi_cross(x->turn, turn);
-            turn = rbdi_add(turn, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent));
-            turn = rbdi_add(turn, rbdi_scale(x->bend, rbdi_cross(x->turn, bent)));
-        }
-        rbdi_clear(also, RBDI_SIX_ROWS);
-        rbdi_add_held(k, &x->h, turn, part == 0 ? d->velocity.v : d->S.v, also);
-        for (int r = 0; r < k->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
-    }
-    for (int r = 0; r < k->rows; ++r) {
-        if (by_q) by_q[(k->row + r) * nv] = by_q[(k->row + r) * nv] + sum[0][r];
-        if (by_v) by_v[(k->row + r) * nv] = by_v[(k->row + r) * nv] + sum[1][r];
-    }
-}
-
-/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The columns S are in those of
-   d, which are no longer needed. */
-static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                         const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
-    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
-                  sf = rbdi_cross(S.v, x->f);
-    RBDI_FOR_PATHS(m, k, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
-        const rbdi_v3 moment = moved == side ? sf : mz, force = moved == side ? o : fz;
-        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, S));
-            rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
-            *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
-        }
-    }
-}
-
-/* rho += -d(J' lambda), and sigma, of a constraint. */
-static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
-                               const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
-                               rbd_real *sigma_v) {
-    const rbdi_encounter x = rbdi_encounter_of(c, k);
-    RBDI_FOR_PATHS(m, k, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
-            const int column = rbdi_source(m, l->iv + j);
-            rbdi_store_motion(RBDI_OF(d, l->first + j, S), by.S);
-            rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
-                           sigma_v ? sigma_v + column : NULL);
-        }
-    }
-    if (!rho_q) return;
-    RBDI_FOR_PATHS(m, k, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
-            rbdi_put_rho(m, d, k, &x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, l->first + j, S)),
-                         rho_q + rbdi_source(m, l->iv + j));
-    }
-}
-
-/* -T = -L^-1 D^-1 Y in place of Y. */
-static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        rbd_real *y = &c->Y[k * c->stride];
-        rbdi_multiply(y, -c->D_inverse[k], c->rows);
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(y, l[t], &c->Y[i * c->stride], c->rows);
-    }
-}
-
-/* n columns of rows n apart lose their components along the null vectors. */
-static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    for (int column = 0; rbdi_any(any) && column < n; ++column) {
-        for (int i = 0; i < c->rows; ++i) c->b[i] = X[i * n + column];
-        rbdi_project_rows(c, c->b);
-        for (int i = 0; i < c->rows; ++i) X[i * n + column] = c->b[i];
-    }
-}
-
-/* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
-static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_to_order(c, X, n, n, 1);
-    rbdi_project_columns(c, X, n);
-    for (int t = 0; t < c->rows; ++t) {
-        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
-        rbdi_subtract_product(c->b, X, t, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n, n, 1);
-}
-
-/* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
-static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
-                               rbd_real *sigma) {
-    const int n = m->nv;
-    for (int r = 0; r < c->rows; ++r) {
-        rbd_real *to = &sigma[r * n];
-        for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
-        rbdi_subtract_product(c->x, rho, n, n, to);
-    }
-    rbdi_delta_solve_columns(c, sigma, n);
-}
-
-/* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
-static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int r = 0; r < c->rows; ++r) {
-        int from = c->at[r];
-        while (from < r) from = c->at[from];
-        for (int k = 0; from != r && k < n; ++k) {
-            const rbd_real x = X[r * n + k];
-            X[r * n + k] = X[from * n + k];
-            X[from * n + k] = x;
-        }
-    }
-}
-
-RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
-                                                   rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
-                                                   const rbd_real *tau, const rbd_real *f_ext,
-                                                   const rbd_constrained_fd_results *out) {
-    const rbd_constrained_fd_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
-    const rbd_constrained_fd_results to = out ? *out : none_wanted;
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
-    rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
-    const int nv = m ? m->nv : 0;
-    int pairs = 1;
-    rbd_status status, solved;
-    for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
-    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
-    if (!status) status = rbdi_check_derivatives(m, d, 1);
-    if (status) return status;
-    if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
-    if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
-    for (int x = 0; x < 3; ++x)
-        if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
-    rbdi_response(m, c, c->w->H);
-    if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
-    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
-    for (int x = 0; x < 3; ++x) {
-        if (!of_a[x]) continue;
-        rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
-        rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
-        for (int k = 0; k < nv; ++k)
-            rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
-        if (solved && solved != RBD_ERR_INFEASIBLE) {
-            (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
-            (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
-        }
-        rbdi_caller_order(c, of_lambda[x], nv);
-    }
-    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
-    return solved;
-}
-
-/* ==== src/rbd_constraints.h ==== */
-#endif
-
 /* ==== src/constraints/set.h ==== */
 /* ---- set code [set code] ---- */
 
@@ -2693,6 +2382,322 @@ RBDI_EXTERN_C_CLOSE
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
+
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINED_DERIVATIVES && \
+    !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#define RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+/* ==== src/constraints/derivatives.h ==== */
+/* ---- derivatives [derivatives code] ----
+   Where x is a component of q, v or tau,
+
+       M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
+       J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
+
+   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
+   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
+   bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
+   axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
+   S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
+   product, A spatial accelerations
+
+       Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
+       d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
+       d(angular) = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw                    by q
+       d(linear) = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
+                   - 2 omega_2 x du                                                                 by q
+       d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
+
+   where w, u is the velocity of body 1 against body 2 and (angular; linear) its rate. If b is body 2, which
+   turns the axes, there comes to these z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear), dw from
+   before, and by v (z x w; 2 z x u). Of J' lambda, m and f being moment and force of lambda, S_i of another
+   such dof:
+
+       d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
+                         S_i . (s x f; 0)       else
+
+   Checked against finite differences in tests/test_constraints.c. */
+
+typedef struct rbdi_encounter { /* of the two bodies of a constraint */
+    rbdi_station body[2];
+    rbdi_v3 w, u, angular, linear, m, f;
+    rbdi_axes_held h;
+    rbdi_v3 turn, free[2]; /* log R; free axis of two held ones, of frame 2 and frame 1 */
+    rbd_real bend;         /* of the derivative of log R */
+} rbdi_encounter;
+
+/* What a dof changes of it. */
+typedef struct rbdi_change {
+    rbdi_motion S, velocity, by_q, by_v;
+} rbdi_change;
+
+RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
+    rbdi_motion C;
+    C.omega = rbdi_cross(V.omega, S.omega);
+    C.v = rbdi_add(rbdi_cross(V.omega, S.v), rbdi_cross(V.v, S.omega));
+    return C;
+}
+
+/* c + a x b */
+RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
+RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
+RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
+
+static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
+    rbdi_encounter x;
+    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
+    x.body[0] = one, x.body[1] = two;
+    x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
+    x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
+    x.linear = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(x.u));
+    rbdi_set_axes(c, k, &x.h);
+    x.m = x.f = rbdi_vec0();
+    for (int r = 0; r < k->rows; ++r) {
+        const int angular = r < k->angular, i = angular ? 0 : 3;
+        const rbdi_v3 e = rbdi_vec(x.h.x[i][r], x.h.x[i + 1][r], x.h.x[i + 2][r]);
+        rbdi_v3 *to = angular ? &x.m : &x.f;
+        *to = rbdi_add(*to, rbdi_scale(c->lambda[k->row + r], e));
+    }
+    x.turn = x.free[0] = x.free[1] = rbdi_vec0(), x.bend = rbdi_zero();
+    if (k->kp > 0 && k->angular) {
+        const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
+        const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
+        rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
+        rbdi_tails(x.turn, tails);
+        x.turn = rbdi_mul(R_2, x.turn);
+        x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
+        axis[i] = rbdi_set(RBD_C(1));
+        x.free[0] = rbdi_mul(R_2, rbdi_vec(axis[0], axis[1], axis[2]));
+        x.free[1] = rbdi_mul(R_1, rbdi_vec(axis[0], axis[1], axis[2]));
+    }
+    return x;
+}
+
+/* Dof j of a link on the path of body `side`. */
+static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
+                                  int side, int link, int j) {
+    const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
+                       own = rbdi_station_at(c, link, b->p);
+    const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
+    const rbdi_v3 w2 = x->body[1].omega;
+    rbdi_motion V, A, Psi, Phi, U;
+    rbdi_change d;
+    rbdi_v3 z, s, ws;
+    d.S = rbdi_column(m, c->w, link, j, b->p);
+    z = d.S.omega = rbdi_scale(scale, d.S.omega), s = d.S.v = rbdi_scale(scale, d.S.v);
+    V.omega = own.omega, V.v = own.v;
+    U = rbdi_motion_cross(V, d.S);
+    V.omega = P.omega, V.v = P.v;
+    A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
+    Psi = rbdi_motion_cross(V, d.S);
+    Phi = rbdi_motion_add(rbdi_motion_cross(A, d.S), rbdi_motion_cross(V, Psi));
+    U = rbdi_motion_add(U, Psi);
+    ws = rbdi_cross(w2, s);
+    d.velocity.omega = rbdi_cross_add(Psi.omega, z, b->omega);
+    d.velocity.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), ws);
+    d.by_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
+    d.by_q.omega = rbdi_cross_sub(d.by_q.omega, w2, d.velocity.omega);
+    d.by_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
+    d.by_q.v = rbdi_cross_sub(rbdi_cross_sub(d.by_q.v, x->body[1].omega_dot, s), w2, ws);
+    d.by_q.v = rbdi_cross_sub(d.by_q.v, w2, rbdi_twice(d.velocity.v));
+    d.by_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), w2, z);
+    d.by_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(ws));
+    if (side) {
+        d.by_q.omega = rbdi_cross_add(rbdi_cross_add(d.by_q.omega, d.velocity.omega, x->w), z, x->angular);
+        d.by_q.v = rbdi_cross_add(rbdi_cross_add(d.by_q.v, d.velocity.omega, rbdi_twice(x->u)), z, x->linear);
+        d.velocity.omega = rbdi_cross_add(d.velocity.omega, z, x->w);
+        d.velocity.v = rbdi_cross_add(d.velocity.v, z, x->u);
+        d.by_v.omega = rbdi_cross_add(d.by_v.omega, z, x->w);
+        d.by_v.v = rbdi_cross_add(d.by_v.v, z, rbdi_twice(x->u));
+    }
+    return d;
+}
+
+/* sigma of a dof: a column of rows. */
+static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
+                           rbd_real *by_q, rbd_real *by_v) {
+    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
+    rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
+    rbdi_add_held(k, &x->h, d->by_q.omega, d->by_q.v, sum[0]);
+    rbdi_add_held(k, &x->h, d->by_v.omega, d->by_v.v, sum[1]);
+    for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
+        rbdi_v3 turn = part == 0 ? d->velocity.omega : d->S.omega;
+        const rbd_const gain = part < 2 ? k->kd : k->kp;
+        if (!(gain > 0)) continue;
+        if (part == 2 && k->angular == 2) {
+            turn = rbdi_cross(x->free[0], rbdi_cross(turn, x->free[1]));
+        } else if (part == 2) {
+            const rbdi_v3 bent = rbdi_cross(x->turn, turn);
+            turn = rbdi_add(turn, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent));
+            turn = rbdi_add(turn, rbdi_scale(x->bend, rbdi_cross(x->turn, bent)));
+        }
+        rbdi_clear(also, RBDI_SIX_ROWS);
+        rbdi_add_held(k, &x->h, turn, part == 0 ? d->velocity.v : d->S.v, also);
+        for (int r = 0; r < k->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
+    }
+    for (int r = 0; r < k->rows; ++r) {
+        if (by_q) by_q[(k->row + r) * nv] = by_q[(k->row + r) * nv] + sum[0][r];
+        if (by_v) by_v[(k->row + r) * nv] = by_v[(k->row + r) * nv] + sum[1][r];
+    }
+}
+
+/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The columns S are in those of
+   d, which are no longer needed. */
+static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
+                         const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
+    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
+                  sf = rbdi_cross(S.v, x->f);
+    RBDI_FOR_PATHS(m, k, link, sign) {
+        const rbdi_link *l = &m->link[link];
+        const int other = sign < 0,
+                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
+        const rbdi_v3 moment = moved == side ? sf : mz, force = moved == side ? o : fz;
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, S));
+            rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
+            *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
+        }
+    }
+}
+
+/* rho += -d(J' lambda), and sigma, of a constraint. */
+static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
+                               const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
+                               rbd_real *sigma_v) {
+    const rbdi_encounter x = rbdi_encounter_of(c, k);
+    RBDI_FOR_PATHS(m, k, link, sign) {
+        const rbdi_link *l = &m->link[link];
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
+            const int column = rbdi_source(m, l->iv + j);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, S), by.S);
+            rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
+                           sigma_v ? sigma_v + column : NULL);
+        }
+    }
+    if (!rho_q) return;
+    RBDI_FOR_PATHS(m, k, link, sign) {
+        const rbdi_link *l = &m->link[link];
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
+            rbdi_put_rho(m, d, k, &x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, l->first + j, S)),
+                         rho_q + rbdi_source(m, l->iv + j));
+    }
+}
+
+/* -T = -L^-1 D^-1 Y in place of Y. */
+static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *l = &L[m->dof[k].row];
+        rbd_real *y = &c->Y[k * c->stride];
+        rbdi_multiply(y, -c->D_inverse[k], c->rows);
+        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
+            rbdi_subtract(y, l[t], &c->Y[i * c->stride], c->rows);
+    }
+}
+
+/* n columns of rows n apart lose their components along the null vectors. */
+static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
+    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+        for (int i = 0; i < c->rows; ++i) c->b[i] = X[i * n + column];
+        rbdi_project_rows(c, c->b);
+        for (int i = 0; i < c->rows; ++i) X[i * n + column] = c->b[i];
+    }
+}
+
+/* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
+static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
+    rbdi_to_order(c, X, n, n, 1);
+    rbdi_project_columns(c, X, n);
+    for (int t = 0; t < c->rows; ++t) {
+        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
+        rbdi_subtract_product(c->b, X, t, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    for (int t = c->rows - 1; t >= 0; --t) {
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    rbdi_project_columns(c, X, n);
+    rbdi_from_order(c, X, n, n, 1);
+}
+
+/* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
+static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                               rbd_real *sigma) {
+    const int n = m->nv;
+    for (int r = 0; r < c->rows; ++r) {
+        rbd_real *to = &sigma[r * n];
+        for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
+        rbdi_subtract_product(c->x, rho, n, n, to);
+    }
+    rbdi_delta_solve_columns(c, sigma, n);
+}
+
+/* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
+static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
+    for (int r = 0; r < c->rows; ++r) {
+        int from = c->at[r];
+        while (from < r) from = c->at[from];
+        for (int k = 0; from != r && k < n; ++k) {
+            const rbd_real x = X[r * n + k];
+            X[r * n + k] = X[from * n + k];
+            X[from * n + k] = x;
+        }
+    }
+}
+
+RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
+                                                   rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
+                                                   const rbd_real *tau, const rbd_real *f_ext,
+                                                   const rbd_constrained_fd_results *out) {
+    const rbd_constrained_fd_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+    const rbd_constrained_fd_results to = out ? *out : none_wanted;
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
+    rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
+    const int nv = m ? m->nv : 0;
+    int pairs = 1;
+    rbd_status status, solved;
+    for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
+    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
+    if (!status) status = rbdi_check_derivatives(m, d, 1);
+    if (status) return status;
+    if (d->work != c->w) return RBD_ERR_WORK;
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
+    if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
+    for (int x = 0; x < 3; ++x)
+        if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
+    rbdi_response(m, c, c->w->H);
+    if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
+    for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    for (int x = 0; x < 3; ++x) {
+        if (!of_a[x]) continue;
+        rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
+        rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
+        for (int k = 0; k < nv; ++k)
+            rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
+        if (solved && solved != RBD_ERR_INFEASIBLE) {
+            (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
+            (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
+        }
+        rbdi_caller_order(c, of_lambda[x], nv);
+    }
+    for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
+    return solved;
+}
+
+/* ==== src/rbd_constraints.h ==== */
+RBDI_CODE_END
+
+#endif
 
 /* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")

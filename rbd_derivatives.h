@@ -35,7 +35,11 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
-/* ==== src/api/derivatives_parts.h ==== */
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+extern "C" {
+#endif
+
+/* ==== src/api/derivatives.h ==== */
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
@@ -61,12 +65,6 @@
 #define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
 #define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
-/* ==== src/rbd_derivatives.h ==== */
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
-
-/* ==== src/api/derivatives.h ==== */
 /* ---- memory [memory] ---- */
 
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
@@ -1986,7 +1984,7 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
 }
 #endif
 
-/* ==== src/derivatives/inverse_dynamics.h ==== */
+/* ==== src/derivatives/dynamics.h ==== */
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
 RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -2019,7 +2017,6 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
     return RBD_OK;
 }
 
-/* ==== src/derivatives/forward_dynamics.h ==== */
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
    First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
    linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of

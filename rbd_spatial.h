@@ -96,7 +96,7 @@ typedef struct rbd_inertia {
     RBDI_FRAMES(int frame;)
 } rbd_inertia;
 
-/* ==== src/spatial/rotations.h ==== */
+/* ==== src/spatial/placements.h ==== */
 /* ---- rotations [rotations] ---- */
 
 RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
@@ -227,7 +227,6 @@ static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 
     return angle;
 }
 
-/* ==== src/spatial/placements.h ==== */
 /* ---- placements [placements] ---- */
 
 /* Frame `of` seen from frame `in`. */
@@ -508,7 +507,6 @@ RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
     return f;
 }
 
-/* ==== src/spatial/checks.h ==== */
 /* ---- checks [checks] ----
    Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */
 

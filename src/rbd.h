@@ -111,11 +111,9 @@ extern "C" {
 #endif
 
 #include "api/symbols.h"
-#include "api/parts.h"
 #include "api/types.h"
 #include "api/status.h"
-#include "api/build.h"
-#include "api/work.h"
+#include "api/model.h"
 #include "api/dynamics.h"
 #include "api/kinematics.h"
 #include "api/points.h"
@@ -143,7 +141,6 @@ RBDI_EXTERN_C_END
 #include "algebra/types.h"
 #include "model/layout.h"
 #include "model/work.h"
-#include "model/sizes.h"
 
 #endif /* RBDI_LAYOUT */
 
@@ -255,7 +252,6 @@ RBDI_CODE_BEGIN
 #include "dynamics/pivots.h"
 #include "dynamics/hybrid.h"
 #include "dynamics/forward.h"
-#include "dynamics/cholesky.h"
 #include "motion/axes.h"
 #include "motion/kinematics.h"
 #include "motion/points.h"

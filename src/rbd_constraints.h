@@ -22,7 +22,7 @@
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
      [articulated]
-     [call code] [weights] [assembly] [derivatives code] [set code] [batch code]
+     [call code] [weights] [assembly] [set code] [batch code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -140,17 +140,23 @@ RBDI_CODE_BEGIN
 #include "constraints/weights.h"
 #include "constraints/assembly.h"
 
-#ifdef RBDI_CONSTRAINED_DERIVATIVES
-
-#include "constraints/derivatives.h"
-
-#endif
-
 #include "constraints/set.h"
 #include "constraints/batch.h"
 
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
+
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINED_DERIVATIVES && \
+    !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#define RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+#include "constraints/derivatives.h"
+
+RBDI_CODE_END
+
+#endif
 
 #include "base/letters_end.h"

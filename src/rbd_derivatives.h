@@ -34,8 +34,6 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
-#include "api/derivatives_parts.h"
-
 #if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 extern "C" {
 #endif
@@ -70,8 +68,7 @@ RBDI_EXTERN_C_END
 #include "derivatives/memory.h"
 #include "derivatives/momentum.h"
 #include "derivatives/free_base.h"
-#include "derivatives/inverse_dynamics.h"
-#include "derivatives/forward_dynamics.h"
+#include "derivatives/dynamics.h"
 #include "derivatives/regressors.h"
 #include "derivatives/steps.h"
 #include "derivatives/batch.h"

@@ -47,10 +47,8 @@
 #endif
 
 #include "spatial/types.h"
-#include "spatial/rotations.h"
 #include "spatial/placements.h"
 #include "spatial/vectors.h"
 #include "spatial/inertias.h"
-#include "spatial/checks.h"
 
 #endif /* RBD_SPATIAL_H */

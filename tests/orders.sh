@@ -29,6 +29,7 @@ file() {
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
     case $2 in *c*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $1$2 in *d*c*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1:$2 in *:*d*c* | *d*:*c*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     cat <<'END'
 #if defined EXPECTED != defined RBDI_IMPLEMENTED
 #error "rbd.h is not implemented"
@@ -38,6 +39,9 @@ file() {
 #endif
 #if defined EXPECTED_CONSTRAINTS && !defined RBDI_CONSTRAINTS_IMPLEMENTED
 #error "rbd_constraints.h is not implemented"
+#endif
+#if defined EXPECTED_BOTH_IMPLEMENTED && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#error "the derivatives of constrained dynamics are not implemented"
 #endif
 #if defined EXPECTED_BOTH
 void use(void);
@@ -70,7 +74,7 @@ orders=$(for a in $singles; do for b in $singles; do for c in $singles; do for d
 # All orders of two, and of all four, on both sides. tcc takes no more than a moment for each.
 if command -v tcc >/dev/null 2>&1; then
     for before in "" $singles $pairs; do
-        for behind in "" $singles $pairs; do compile "$before" "$behind" tcc -std=c99 -c -o "$scratch/file.o"; done
+        for behind in "" $singles $pairs cdc; do compile "$before" "$behind" tcc -std=c99 -c -o "$scratch/file.o"; done
     done
     for order in $orders; do compile "$order" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi

@@ -1,7 +1,6 @@
 #ifndef RBDI_API_DYNAMICS_H
 #define RBDI_API_DYNAMICS_H
 #include "api/symbols.h"
-#include "api/parts.h"
 #include "api/types.h"
 #include "api/status.h"
 

@@ -1,7 +1,6 @@
 #ifndef RBDI_API_POINTS_H
 #define RBDI_API_POINTS_H
 #include "api/symbols.h"
-#include "api/parts.h"
 #include "api/types.h"
 #include "api/status.h"
 

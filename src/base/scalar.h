@@ -1,6 +1,6 @@
 #ifndef RBDI_BASE_SCALAR_H
 #define RBDI_BASE_SCALAR_H
-#include "api/parts.h"
+#include "api/types.h"
 #include "base/compiler.h"
 
 /* ---- scalar [scalar] ---- */

@@ -1,6 +1,6 @@
 #ifndef RBDI_BASE_TOLERANCES_H
 #define RBDI_BASE_TOLERANCES_H
-#include "api/parts.h"
+#include "api/types.h"
 #include "base/types.h"
 
 /* ---- tolerances [tolerances] ----

@@ -1,6 +1,6 @@
 #ifndef RBDI_BATCH_BATCH_H
 #define RBDI_BATCH_BATCH_H
-#include "api/work.h"
+#include "api/model.h"
 #include "api/dynamics.h"
 #include "api/kinematics.h"
 #include "api/lookup.h"

@@ -1,6 +1,6 @@
 #ifndef RBDI_DERIVATIVES_LAYOUT_H
 #define RBDI_DERIVATIVES_LAYOUT_H
-#include "model/sizes.h"
+#include "model/work.h"
 #include "api/derivatives.h"
 
 /* ---- layout [layout] ----

@@ -1,5 +1,6 @@
 #ifndef RBDI_DYNAMICS_FORWARD_H
 #define RBDI_DYNAMICS_FORWARD_H
+#include "api/model.h"
 #include "dynamics/rnea.h"
 #include "dynamics/aba.h"
 #include "dynamics/pivots.h"
@@ -37,5 +38,63 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 #endif
+
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
+    rbdi_mask doubt;
+    const rbd_status status = rbdi_check(m, w, H != NULL);
+    if (status) return status;
+    doubt = rbdi_factor(m, w, H);
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_judge_factor(m, w, H, doubt);
+    return rbdi_verdict(m, w, H, rbd_packed_size(m));
+}
+
+RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
+    const rbd_status status = rbdi_check(m, w, M && L);
+    if (status) return status;
+    for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
+        int d = m->dof[i].depth;
+        rbd_real *row = &L[m->dof[i].row];
+        for (int t = d, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
+        for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
+    }
+    return rbd_cholesky_factor_packed(m, w, L);
+}
+
+RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, const rbd_real *b,
+                                       rbd_real *x) {
+    const rbd_status status = rbdi_check(m, w, L && b && x);
+    if (status) return status;
+    for (int k = 0; k < m->nv; ++k) x[k] = b[k];
+    rbdi_solve(m, w, L, x);
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *L, int n,
+                                            const rbd_real *B, rbd_real *X) {
+    const rbd_status status = rbdi_check(m, w, L && B && X);
+    if (status) return status;
+    if (n <= 0) return RBD_OK;
+    for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
+    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
+    return RBD_OK;
+}
+#endif
+
+#ifndef RBD_NO_CHOLESKY
+RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
+    rbdi_mask doubt;
+    const rbd_status status = rbdi_check(m, w, q && Minv);
+    if (status) return status;
+    rbd_crba_packed(m, w, q, w->H);
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_invert(m, w, w->H, Minv);
+    return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
+}
+#endif
+
+RBDI_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
 
 #endif

@@ -1,6 +1,6 @@
 #ifndef RBDI_MODEL_BUILD_H
 #define RBDI_MODEL_BUILD_H
-#include "api/build.h"
+#include "api/model.h"
 #include "model/emit.h"
 
 #ifndef RBD_NO_BUILD

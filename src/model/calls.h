@@ -1,7 +1,7 @@
 #ifndef RBDI_MODEL_CALLS_H
 #define RBDI_MODEL_CALLS_H
 #include "api/status.h"
-#include "model/sizes.h"
+#include "model/work.h"
 #include "base/compiler.h"
 
 /* Interface: rbdi_check, rbdi_fits, rbdi_stride */

@@ -1,6 +1,6 @@
 #ifndef RBDI_MODEL_CHECK_H
 #define RBDI_MODEL_CHECK_H
-#include "model/sizes.h"
+#include "model/work.h"
 #include "base/memory.h"
 #include "model/wide.h"
 

@@ -3,9 +3,9 @@
 #include "model/work.h"
 #include "algebra/rotations.h"
 
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of,
-   rbdi_cross_shift, rbdi_down, rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array,
-   rbdi_motion_to_array, rbdi_trig_of, RBDI_BY_FORM */
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
+   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
+   rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
    What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),

@@ -1,7 +1,7 @@
 #ifndef RBDI_MODEL_WORK_INIT_H
 #define RBDI_MODEL_WORK_INIT_H
-#include "api/work.h"
-#include "model/sizes.h"
+#include "api/model.h"
+#include "model/work.h"
 #include "base/memory.h"
 
 /* ---- work [work code] ---- */

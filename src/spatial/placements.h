@@ -1,6 +1,137 @@
 #ifndef RBDI_SPATIAL_PLACEMENTS_H
 #define RBDI_SPATIAL_PLACEMENTS_H
-#include "spatial/rotations.h"
+#include "algebra/rotations.h"
+#include "spatial/types.h"
+
+/* ---- rotations [rotations] ---- */
+
+RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
+RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_vec(a[0], a[1], a[2]); }
+RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store(v, a); }
+
+RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
+    rbd_rotation r;
+    r.xx = r.yy = r.zz = rbdi_set(RBD_C(1));
+    r.xy = r.xz = r.yx = r.yz = r.zx = r.zy = rbdi_zero();
+    return r;
+}
+
+/* From and to nine numbers by rows, as of rbd_body_pose. */
+RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
+    rbd_rotation r;
+    r.xx = a[0], r.xy = a[1], r.xz = a[2];
+    r.yx = a[3], r.yy = a[4], r.yz = a[5];
+    r.zx = a[6], r.zy = a[7], r.zz = a[8];
+    return r;
+}
+RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
+    rbdi_store(rbdi_vec(r.xx, r.xy, r.xz), a);
+    rbdi_store(rbdi_vec(r.yx, r.yy, r.yz), a + 3);
+    rbdi_store(rbdi_vec(r.zx, r.zy, r.zz), a + 6);
+}
+
+/* a b: first b, then a, both about the axes of the frame that a leads to. */
+RBDI_INLINE rbd_rotation rbd_rotation_product(rbd_rotation a, rbd_rotation b) { return rbdi_mul_mat(a, b); }
+RBDI_INLINE rbd_rotation rbd_rotation_inverse(rbd_rotation r) { return rbdi_transpose(r); }
+
+/* r v, and r' v. */
+RBDI_INLINE rbd_vec3 rbd_rotate(rbd_rotation r, rbd_vec3 v) { return rbdi_mul(r, v); }
+RBDI_INLINE rbd_vec3 rbd_rotate_back(rbd_rotation r, rbd_vec3 v) { return rbdi_mul_t(r, v); }
+
+/* q: x, y, z, w, of any length; zero gives the identity. */
+RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
+    return rbdi_transpose(rbdi_quaternion_down(q));
+}
+
+/* q: the unit quaternion x, y, z, w with w >= 0. Of 4 q q', whose entries r has, the row with the largest
+   diagonal (Shepperd 1978), without a branch. */
+static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
+    const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
+                   xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
+    const rbd_real rows[4][4] = {{one + r.xx - r.yy - r.zz, xy, xz, x},
+                                 {xy, one - r.xx + r.yy - r.zz, yz, y},
+                                 {xz, yz, one - r.xx - r.yy + r.zz, z},
+                                 {x, y, z, one + r.xx + r.yy + r.zz}};
+    rbd_real best = rows[3][3], row[4];
+    for (int k = 0; k < 4; ++k) row[k] = rows[3][k];
+    for (int i = 0; i < 3; ++i) {
+        const rbdi_mask more = rbdi_less(best, rows[i][i]);
+        best = rbdi_select(more, rows[i][i], best);
+        for (int k = 0; k < 4; ++k) row[k] = rbdi_select(more, rows[i][k], row[k]);
+    }
+    rbdi_unit_quaternion(row, q);
+    best = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
+    for (int k = 0; k < 4; ++k) q[k] = best * q[k];
+}
+
+/* Rz(yaw) Ry(pitch) Rx(roll). */
+static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
+    rbd_real sr, cr, sp, cp, sy, cy;
+    rbd_rotation r;
+    rbdi_sincos(roll, &sr, &cr);
+    rbdi_sincos(pitch, &sp, &cp);
+    rbdi_sincos(yaw, &sy, &cy);
+    r.xx = cy * cp, r.xy = cy * sp * sr - sy * cr, r.xz = cy * sp * cr + sy * sr;
+    r.yx = sy * cp, r.yy = sy * sp * sr + cy * cr, r.yz = sy * sp * cr - cy * sr;
+    r.zx = -sp, r.zy = cp * sr, r.zz = cp * cr;
+    return r;
+}
+
+/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both vanish. */
+RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
+    rbdi_mask none = rbdi_less(*c, *c);
+    const rbd_real k = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
+    *c = rbdi_select(none, rbdi_set(RBD_C(1)), k * *c);
+    *s = k * *s;
+    return rbdi_signed_angle(*s, *c);
+}
+
+/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of pi/2 or -pi/2, where roll and yaw
+   turn about the same axis, two that give r. */
+static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
+    rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
+    rpy[0] = rbdi_angle_of(&c, &s);
+    cp = r.zy * s + r.zz * c; /* what is left is Rz(yaw) Ry(pitch) = r Rx(-roll) */
+    sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
+    rpy[1] = rbdi_angle_of(&cp, &sp);
+    rpy[2] = rbdi_angle_of(&cy, &sy);
+}
+
+/* exp: the rotation by |turn| about turn. */
+static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
+    const rbdi_exp e = rbdi_exp_of(turn);
+    rbd_real q[4];
+    rbdi_store(rbdi_scale(e.half_sine, turn), q);
+    q[3] = e.half_cosine;
+    return rbd_rotation_from_quaternion(q);
+}
+
+/* log: the shortest turn, at most pi, whose exp is r. */
+static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
+    rbd_real none[4], q[4];
+    none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
+    rbd_rotation_to_quaternion(r, q);
+    return rbdi_quaternion_difference(none, q);
+}
+
+/* The rotation by the angle about the axis, whose length does not count; without one the identity. */
+static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
+    rbdi_mask bad;
+    rbd_real a[3], u[3];
+    rbdi_store(axis, a);
+    angle = angle * rbdi_sqrt(rbdi_inverse_square(a, 3, u, &bad));
+    return rbd_rotation_exp(rbdi_scale(angle, rbdi_vec(u[0], u[1], u[2])));
+}
+
+/* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */
+static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
+    const rbd_vec3 turn = rbd_rotation_log(r);
+    const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
+    rbdi_mask none = rbdi_less(angle, angle);
+    *axis = rbdi_scale(rbdi_reciprocal(angle, RBDI_TINY, &none), turn);
+    axis->z = rbdi_select(none, rbdi_set(RBD_C(1)), axis->z);
+    return angle;
+}
 
 /* ---- placements [placements] ---- */
 

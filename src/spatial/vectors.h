@@ -1,6 +1,6 @@
 #ifndef RBDI_SPATIAL_VECTORS_H
 #define RBDI_SPATIAL_VECTORS_H
-#include "spatial/rotations.h"
+#include "spatial/placements.h"
 
 /* ---- motions [motions] ---- */
 
