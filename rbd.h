@@ -4043,11 +4043,11 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
-   A fast call has pivots of its own and judges none. It asks once per pivot whether D > RBDI_DOUBT dof.scale.
-   If all are, M is regular: a rounding reaches that size only if it is magnified by more than RBDI_DOUBT /
-   eps, and then some pivot before it was small beside its own scale too; RBDI_DOUBT is at least sqrt(eps), so
-   that the one or the other is noticed. Otherwise the state is in doubt: rbdi_judge_state computes M anew
-   from the joints' transforms, factors it and judges. The call's own results stand if M is regular.
+   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots pass, M
+   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and
+   then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the
+   two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the joints'
+   transforms, factors it and judges. If M is regular, the call's results are kept.
 
    With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 
@@ -6080,9 +6080,8 @@ static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_w_zxz(l->cg, l->sg, l->ca, l->sa, l->cb, l->sb, E);
 }
 
-/* Moments of mass, sums of m |x|^2 and of m |x|, that the subtree of f can have about a point at this
-   distance from f's origin, its links stretched out away from it: what numbers about that point are the size
-   of. */
+/* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of f about a point at this
+   distance from f's origin: its links stretched out away from the point. */
 static rbdi_wide rbdi_build_spread(const rbdi_build_link *f, rbdi_wide distance) {
     return f->all * (f->radius + distance) * (f->radius + distance);
 }
@@ -6090,8 +6089,8 @@ static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) 
     return f->lever + f->all * distance;
 }
 
-/* Step 5, leaves to root: mass, radius of gyration and first moment of the subtree, so stretched, about the
-   link's own origin. Where the root stands is no part of it. */
+/* Step 5, leaves to root: mass, radius of gyration and first moment of the stretched subtree about the link's
+   own origin. */
 static void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
@@ -6107,10 +6106,9 @@ static void rbdi_build_measure(rbdi_build_link *links, int i) {
 }
 
 /* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
-   distance from it. Numbers about a far point grow with the distance, inertias with its square, and what is
-   wanted is their differences, so those of this subtree must stay of the size that they have about the origin
-   that the user chose, 4 times at most. Errors grow by as much; right-angled and parallel axes pass
-   (inertias 1.1 times at most in iiwa, HyQ, Atlas). */
+   distance from it. Inertias about a far point are large, and the algorithms take their differences: rounding
+   errors grow with them. So the moments of this subtree may become at most 4 times those about the origin
+   that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
@@ -6127,8 +6125,8 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
                3 * rbdi_build_lever(l, 0);
 }
 
-/* The same for a link without a child in Denavit-Hartenberg form, of which nothing is wanted but to save a
-   shift: all that it carries is farther then, 4 times at most. */
+/* The same for a link without a child in Denavit-Hartenberg form, which moves only to save the shift d: its
+   subtree may get 4 times farther away. */
 static int rbdi_build_near_alone(const rbdi_build_link *l, rbdi_wide distance) {
     return rbdi_build_spread(l, distance) <= 16 * rbdi_build_spread(l, 0);
 }
