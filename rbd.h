@@ -1271,24 +1271,24 @@ struct rbd_work {
 
    Regrouping (Khalil and Gautier 1990; Gautier 1990). Inertia that a joint's motion does not change moves to
    the parent: of a revolute link Sigma_zz, h_z and m (seven of ten constants remain), of a sliding one all of
-   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a link
-   may be zero or negative.
+   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a
+   link may be zero or negative.
 
    Classical accelerations. The state of a link is omega, its rate, and the acceleration of the frame's origin
    as a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x,
    Omega = [omega_dot]x + [omega]x [omega]x. The wrench for this is f = Omega h + m acc, n = axial part of
-   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that is
-   in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
+   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that
+   is in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
    planar joints, whose v is in body axes, c contains it (rbdi_joint_product).
 
    Cyclic axes. The turn about x is the turn about z with the axes renamed, (x, y, z) -> (y, z, x): _cycle
    renames, _uncycle renames back.
 
-   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a one-axis
-   link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities passed between
-   the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba), down s, y or
-   omega. A link with further children has a slot, an accumulator in memory: the slot keeps state and y for
-   them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
+   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a
+   one-axis link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities
+   passed between the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba),
+   down s, y or omega. A link with further children has a slot, an accumulator in memory: the slot keeps state
+   and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 have a slot, for 4 and 3
@@ -3424,9 +3424,9 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
     return U;
 }
 
-/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c +
-   U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is
-   tau, see [aba]. c.omega.z is always 0. */
+/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c
+   + U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z
+   is tau, see [aba]. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
@@ -3486,7 +3486,8 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
 }
 
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is updated. */
+   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is
+   updated. */
 RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
                                          rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
                                          rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
@@ -3584,7 +3585,7 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
+/* Pass 2 of the links first .. end - 1, last one first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {
@@ -3713,9 +3714,9 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
-   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M = L'DL
-   with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in. The
-   factor stands in M's place: L, and 1/D on the diagonal.
+   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M =
+   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in.
+   The factor stands in M's place: L, and 1/D on the diagonal.
 
      rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve           x = M^-1 x
@@ -3727,11 +3728,11 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
    Their scratch is w->F.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
-   other rows times factors: those of the descendants (factor, first half of a solution) or of the path (second
-   half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others are read
-   from memory; the one made just before comes last, because the processor must wait for it. Batches count from
-   the first column; the last one ends with the last column and may overlap the one before it. Fewer columns
-   than a batch go one by one. */
+   other rows times factors: those of the descendants (factor, first half of a solution) or of the path
+   (second half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others
+   are read from memory; the one made just before comes last, because the processor must wait for it. Batches
+   count from the first column; the last one ends with the last column and may overlap the one before it.
+   Fewer columns than a batch go one by one. */
 
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
@@ -4000,8 +4001,8 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
     for (; row != end; ++row, column += n) *column = *row;
 }
 
-/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a sum
-   over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a
+   sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
     rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
@@ -4043,11 +4044,11 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
-   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots pass, M
-   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and
-   then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the
-   two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the joints'
-   transforms, factors it and judges. If M is regular, the call's results are kept.
+   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots
+   pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
+   eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
+   one of the two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the
+   joints' transforms, factors it and judges. If M is regular, the call's results are kept.
 
    With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 
@@ -6434,8 +6435,8 @@ static void rbdi_couple(rbdi_dof *dof, int a, int b) {
     }
 }
 
-/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants, and
-   row is the next place after a dof. */
+/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants,
+   and row is the next place after a dof. */
 static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;

@@ -772,8 +772,8 @@ static rbd_real rbdi_row_noise(const rbd_constraint_set *c) {
     return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of the
-   paths from the world; else from the common ancestor. Returns their number. */
+/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of
+   the paths from the world; else from the common ancestor. Returns their number. */
 RBDI_INLINE int rbdi_list_dofs(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
     const int16_t *dof = k->dof + first;
@@ -1413,8 +1413,8 @@ static rbdi_mask rbdi_eliminate(rbd_constraint_set *c, int first, int end, rbdi_
     return doubt;
 }
 
-/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of the links on
-   a path are left. */
+/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of
+   the links on a path are left. */
 typedef struct rbdi_progress {
     rbdi_abi IA;
     rbdi_force pA;
@@ -1435,8 +1435,8 @@ static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, int stop, 
     for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
 }
 
-/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
-   a row is in doubt. */
+/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of
+   a joint or a row is in doubt. */
 static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau) {
     int first = 0;
     rbdi_progress p;
@@ -1455,8 +1455,8 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, c
     return p.doubt;
 }
 
-/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
-   known. Returns the number of the next. */
+/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them
+   is known. Returns the number of the next. */
 static int rbdi_push_links(const rbd_model *m, rbd_constraint_set *c, int at, int end) {
     for (; at < c->links && c->link[at] < end; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
@@ -1556,8 +1556,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T (right-hand
-   side); L = 1 if NULL. check: whether targets may contradict each other. */
+/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
+   (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_reduce_rows(m, c, L);

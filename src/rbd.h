@@ -168,24 +168,24 @@ RBDI_EXTERN_C_END
 
    Regrouping (Khalil and Gautier 1990; Gautier 1990). Inertia that a joint's motion does not change moves to
    the parent: of a revolute link Sigma_zz, h_z and m (seven of ten constants remain), of a sliding one all of
-   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a link
-   may be zero or negative.
+   Sigma (four remain); others: rbdi_build_regroup. M, c and tau are the same. Afterwards m and Sigma of a
+   link may be zero or negative.
 
    Classical accelerations. The state of a link is omega, its rate, and the acceleration of the frame's origin
    as a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x,
    Omega = [omega_dot]x + [omega]x [omega]x. The wrench for this is f = Omega h + m acc, n = axial part of
-   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that is
-   in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
+   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that
+   is in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
    planar joints, whose v is in body axes, c contains it (rbdi_joint_product).
 
    Cyclic axes. The turn about x is the turn about z with the axes renamed, (x, y, z) -> (y, z, x): _cycle
    renames, _uncycle renames back.
 
-   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a one-axis
-   link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities passed between
-   the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba), down s, y or
-   omega. A link with further children has a slot, an accumulator in memory: the slot keeps state and y for
-   them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
+   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a
+   one-axis link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities
+   passed between the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba),
+   down s, y or omega. A link with further children has a slot, an accumulator in memory: the slot keeps state
+   and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 have a slot, for 4 and 3

@@ -212,8 +212,8 @@ static rbdi_mask rbdi_eliminate(rbd_constraint_set *c, int first, int end, rbdi_
     return doubt;
 }
 
-/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of the links on
-   a path are left. */
+/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of
+   the links on a path are left. */
 typedef struct rbdi_progress {
     rbdi_abi IA;
     rbdi_force pA;
@@ -234,8 +234,8 @@ static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, int stop, 
     for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
 }
 
-/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of a joint or
-   a row is in doubt. */
+/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of
+   a joint or a row is in doubt. */
 static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau) {
     int first = 0;
     rbdi_progress p;
@@ -254,8 +254,8 @@ static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, c
     return p.doubt;
 }
 
-/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them is
-   known. Returns the number of the next. */
+/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them
+   is known. Returns the number of the next. */
 static int rbdi_push_links(const rbd_model *m, rbd_constraint_set *c, int at, int end) {
     for (; at < c->links && c->link[at] < end; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];

@@ -13,8 +13,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T (right-hand
-   side); L = 1 if NULL. check: whether targets may contradict each other. */
+/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
+   (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_reduce_rows(m, c, L);

@@ -37,8 +37,8 @@ static rbd_real rbdi_row_noise(const rbd_constraint_set *c) {
     return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of the
-   paths from the world; else from the common ancestor. Returns their number. */
+/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of
+   the paths from the world; else from the common ancestor. Returns their number. */
 RBDI_INLINE int rbdi_list_dofs(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
     const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
     const int16_t *dof = k->dof + first;

@@ -138,9 +138,9 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
     return U;
 }
 
-/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c +
-   U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z is
-   tau, see [aba]. c.omega.z is always 0. */
+/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c
+   + U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z
+   is tau, see [aba]. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
@@ -200,7 +200,8 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
 }
 
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is updated. */
+   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is
+   updated. */
 RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
                                          rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
                                          rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
@@ -298,7 +299,7 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, the last first. In: the contribution to link end - 1; out: of first. */
+/* Pass 2 of the links first .. end - 1, last one first. In: the contribution to link end - 1; out: of first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {

@@ -9,9 +9,9 @@
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
-   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M = L'DL
-   with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in. The
-   factor stands in M's place: L, and 1/D on the diagonal.
+   packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M =
+   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in.
+   The factor stands in M's place: L, and 1/D on the diagonal.
 
      rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve           x = M^-1 x
@@ -23,11 +23,11 @@
    Their scratch is w->F.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
-   other rows times factors: those of the descendants (factor, first half of a solution) or of the path (second
-   half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others are read
-   from memory; the one made just before comes last, because the processor must wait for it. Batches count from
-   the first column; the last one ends with the last column and may overlap the one before it. Fewer columns
-   than a batch go one by one. */
+   other rows times factors: those of the descendants (factor, first half of a solution) or of the path
+   (second half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others
+   are read from memory; the one made just before comes last, because the processor must wait for it. Batches
+   count from the first column; the last one ends with the last column and may overlap the one before it.
+   Fewer columns than a batch go one by one. */
 
 /* y *= k, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
@@ -296,8 +296,8 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
     for (; row != end; ++row, column += n) *column = *row;
 }
 
-/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a sum
-   over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a
+   sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
     rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */

@@ -22,11 +22,11 @@
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
-   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots pass, M
-   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and
-   then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the
-   two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the joints'
-   transforms, factors it and judges. If M is regular, the call's results are kept.
+   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots
+   pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
+   eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
+   one of the two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the
+   joints' transforms, factors it and judges. If M is regular, the call's results are kept.
 
    With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
 

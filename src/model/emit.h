@@ -192,8 +192,8 @@ static void rbdi_couple(rbdi_dof *dof, int a, int b) {
     }
 }
 
-/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants, and
-   row is the next place after a dof. */
+/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants,
+   and row is the next place after a dof. */
 static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
