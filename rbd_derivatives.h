@@ -509,6 +509,11 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
     a.v = rbdi_b_add(a.v, b.v);
     return a;
 }
+/* S' f. */
+RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
 /* V x S, and with c added. */
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
     c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
@@ -742,21 +747,18 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
 }
 
+/* R (x; y; z), constants in the axes of the links. */
+RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
+    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez;
+    return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
+                      ex.z * x + ey.z * y + ez.z * z);
+}
 /* Sigma and h of the links. */
 RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    rbdi_b3 h =
-        rbdi_b_vec(ex.x * k->hx + ey.x * k->hy + ez.x * k->hz, ex.y * k->hx + ey.y * k->hy + ez.y * k->hz,
-                   ex.z * k->hx + ey.z * k->hy + ez.z * k->hz); /* R h_b */
-    const rbdi_b3 a =
-        rbdi_b_vec(ex.x * k->xx + ey.x * k->xy + ez.x * k->xz, ex.y * k->xx + ey.y * k->xy + ez.y * k->xz,
-                   ex.z * k->xx + ey.z * k->xy + ez.z * k->xz);
-    const rbdi_b3 b =
-        rbdi_b_vec(ex.x * k->xy + ey.x * k->yy + ez.x * k->yz, ex.y * k->xy + ey.y * k->yy + ez.y * k->yz,
-                   ex.z * k->xy + ey.z * k->yy + ez.z * k->yz);
-    const rbdi_b3 e =
-        rbdi_b_vec(ex.x * k->xz + ey.x * k->yz + ez.x * k->zz, ex.y * k->xz + ey.y * k->yz + ez.y * k->zz,
-                   ex.z * k->xz + ey.z * k->yz + ez.z * k->zz); /* (a b e) = R Sigma_b */
+    const rbdi_b3 h = rbdi_b_rotate(c, k->hx, k->hy, k->hz), a = rbdi_b_rotate(c, k->xx, k->xy, k->xz),
+                  b = rbdi_b_rotate(c, k->xy, k->yy, k->yz),
+                  e = rbdi_b_rotate(c, k->xz, k->yz, k->zz); /* R h_b; (a b e) = R Sigma_b */
     s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
     s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
     s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;
@@ -1423,19 +1425,9 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* x = 0: rbdi_clear eight batches at a time. */
-RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    for (; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)x;
-        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
-        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
-    }
-    rbdi_clear(x, n);
-}
-/* The same unless every entry will be written. */
+/* x = 0 unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
+    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
 /* What they are: themselves, or sides of rbd_fd_derivatives. */
@@ -1732,10 +1724,10 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-        h.x = h.x + ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m;
-        h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
-        h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
+        const rbdi_b3 own = rbdi_b_rotate(c, k->all_hx, k->all_hy, k->all_hz);
+        h.x = h.x + own.x + c->x.x * k->all_m;
+        h.y = h.y + own.y + c->x.y * k->all_m;
+        h.z = h.z + own.z + c->x.z * k->all_m;
     }
     return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
 }
@@ -1931,10 +1923,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_mot
     }
     rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
-        const rbdi_bforce f = d->columns[b].sum.f;
-        const rbdi_bmotion S = d->columns[b].S;
-        const rbdi_batch x = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-                             (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
     }
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
@@ -2054,49 +2043,28 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     }
 }
 
-/* 1 in each of the first n lanes of x that is negative, else 0. */
-RBDI_INLINE rbdi_batch rbdi_negative(rbdi_batch x, int n) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0}, one = zero + 1;
-    x = (rbdi_batch)((rbdi_bits)(x < zero) & (rbdi_bits)one);
-    return n < RBDI_BATCH ? rbdi_first_lanes(x, n) : x;
-#else
-    (void)n;
-    return rbdi_select(rbdi_less(x, rbdi_zero()), rbdi_set(RBD_C(1)), rbdi_zero());
-#endif
-}
-
 /* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
    origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
 RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
-    rbdi_batch doubt = rbdi_zero_batch();
-    const rbd_real *pivot = d->work->pivot + d->base;
-    for (int b = d->base ? d->behind : 0, left = d->n - d->base; left > 0;
-         ++b, left -= RBDI_BATCH, pivot += RBDI_BATCH) {
-        const rbdi_sums *s = &d->columns[b].sum;
-        const rbdi_batch trace = s->xx + s->yy + s->zz;
-        rbdi_batch D = rbdi_zero_batch();
-        if (left >= RBDI_BATCH)
-            D = *(const rbdi_batch *)pivot;
-        else
-            for (int k = 0; k < left; ++k) ((rbd_real *)&D)[k] = pivot[k];
-        doubt = doubt + rbdi_negative(D - trace * (d->constants[b].rho * RBDI_DOUBT), left);
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int k = d->base; k < d->n; ++k) {
+        const rbdi_entry *e = &d->entry[k];
+        const rbd_real *s = RBDI_OF(d, k, sum), trace = s[0] + s[3 * RBDI_BATCH] + s[5 * RBDI_BATCH];
+        const rbd_const rho = ((const rbd_const *)&d->constants[e->batch].rho)[e->lane];
+        doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[e->source], trace * (rho * RBDI_DOUBT)));
     }
-    return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));
+    return doubt;
 }
 
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
-    rbd_real *c = m->nmimic ? d->work->tx : x;
+    rbd_real *bias = m->nmimic ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *to = &d->columns[b];
-        const rbdi_bforce f = to->sum.f;
-        const rbdi_bmotion S = to->S;
-        to->qdd = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-                  (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        rbdi_columns *c = &d->columns[b];
+        c->qdd = rbdi_b_power(c->S, c->sum.f);
     }
-    if (d->base) rbdi_store_force(c, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
-    for (int k = d->base; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+    if (d->base) rbdi_store_force(bias, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
+    for (int k = d->base; k < d->n; ++k) bias[d->entry[k].source] = *RBDI_OF(d, k, qdd);
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
@@ -2358,7 +2326,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_link_motion(d, base);
-    if (!d->keep_zeros || m->nmimic) rbdi_clear_all(Y, m->nv * 10 * m->nb);
+    if (!d->keep_zeros || m->nmimic) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;

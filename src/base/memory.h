@@ -10,9 +10,14 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
+    for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
+        rbdi_batch *p = (rbdi_batch *)&x[k];
+        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
+        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
+    }
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
-        __asm__("" : "+r"(p)); /* or the compiler sees through it */
+        RBDI_ONE_INDEX(p);
         *p = zero;
     }
 #endif

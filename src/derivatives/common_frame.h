@@ -123,6 +123,11 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
     a.v = rbdi_b_add(a.v, b.v);
     return a;
 }
+/* S' f. */
+RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
 /* V x S, and with c added. */
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
     c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
@@ -356,21 +361,18 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
 }
 
+/* R (x; y; z), constants in the axes of the links. */
+RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
+    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez;
+    return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
+                      ex.z * x + ey.z * y + ez.z * z);
+}
 /* Sigma and h of the links. */
 RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    rbdi_b3 h =
-        rbdi_b_vec(ex.x * k->hx + ey.x * k->hy + ez.x * k->hz, ex.y * k->hx + ey.y * k->hy + ez.y * k->hz,
-                   ex.z * k->hx + ey.z * k->hy + ez.z * k->hz); /* R h_b */
-    const rbdi_b3 a =
-        rbdi_b_vec(ex.x * k->xx + ey.x * k->xy + ez.x * k->xz, ex.y * k->xx + ey.y * k->xy + ez.y * k->xz,
-                   ex.z * k->xx + ey.z * k->xy + ez.z * k->xz);
-    const rbdi_b3 b =
-        rbdi_b_vec(ex.x * k->xy + ey.x * k->yy + ez.x * k->yz, ex.y * k->xy + ey.y * k->yy + ez.y * k->yz,
-                   ex.z * k->xy + ey.z * k->yy + ez.z * k->yz);
-    const rbdi_b3 e =
-        rbdi_b_vec(ex.x * k->xz + ey.x * k->yz + ez.x * k->zz, ex.y * k->xz + ey.y * k->yz + ez.y * k->zz,
-                   ex.z * k->xz + ey.z * k->yz + ez.z * k->zz); /* (a b e) = R Sigma_b */
+    const rbdi_b3 h = rbdi_b_rotate(c, k->hx, k->hy, k->hz), a = rbdi_b_rotate(c, k->xx, k->xy, k->xz),
+                  b = rbdi_b_rotate(c, k->xy, k->yy, k->yz),
+                  e = rbdi_b_rotate(c, k->xz, k->yz, k->zz); /* R h_b; (a b e) = R Sigma_b */
     s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
     s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
     s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;

@@ -73,49 +73,28 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     }
 }
 
-/* 1 in each of the first n lanes of x that is negative, else 0. */
-RBDI_INLINE rbdi_batch rbdi_negative(rbdi_batch x, int n) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0}, one = zero + 1;
-    x = (rbdi_batch)((rbdi_bits)(x < zero) & (rbdi_bits)one);
-    return n < RBDI_BATCH ? rbdi_first_lanes(x, n) : x;
-#else
-    (void)n;
-    return rbdi_select(rbdi_less(x, rbdi_zero()), rbdi_set(RBD_C(1)), rbdi_zero());
-#endif
-}
-
 /* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
    origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
 RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
-    rbdi_batch doubt = rbdi_zero_batch();
-    const rbd_real *pivot = d->work->pivot + d->base;
-    for (int b = d->base ? d->behind : 0, left = d->n - d->base; left > 0;
-         ++b, left -= RBDI_BATCH, pivot += RBDI_BATCH) {
-        const rbdi_sums *s = &d->columns[b].sum;
-        const rbdi_batch trace = s->xx + s->yy + s->zz;
-        rbdi_batch D = rbdi_zero_batch();
-        if (left >= RBDI_BATCH)
-            D = *(const rbdi_batch *)pivot;
-        else
-            for (int k = 0; k < left; ++k) ((rbd_real *)&D)[k] = pivot[k];
-        doubt = doubt + rbdi_negative(D - trace * (d->constants[b].rho * RBDI_DOUBT), left);
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int k = d->base; k < d->n; ++k) {
+        const rbdi_entry *e = &d->entry[k];
+        const rbd_real *s = RBDI_OF(d, k, sum), trace = s[0] + s[3 * RBDI_BATCH] + s[5 * RBDI_BATCH];
+        const rbd_const rho = ((const rbd_const *)&d->constants[e->batch].rho)[e->lane];
+        doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[e->source], trace * (rho * RBDI_DOUBT)));
     }
-    return rbdi_less(rbdi_zero(), rbdi_sum_lanes(doubt));
+    return doubt;
 }
 
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
-    rbd_real *c = m->nmimic ? d->work->tx : x;
+    rbd_real *bias = m->nmimic ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *to = &d->columns[b];
-        const rbdi_bforce f = to->sum.f;
-        const rbdi_bmotion S = to->S;
-        to->qdd = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-                  (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        rbdi_columns *c = &d->columns[b];
+        c->qdd = rbdi_b_power(c->S, c->sum.f);
     }
-    if (d->base) rbdi_store_force(c, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
-    for (int k = d->base; k < d->n; ++k) c[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+    if (d->base) rbdi_store_force(bias, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
+    for (int k = d->base; k < d->n; ++k) bias[d->entry[k].source] = *RBDI_OF(d, k, qdd);
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }

@@ -404,19 +404,9 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* x = 0: rbdi_clear eight batches at a time. */
-RBDI_PART void rbdi_clear_all(rbd_real *x, int n) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    for (; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)x;
-        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
-        p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
-    }
-    rbdi_clear(x, n);
-}
-/* The same unless every entry will be written. */
+/* x = 0 unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear_all(out, m->nv * m->nv);
+    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
 /* What they are: themselves, or sides of rbd_fd_derivatives. */

@@ -62,10 +62,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_mot
     }
     rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
-        const rbdi_bforce f = d->columns[b].sum.f;
-        const rbdi_bmotion S = d->columns[b].S;
-        const rbdi_batch x = (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-                             (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+        const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
     }
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;

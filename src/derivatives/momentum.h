@@ -45,10 +45,10 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-        h.x = h.x + ex.x * k->all_hx + ey.x * k->all_hy + ez.x * k->all_hz + x.x * k->all_m;
-        h.y = h.y + ex.y * k->all_hx + ey.y * k->all_hy + ez.y * k->all_hz + x.y * k->all_m;
-        h.z = h.z + ex.z * k->all_hx + ey.z * k->all_hy + ez.z * k->all_hz + x.z * k->all_m;
+        const rbdi_b3 own = rbdi_b_rotate(c, k->all_hx, k->all_hy, k->all_hz);
+        h.x = h.x + own.x + c->x.x * k->all_m;
+        h.y = h.y + own.y + c->x.y * k->all_m;
+        h.z = h.z + own.z + c->x.z * k->all_m;
     }
     return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
 }

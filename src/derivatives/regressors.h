@@ -158,7 +158,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_link_motion(d, base);
-    if (!d->keep_zeros || m->nmimic) rbdi_clear_all(Y, m->nv * 10 * m->nb);
+    if (!d->keep_zeros || m->nmimic) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;
