@@ -935,11 +935,10 @@ typedef double rbdi_wide;
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* ==== src/algebra/types.h ==== */
-/* What is known of the angle of a turn: among the flags of a link. */
-enum {
-    RBDI_TWIST_90 = 128, /* 90 degrees */
-    RBDI_TWIST_0 = 256   /* 0 */
-};
+/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of two
+   enumerations are combined. */
+#define RBDI_TWIST_90 128 /* 90 degrees */
+#define RBDI_TWIST_0 256  /* 0 */
 
 typedef struct rbdi_c3 {
     rbd_const x, y, z;

@@ -31,7 +31,7 @@ eval_row() {
     status=$1 message=$2
     shift 2
     printf '%s\n' "$@" >table
-    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm gravity <table >out 2>err
+    "$rbd_eval" --model "$root/models/cart_pole.urdf" --algorithm gravity_torque <table >out 2>err
     found=$?
     [ $found -eq "$status" ] || fail "exit status $found, not $status: $*"
     [ -z "$message" ] || grep -qF -- "$message" err || { fail "no '$message': $*"; cat err; }
@@ -439,9 +439,9 @@ eval_row 1 "row 2: something follows a closing quote" "q.rail,q.hinge" '0,"0"0'
 
 # what is no text, and what cannot be read, at the start of the table and within it
 printf 'q.rail,q.hinge\n0,0\n0,1\0junk\n' >zero
-"$rbd_eval" --model cart_pole.urdf --algorithm gravity <zero >out 2>err && fail "a zero byte cuts a row"
+"$rbd_eval" --model cart_pole.urdf --algorithm gravity_torque <zero >out 2>err && fail "a zero byte cuts a row"
 grep -qxF "rbd-eval: row 3: it has a zero byte" err || { fail "a zero byte"; cat err; }
-"$rbd_eval" --model cart_pole.urdf --algorithm gravity </ >out 2>err && fail "a folder is taken for a table"
+"$rbd_eval" --model cart_pole.urdf --algorithm gravity_torque </ >out 2>err && fail "a folder is taken for a table"
 grep -q "^rbd-eval: row 1: it cannot be read: " err || { fail "a read error"; cat err; }
 
 # ---- rbd-eval: tables of constraints ----
