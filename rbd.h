@@ -1305,7 +1305,7 @@ struct rbd_work {
    memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
    "Interface" below name, and all of base/ and algebra/.
 
-   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
+   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
 
      the book               here
@@ -2651,7 +2651,7 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
 }
 
 /* ==== src/dynamics/state.h ==== */
-/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward_link, rbdi_reduce_tau,
+/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau,
    rbdi_world_state, rbdi_wrench */
 
 /* ---- state [state] ----
@@ -2716,22 +2716,23 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig
     return s;
 }
 
-RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                          rbdi_state p, const rbd_real *v, const rbd_real *a) {
-    rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
-    rbdi_v3 omega = rbdi_vec0(), acc = p.acc;
-    rbdi_state s;
-    s.omega_dot = rbdi_vec0();
+/* The same of a block; s: the parent's state, which becomes the link's. */
+RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                  const rbd_real *v, const rbd_real *a, rbdi_state *s) {
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_pose *X = &w->block[l->block].X;
+    const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
+    rbdi_motion c;
+    rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
     if (l->parent >= 0) {
-        omega = rbdi_mul(X->E, p.omega);
-        s.omega_dot = rbdi_mul(X->E, p.omega_dot);
-        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(p.omega, p.omega_dot), X->r));
+        omega = rbdi_mul(X->E, s->omega);
+        omega_dot = rbdi_mul(X->E, s->omega_dot);
+        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
     c = rbdi_joint_product(omega, J);
-    s.omega = rbdi_add(omega, J.omega);
-    s.omega_dot = rbdi_add(s.omega_dot, rbdi_add(c.omega, Jd.omega));
-    s.acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
-    return s;
+    s->omega = rbdi_add(omega, J.omega);
+    s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
+    s->acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
 }
 
 /* The state that the world gives to the roots: gravity as an upward acceleration. */
@@ -2784,18 +2785,24 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     const rbdi_link *l = &m->link[i];
     const int apart = form & RBDI_APART;
     if (apart && l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-    if (rbdi_block_link(l, form))
-        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
-    else
+    if (rbdi_block_link(l, form)) {
+        rbdi_state block = s; /* an address of s would keep it in memory */
+        rbdi_forward_block(m, w, l, v, a, &block);
+        s = block;
+    } else
         s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), s, v[l->iv], a[l->iv]);
     if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
     if (apart && l->slot >= 0) w->slot[l->slot].state = s;
     return s;
 }
-RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
-                                         const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
-    RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
-    return s;
+/* The states of all links; keep: in kin. */
+RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state *world, const rbd_real *v,
+                              const rbd_real *a, int wrench, int keep) {
+    rbdi_state s = *world;
+    for (int i = 0; i < m->nl; ++i) {
+        RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+        if (keep) w->kin[i].state = s;
+    }
 }
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
@@ -2852,19 +2859,15 @@ RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i
     tau[l->iv] = t;
     return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
 }
-RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
-                                          rbdi_force F, const rbd_real *a, rbd_real *tau) {
+RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                  const rbd_real *a, rbd_real *tau, rbdi_force *F) {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    rbdi_store_force(all, 1, F);
-    if (l->flags & RBDI_ARMATURE)
-        for (int k = 0; k < b->n; ++k)
-            all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
-    if (b->n == 6) RBDI_UNROLL_SIX
-        for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
-    else
-        for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
+    rbdi_store_force(all, 1, *F);
+    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    for (int k = 0; (l->flags & RBDI_ARMATURE) && k < b->n; ++k)
+        tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
 /* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
@@ -2872,9 +2875,11 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
-    if (rbdi_block_link(l, form))
-        F = rbdi_rnea_up_block(m, w, l, F, a, tau);
-    else
+    if (rbdi_block_link(l, form)) {
+        rbdi_force block = F; /* an address of F would keep it in memory */
+        rbdi_rnea_up_block(m, w, l, a, tau, &block);
+        F = block;
+    } else
         F = rbdi_rnea_up(m, w, i, form, F, a, tau);
     if (!(form & RBDI_APART) || l->parent == i - 1) return F;
     if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
@@ -2882,7 +2887,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 }
 
 /* Torques from the wrenches that move the links. */
-RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
+RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
@@ -2892,8 +2897,7 @@ RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rb
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_state s = world;
-    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    rbdi_forward(m, w, &world, v, a, 1, 0);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }
@@ -2919,11 +2923,6 @@ RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rb
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
 
-RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
-                                           rbdi_force F, const rbd_real *a, rbd_real *out) {
-    return rbdi_rnea_up_block(m, w, l, F, a, out);
-}
-
 /* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
    v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
    S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
@@ -2933,7 +2932,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
     for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, w->zero, v, s, 1);
+        s = rbdi_forward_step(m, w, i, m->link[i].flags, &world, w->zero, v, s, 1);
         w->scratch[i].c.omega = s.omega_dot;
         w->scratch[i].c.v = s.acc;
     }
@@ -2944,8 +2943,8 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
         turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         turned.f = rbdi_cross(h.f, V.omega);
         if (l->kind == RBDI_BLOCK) {
-            h = rbdi_momenta_up_block(m, w, l, h, v, p);
-            rbdi_momenta_up_block(m, w, l, turned, w->zero, ctv);
+            rbdi_rnea_up_block(m, w, l, v, p, &h);
+            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
         } else {
             h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
             rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
@@ -3214,10 +3213,9 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const ptrdiff_t stride = rbdi_stride(m);
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
     for (int i = 0; i < m->nslot; ++i) w->slot[i].C = carried;
-    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) {
-        for (int i = m->nl - 1; i >= 0; --i) rbdi_crba_link(&model, &work, i, stride, &any, H, M);
-        return;
-    }
+    for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
+        rbdi_crba_link(&model, &work, i, stride, &any, H, M);
+    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
     for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_FORM(form, &model.link[i],
                      carried = rbdi_crba_step(&model, &work, i, form,
@@ -4498,16 +4496,12 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
                                    const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    rbdi_state s = world;
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
-        w->kin[i].state = s;
-    }
+    rbdi_forward(m, w, &world, v, a, 0, 1);
     rbdi_kin_links(m, w, 0, m->nl, v, 1);
     *w->rotors = rbdi_zero();
     for (int k = 0; k < m->nv + m->nmimic; ++k)

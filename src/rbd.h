@@ -203,7 +203,7 @@ RBDI_EXTERN_C_END
    memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
    "Interface" below name, and all of base/ and algebra/.
 
-   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward_link; up one pass with
+   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward; up one pass with
    rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
 
      the book               here

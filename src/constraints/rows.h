@@ -57,13 +57,9 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
     const rbdi_state world = rbdi_world_state(gravity);
-    rbdi_state s = world;
     c->world = world.acc;
     w->have_kinematics = 0;
-    for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, wrench);
-        w->kin[i].state = s;
-    }
+    rbdi_forward(m, w, &world, v, a, wrench, 1);
     rbdi_kin_of_paths(m, c, v, 1);
 }
 

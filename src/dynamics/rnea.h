@@ -20,19 +20,15 @@ RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i
     tau[l->iv] = t;
     return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
 }
-RBDI_INLINE rbdi_force rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
-                                          rbdi_force F, const rbd_real *a, rbd_real *tau) {
+RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                  const rbd_real *a, rbd_real *tau, rbdi_force *F) {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    rbdi_store_force(all, 1, F);
-    if (l->flags & RBDI_ARMATURE)
-        for (int k = 0; k < b->n; ++k)
-            all[b->first + k] = all[b->first + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
-    if (b->n == 6) RBDI_UNROLL_SIX
-        for (int k = 0; k < 6; ++k) tau[l->iv + k] = all[k];
-    else
-        for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    return l->parent < 0 ? F : rbdi_force_up_block(&w->block[l->block].X, F);
+    rbdi_store_force(all, 1, *F);
+    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    for (int k = 0; (l->flags & RBDI_ARMATURE) && k < b->n; ++k)
+        tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
 /* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
@@ -40,9 +36,11 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
-    if (rbdi_block_link(l, form))
-        F = rbdi_rnea_up_block(m, w, l, F, a, tau);
-    else
+    if (rbdi_block_link(l, form)) {
+        rbdi_force block = F; /* an address of F would keep it in memory */
+        rbdi_rnea_up_block(m, w, l, a, tau, &block);
+        F = block;
+    } else
         F = rbdi_rnea_up(m, w, i, form, F, a, tau);
     if (!(form & RBDI_APART) || l->parent == i - 1) return F;
     if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
@@ -50,7 +48,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 }
 
 /* Torques from the wrenches that move the links. */
-RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
+RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
         RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
@@ -60,8 +58,7 @@ RBDI_INLINE void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rb
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_state s = world;
-    for (int i = 0; i < m->nl; ++i) s = rbdi_forward_link(m, w, i, &world, v, a, s, 1);
+    rbdi_forward(m, w, &world, v, a, 1, 0);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }
@@ -87,11 +84,6 @@ RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rb
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
 
-RBDI_PART rbdi_force rbdi_momenta_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
-                                           rbdi_force F, const rbd_real *a, rbd_real *out) {
-    return rbdi_rnea_up_block(m, w, l, F, a, out);
-}
-
 /* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
    v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
    S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
@@ -101,7 +93,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
     for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, w->zero, v, s, 1);
+        s = rbdi_forward_step(m, w, i, m->link[i].flags, &world, w->zero, v, s, 1);
         w->scratch[i].c.omega = s.omega_dot;
         w->scratch[i].c.v = s.acc;
     }
@@ -112,8 +104,8 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
         turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         turned.f = rbdi_cross(h.f, V.omega);
         if (l->kind == RBDI_BLOCK) {
-            h = rbdi_momenta_up_block(m, w, l, h, v, p);
-            rbdi_momenta_up_block(m, w, l, turned, w->zero, ctv);
+            rbdi_rnea_up_block(m, w, l, v, p, &h);
+            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
         } else {
             h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
             rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);

@@ -2,7 +2,7 @@
 #define RBDI_DYNAMICS_STATE_H
 #include "model/joints.h"
 
-/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward_link, rbdi_reduce_tau,
+/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau,
    rbdi_world_state, rbdi_wrench */
 
 /* ---- state [state] ----
@@ -67,22 +67,23 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig
     return s;
 }
 
-RBDI_INLINE rbdi_state rbdi_forward_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                          rbdi_state p, const rbd_real *v, const rbd_real *a) {
-    rbdi_motion J = rbdi_block_motion(b, v), Jd = rbdi_block_motion(b, a), c;
-    rbdi_v3 omega = rbdi_vec0(), acc = p.acc;
-    rbdi_state s;
-    s.omega_dot = rbdi_vec0();
+/* The same of a block; s: the parent's state, which becomes the link's. */
+RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
+                                  const rbd_real *v, const rbd_real *a, rbdi_state *s) {
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_pose *X = &w->block[l->block].X;
+    const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
+    rbdi_motion c;
+    rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
     if (l->parent >= 0) {
-        omega = rbdi_mul(X->E, p.omega);
-        s.omega_dot = rbdi_mul(X->E, p.omega_dot);
-        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(p.omega, p.omega_dot), X->r));
+        omega = rbdi_mul(X->E, s->omega);
+        omega_dot = rbdi_mul(X->E, s->omega_dot);
+        acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
     c = rbdi_joint_product(omega, J);
-    s.omega = rbdi_add(omega, J.omega);
-    s.omega_dot = rbdi_add(s.omega_dot, rbdi_add(c.omega, Jd.omega));
-    s.acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
-    return s;
+    s->omega = rbdi_add(omega, J.omega);
+    s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
+    s->acc = rbdi_add(rbdi_mul(X->E, acc), rbdi_add(c.v, Jd.v));
 }
 
 /* The state that the world gives to the roots: gravity as an upward acceleration. */
@@ -135,18 +136,24 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     const rbdi_link *l = &m->link[i];
     const int apart = form & RBDI_APART;
     if (apart && l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-    if (rbdi_block_link(l, form))
-        s = rbdi_forward_block(l, rbdi_block_of(m, l), &w->block[l->block].X, s, &v[l->iv], &a[l->iv]);
-    else
+    if (rbdi_block_link(l, form)) {
+        rbdi_state block = s; /* an address of s would keep it in memory */
+        rbdi_forward_block(m, w, l, v, a, &block);
+        s = block;
+    } else
         s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), s, v[l->iv], a[l->iv]);
     if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
     if (apart && l->slot >= 0) w->slot[l->slot].state = s;
     return s;
 }
-RBDI_INLINE rbdi_state rbdi_forward_link(const rbd_model *m, rbd_work *w, int i, const rbdi_state *world,
-                                         const rbd_real *v, const rbd_real *a, rbdi_state s, int wrench) {
-    RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
-    return s;
+/* The states of all links; keep: in kin. */
+RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state *world, const rbd_real *v,
+                              const rbd_real *a, int wrench, int keep) {
+    rbdi_state s = *world;
+    for (int i = 0; i < m->nl; ++i) {
+        RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+        if (keep) w->kin[i].state = s;
+    }
 }
 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the

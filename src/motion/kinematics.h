@@ -66,16 +66,12 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
                                    const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    rbdi_state s = world;
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_link(m, w, i, &world, v, a, s, 0);
-        w->kin[i].state = s;
-    }
+    rbdi_forward(m, w, &world, v, a, 0, 1);
     rbdi_kin_links(m, w, 0, m->nl, v, 1);
     *w->rotors = rbdi_zero();
     for (int k = 0; k < m->nv + m->nmimic; ++k)
