@@ -305,68 +305,71 @@ RBDI_EXTERN_C_END
 /* ---- layout [layout] ----
    Open for sizes at compile time only. */
 
-typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: what depends on the state */
-typedef struct rbdi_constants rbdi_constants; /* and what does not */
+typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
+typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
 
-/* Dofs whose parent is the one before them each, or those of one block. */
-typedef struct rbdi_run {
-    int16_t first, end; /* dofs first .. end - 1, in the solver's order as everywhere here */
-    int16_t parent;     /* dof before the first towards the root, -1 = none */
-    int16_t block;      /* whether they are those of a block */
-    int16_t link;       /* that has the first */
-    int16_t origin;     /* first of a root: end of the dofs up to the common origin's link, else 0 */
-} rbdi_run;
+/* A part of the tree without branches: each dof's parent is the dof before it; or the dofs of one block. Dofs
+   are in the solver's order in this header. */
+typedef struct rbdi_segment {
+    int16_t first, end; /* its dofs are first .. end - 1 */
+    int16_t parent;     /* parent of the first dof, -1 = none */
+    int16_t block;      /* 1: a block */
+    int16_t link;       /* link of the first dof */
+    int16_t origin;     /* of a root: end of the dofs up to the link of the common origin; else 0 */
+} rbdi_segment;
 
-/* Dof k of the solver. */
+/* A dof. */
 typedef struct rbdi_entry {
-    int16_t user;   /* the caller's dof: row and column of results */
+    int16_t user;   /* the caller's dof: row and column of the results */
     int16_t end;    /* end of its subtree */
     int16_t joint;  /* end of the dofs of its link */
-    int16_t source; /* what has its velocity: index into v with those of mimic joints appended */
-    int16_t parent; /* the dof before it towards the root, -1 = none */
+    int16_t source; /* index of its velocity in v with mimic joints appended */
+    int16_t parent; /* -1 = none */
     int16_t batch, lane;
-    int16_t laid; /* the dof whose source is the index of this one: dofs in the order of the lanes */
-    int32_t at;   /* where its lane of the first component is, in scalars */
-    int32_t row;  /* where the caller's row starts in a square matrix */
+    int16_t of_source; /* inverse of source: the dof whose source is this index */
+    int32_t at;        /* index of its scalar in the first component of rbdi_columns */
+    int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
-/* Of a batch the lanes that have relatives of a dof: bits of those on its path, and behind them of its
-   subtree. */
+/* A batch that has dofs on a dof's path or in its subtree, and a bit for each lane of these. */
 typedef struct rbdi_relatives {
-    int32_t at;     /* where the batch is, in scalars; -1 ends a list */
-    int16_t row;    /* and in a row of entries */
-    int16_t whole;  /* in a dof's first: there is no other batch behind a free base */
-    uint64_t lanes; /* as wide as a lane of doubles, which they are compared in */
+    int32_t at;     /* index of the batch in scalars; -1 ends a list */
+    int16_t row;    /* index of the batch in a row of entries */
+    int16_t whole;  /* in the first of a list: the list has all batches but those of a free base */
+    uint64_t lanes; /* as wide as a lane of doubles, with which it is compared */
 } rbdi_relatives;
-enum { RBDI_ON_PATH = 0, RBDI_IN_SUBTREE = 16 }; /* their first bits: a batch has at most 16 lanes */
+enum { RBDI_ON_PATH = 0, RBDI_IN_SUBTREE = 16 }; /* first bits: a batch has at most 16 lanes */
 
 struct rbd_derivatives {
-    uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
+    uint64_t shape[RBDI_SHAPE]; /* of the model */
     const rbd_model *model;
     rbd_work *work;
-    int n, batches, runs;  /* dofs, those of mimic joints too */
-    int keep_zeros;        /* of the caller's matrices */
-    int base, behind;      /* dofs of a free base, if it is one; batch that begins with the dof behind them */
-    rbdi_motion V;         /* of the base, its axes */
-    rbdi_v3 up;            /* - gravity there */
+    int n;                 /* dofs, with those of mimic joints */
+    int batches, segments; /* their numbers */
+    int keep_zeros;        /* rbd_keep_zeros */
+    int base;              /* dofs of a free base: 6 or 0 */
+    int behind;            /* batch that begins with the first dof after the base */
+    rbdi_motion V;         /* velocity of the base, in its axes */
+    rbdi_v3 up;            /* -gravity, likewise */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
-    rbd_real *a;         /* n: acceleration of forward dynamics */
-    rbdi_entry *entry;   /* n */
-    rbdi_run *run;       /* runs */
-    int16_t *origin;     /* nl: the root link whose tree has its origin in this link, else -1 */
-    rbdi_relatives *kin; /* n x 3 lists: batches with dofs on a dof's path, with both, of its subtree */
-    rbd_const mass;      /* of all bodies that a joint moves */
+    rbd_real *a;           /* n: acceleration of forward dynamics */
+    rbdi_entry *entry;     /* n */
+    rbdi_segment *segment; /* segments */
+    int16_t *origin;       /* nl: root of the tree that has the common origin in this link, else -1 */
+    rbdi_relatives
+        *relatives; /* n x 3 lists: batches with dofs on the path only, with both, in the subtree */
+    rbd_const mass; /* of all bodies that a joint moves */
 };
 
 #define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17     /* in rbdi_constants */
 #if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_SURPLUS 0
-#define RBDI_KIN(n, padded) 0
+#define RBDI_RELATIVES(n, padded) 0
 #else
 #define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
-#define RBDI_KIN(n, padded) \
+#define RBDI_RELATIVES(n, padded) \
     ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives)) /* from 2 lanes on */
 #endif
 
@@ -375,7 +378,7 @@ struct rbd_derivatives {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
      (size_t)(padded) * (RBDI_COLUMN_SIZE * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
      (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
-     (size_t)(nl) * (sizeof(rbdi_run) + sizeof(int16_t)) + RBDI_KIN(n, padded))
+     (size_t)(nl) * (sizeof(rbdi_segment) + sizeof(int16_t)) + RBDI_RELATIVES(n, padded))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
    (compile-time bounds; rbd_derivatives_size is exact, and less). */
@@ -654,7 +657,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         rbdi_store_motion(Vp + entry[base - 1].at, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
     }
-    for (const rbdi_run *r = d->run + (base > 0), *last = d->run + d->runs; r < last; ++r) {
+    for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
         rbdi_motion V = world;
         if (r->parent >= base) {
             const rbd_real *in = Vp + entry[r->parent].at;
@@ -718,7 +721,7 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
         if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
     }
     if (!(need & RBDI_NEED_V)) return;
-    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r)
+    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
         for (int k = r->first; r->block && k < r->end; ++k) {
             const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
             rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
@@ -839,8 +842,8 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 /* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
    for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
    as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
-RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
-    for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
+RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+    for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
@@ -862,7 +865,7 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
-RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int need) {
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
     if (!(need & RBDI_NEED_V)) {
         rbdi_sum_few(d, root, x, 9);
@@ -1001,7 +1004,7 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
                                 int need, int more) {
     rbdi_common_motion(m, d, base, q, v, a, gravity, need | more);
     rbdi_own_sums(m, d, base, f_ext, need);
-    rbdi_sum_subtrees(d, d->run + (base > 0), need);
+    rbdi_sum_subtrees(d, d->segment + (base > 0), need);
     for (int b = base ? d->behind : 0; b < d->batches; ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
@@ -1036,14 +1039,14 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
    from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
    those of its subtree, by the left one. */
 
-/* The caller's matrices: derivatives by q and v, or C, and M; and which of them are wanted. */
+/* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
 enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
 enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
 typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x + b' y, vectors of a batch with those of one dof, and with c added. */
+/* a' x + b' y, vectors of a batch times vectors of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
@@ -1055,7 +1058,7 @@ RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_
     return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
 }
 
-/* Entries of the dof of F and T, with those before it on its path. */
+/* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q)
@@ -1064,7 +1067,7 @@ RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force
         y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
 }
-/* Entries of the dof of S, with those of its subtree. */
+/* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
@@ -1093,10 +1096,10 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbd
 }
 
 #if RBDI_BATCH > 1
-/* Lists of a dof's relatives, one behind the other. */
-RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
-RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
-    return d->kin + d->entry[i].source * rbdi_kin_length(d);
+/* Length of a dof's three lists, which follow one another. */
+RBDI_INLINE int rbdi_relatives_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
+RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
+    return d->relatives + d->entry[i].source * rbdi_relatives_length(d);
 }
 
 /* Mask of the lanes whose bits begin at first. */
@@ -1106,7 +1109,7 @@ RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
                        lanes); /* not from a table: loads are what takes time */
 }
-/* Puts what is wanted of a batch into a row. */
+/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
 RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
                                 ptrdiff_t at) {
     RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
@@ -1161,17 +1164,17 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
    Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
-    const ptrdiff_t length = rbdi_kin_length(&d);
-    const rbdi_relatives *kin = d.kin + d.base * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += length) {
-        const rbdi_entry *e = d.entry + p->laid;
+    const ptrdiff_t length = rbdi_relatives_length(&d);
+    const rbdi_relatives *list = d.relatives + d.base * length;
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, list += length) {
+        const rbdi_entry *e = d.entry + p->of_source;
         const int at = e->row + d.base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
         }
-        if (!kin->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, kin, want, row);
+        if (!list->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
+        rbdi_put_row(d.columns, e, list, want, row);
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
@@ -1186,7 +1189,7 @@ RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out
     for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = d->entry + i;
-        rbdi_put_row(d->columns, e, rbdi_kin_of(d, i), want, row);
+        rbdi_put_row(d->columns, e, rbdi_relatives_of(d, i), want, row);
         for (int k = e->parent; k >= 0; k = d->entry[k].parent)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
         for (int k = i; k < e->end; ++k)
@@ -1411,7 +1414,7 @@ RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
            rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
 }
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_run *r = d->run + (d->base > 0); r < d->run + d->runs; ++r)
+    for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
         for (int i = r->first; r->block && i < r->end; ++i)
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
@@ -1431,21 +1434,21 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
 }
 
 /* What they are: themselves, or sides of rbd_fd_derivatives. */
-enum { RBDI_ENTRIES, RBDI_SIDES };
+enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
     if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
     if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
     if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
     rbdi_put_rows(d, want, zeros, out);
-    if (d->base && what != RBDI_SIDES) rbdi_put_base(d, want, out);
+    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
 }
 
 /* All entries of the matrices that are wanted but a base's own. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int zeros = what == RBDI_SIDES || !d->keep_zeros;
+    const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
     if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
@@ -1538,12 +1541,12 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* The dofs of link i: constants, entries, and their run. */
+/* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
-    rbdi_run *r = &d->run[d->runs > 0 ? d->runs - 1 : 0];
+    rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
@@ -1553,20 +1556,20 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->row = e->user * m->nv;
     }
-    if (d->runs == 0 || block || r->block || parent != l->first - 1) {
-        r = &d->run[d->runs++];
+    if (d->segments == 0 || block || r->block || parent != l->first - 1) {
+        r = &d->segment[d->segments++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
     }
     r->end = (int16_t)(l->first + n);
 }
 
-/* Where the lanes are: in the caller's order, in which rows of results are made. */
-RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
+/* Assigns the lanes in the caller's order, the order of the results' rows. */
+RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
     for (int k = 0; k < d->n; ++k) {
         rbdi_entry *e = &d->entry[k];
         const int from = e->source + rbdi_lanes_before(m);
-        d->entry[e->source].laid = (int16_t)k;
+        d->entry[e->source].of_source = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
         e->at = e->batch * RBDI_COLUMN_SIZE * RBDI_BATCH + e->lane;
@@ -1588,9 +1591,9 @@ RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *
 }
 /* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
    these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
-RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
+RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_kin_of(d, i), *both = list, *behind, *end;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *both = list, *behind, *end;
         for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
             both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
         behind = end = both;
@@ -1613,7 +1616,7 @@ RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
 
 /* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
    end. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_run *r) {
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
            (m->link[i].kind == RBDI_SCREW
@@ -1644,30 +1647,30 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
-    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_kin_length(d), sizeof(rbdi_relatives));
+    d->relatives = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_relatives_length(d), sizeof(rbdi_relatives));
 #endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
-    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
+    d->segment = (rbdi_segment *)rbdi_take(&p, m->nl, sizeof(rbdi_segment));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
     rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
-    d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
+    d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
     for (int i = 0; i < m->nl; ++i) {
         d->origin[i] = -1;
         rbdi_init_link(m, d, i);
     }
-    rbdi_lay_lanes(m, d);
+    rbdi_assign_lanes(m, d);
 #if RBDI_BATCH > 1
-    rbdi_init_kin(d);
+    rbdi_init_relatives(d);
 #endif
     for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
     for (int i = 0, r = 0; i < m->nl; ++i) {
         if (m->link[i].parent >= 0) continue;
-        while (d->run[r].first < m->link[i].first) ++r;
-        rbdi_init_origin(m, d, i, &d->run[r]);
+        while (d->segment[r].first < m->link[i].first) ++r;
+        rbdi_init_origin(m, d, i, &d->segment[r]);
     }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
@@ -1698,7 +1701,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
-    for (const rbdi_run *r = d->run + 1; r < d->run + d->runs; ++r) {
+    for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
         for (int k = r->first; others && k < r->end; ++k) {
@@ -1761,7 +1764,7 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
     if (m->nmimic) {
         for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
-            const rbdi_entry *e = &d->entry[d->entry[first + j].laid];
+            const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
             const rbdi_b3 in = y;
             rbd_real x[3];
             rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
@@ -1817,7 +1820,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
 RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
                                       rbd_real *A_dot_v) {
     rbdi_force F = rbdi_force0();
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+    for (const rbdi_segment *r = d->segment; r < d->segment + d->segments; ++r) {
         const rbd_real *in = RBDI_OF(d, rbdi_last_dof(m, r->link), sum.f);
         if (r->parent < 0) F = rbdi_force_add(F, rbdi_load_force(in, RBDI_BATCH));
     }
@@ -1921,7 +1924,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_mot
         rbdi_sums *s = &d->columns[b].sum;
         s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
     }
-    rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
+    rbdi_sum_few(d, d->segment + 1, (rbd_real *)&d->columns->sum.f, 6);
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
         const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
@@ -2080,7 +2083,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
-    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs;
+    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments;
          ++r) /* of a block the last dof has what it adds */
         for (int k = r->first; r->block && k < r->end - 1; ++k) {
             rbd_real *last = RBDI_OF(d, r->end - 1, E);
@@ -2088,7 +2091,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
                              rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
                                             rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
         }
-    rbdi_sum_few(d, d->run, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f =
@@ -2153,7 +2156,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_RIGHT_SIDES);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;

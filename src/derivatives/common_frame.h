@@ -268,7 +268,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         rbdi_store_motion(Vp + entry[base - 1].at, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
     }
-    for (const rbdi_run *r = d->run + (base > 0), *last = d->run + d->runs; r < last; ++r) {
+    for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
         rbdi_motion V = world;
         if (r->parent >= base) {
             const rbd_real *in = Vp + entry[r->parent].at;
@@ -332,7 +332,7 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
         if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
     }
     if (!(need & RBDI_NEED_V)) return;
-    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs; ++r)
+    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
         for (int k = r->first; r->block && k < r->end; ++k) {
             const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
             rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));

@@ -110,7 +110,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
-    for (const rbdi_run *r = d->run + (base > 0); r < d->run + d->runs;
+    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments;
          ++r) /* of a block the last dof has what it adds */
         for (int k = r->first; r->block && k < r->end - 1; ++k) {
             rbd_real *last = RBDI_OF(d, r->end - 1, E);
@@ -118,7 +118,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
                              rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
                                             rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
         }
-    rbdi_sum_few(d, d->run, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f =
@@ -183,7 +183,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_SIDES);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_RIGHT_SIDES);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;

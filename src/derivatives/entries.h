@@ -15,14 +15,14 @@
    from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
    those of its subtree, by the left one. */
 
-/* The caller's matrices: derivatives by q and v, or C, and M; and which of them are wanted. */
+/* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
 enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
 enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
 typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x + b' y, vectors of a batch with those of one dof, and with c added. */
+/* a' x + b' y, vectors of a batch times vectors of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
@@ -34,7 +34,7 @@ RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_
     return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
 }
 
-/* Entries of the dof of F and T, with those before it on its path. */
+/* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q)
@@ -43,7 +43,7 @@ RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force
         y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
 }
-/* Entries of the dof of S, with those of its subtree. */
+/* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
@@ -72,10 +72,10 @@ RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbd
 }
 
 #if RBDI_BATCH > 1
-/* Lists of a dof's relatives, one behind the other. */
-RBDI_INLINE int rbdi_kin_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
-RBDI_INLINE rbdi_relatives *rbdi_kin_of(const rbd_derivatives *d, int i) {
-    return d->kin + d->entry[i].source * rbdi_kin_length(d);
+/* Length of a dof's three lists, which follow one another. */
+RBDI_INLINE int rbdi_relatives_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
+RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
+    return d->relatives + d->entry[i].source * rbdi_relatives_length(d);
 }
 
 /* Mask of the lanes whose bits begin at first. */
@@ -85,7 +85,7 @@ RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
                        lanes); /* not from a table: loads are what takes time */
 }
-/* Puts what is wanted of a batch into a row. */
+/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
 RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
                                 ptrdiff_t at) {
     RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
@@ -140,17 +140,17 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
    Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
-    const ptrdiff_t length = rbdi_kin_length(&d);
-    const rbdi_relatives *kin = d.kin + d.base * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, kin += length) {
-        const rbdi_entry *e = d.entry + p->laid;
+    const ptrdiff_t length = rbdi_relatives_length(&d);
+    const rbdi_relatives *list = d.relatives + d.base * length;
+    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, list += length) {
+        const rbdi_entry *e = d.entry + p->of_source;
         const int at = e->row + d.base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
         }
-        if (!kin->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, kin, want, row);
+        if (!list->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
+        rbdi_put_row(d.columns, e, list, want, row);
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
@@ -165,7 +165,7 @@ RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out
     for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = d->entry + i;
-        rbdi_put_row(d->columns, e, rbdi_kin_of(d, i), want, row);
+        rbdi_put_row(d->columns, e, rbdi_relatives_of(d, i), want, row);
         for (int k = e->parent; k >= 0; k = d->entry[k].parent)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
         for (int k = i; k < e->end; ++k)
@@ -390,7 +390,7 @@ RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
            rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
 }
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_run *r = d->run + (d->base > 0); r < d->run + d->runs; ++r)
+    for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
         for (int i = r->first; r->block && i < r->end; ++i)
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
@@ -410,21 +410,21 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
 }
 
 /* What they are: themselves, or sides of rbd_fd_derivatives. */
-enum { RBDI_ENTRIES, RBDI_SIDES };
+enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
     if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
     if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
     if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
     rbdi_put_rows(d, want, zeros, out);
-    if (d->base && what != RBDI_SIDES) rbdi_put_base(d, want, out);
+    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
 }
 
 /* All entries of the matrices that are wanted but a base's own. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int zeros = what == RBDI_SIDES || !d->keep_zeros;
+    const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
     if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */

@@ -60,7 +60,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_mot
         rbdi_sums *s = &d->columns[b].sum;
         s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
     }
-    rbdi_sum_few(d, d->run + 1, (rbd_real *)&d->columns->sum.f, 6);
+    rbdi_sum_few(d, d->segment + 1, (rbd_real *)&d->columns->sum.f, 6);
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
         const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);

@@ -74,12 +74,12 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* The dofs of link i: constants, entries, and their run. */
+/* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
-    rbdi_run *r = &d->run[d->runs > 0 ? d->runs - 1 : 0];
+    rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
@@ -89,20 +89,20 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->row = e->user * m->nv;
     }
-    if (d->runs == 0 || block || r->block || parent != l->first - 1) {
-        r = &d->run[d->runs++];
+    if (d->segments == 0 || block || r->block || parent != l->first - 1) {
+        r = &d->segment[d->segments++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
     }
     r->end = (int16_t)(l->first + n);
 }
 
-/* Where the lanes are: in the caller's order, in which rows of results are made. */
-RBDI_PART void rbdi_lay_lanes(const rbd_model *m, rbd_derivatives *d) {
+/* Assigns the lanes in the caller's order, the order of the results' rows. */
+RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
     for (int k = 0; k < d->n; ++k) {
         rbdi_entry *e = &d->entry[k];
         const int from = e->source + rbdi_lanes_before(m);
-        d->entry[e->source].laid = (int16_t)k;
+        d->entry[e->source].of_source = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
         e->at = e->batch * RBDI_COLUMN_SIZE * RBDI_BATCH + e->lane;
@@ -124,9 +124,9 @@ RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *
 }
 /* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
    these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
-RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
+RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_kin_of(d, i), *both = list, *behind, *end;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *both = list, *behind, *end;
         for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
             both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
         behind = end = both;
@@ -149,7 +149,7 @@ RBDI_PART void rbdi_init_kin(rbd_derivatives *d) {
 
 /* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
    end. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_run *r) {
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
            (m->link[i].kind == RBDI_SCREW
@@ -180,30 +180,30 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
-    d->kin = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_kin_length(d), sizeof(rbdi_relatives));
+    d->relatives = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_relatives_length(d), sizeof(rbdi_relatives));
 #endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
-    d->run = (rbdi_run *)rbdi_take(&p, m->nl, sizeof(rbdi_run));
+    d->segment = (rbdi_segment *)rbdi_take(&p, m->nl, sizeof(rbdi_segment));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
     rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
-    d->runs = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
+    d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
     for (int i = 0; i < m->nl; ++i) {
         d->origin[i] = -1;
         rbdi_init_link(m, d, i);
     }
-    rbdi_lay_lanes(m, d);
+    rbdi_assign_lanes(m, d);
 #if RBDI_BATCH > 1
-    rbdi_init_kin(d);
+    rbdi_init_relatives(d);
 #endif
     for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
     for (int i = 0, r = 0; i < m->nl; ++i) {
         if (m->link[i].parent >= 0) continue;
-        while (d->run[r].first < m->link[i].first) ++r;
-        rbdi_init_origin(m, d, i, &d->run[r]);
+        while (d->segment[r].first < m->link[i].first) ++r;
+        rbdi_init_origin(m, d, i, &d->segment[r]);
     }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);

@@ -19,7 +19,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
-    for (const rbdi_run *r = d->run + 1; r < d->run + d->runs; ++r) {
+    for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
         for (int k = r->first; others && k < r->end; ++k) {
@@ -82,7 +82,7 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
     if (m->nmimic) {
         for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
-            const rbdi_entry *e = &d->entry[d->entry[first + j].laid];
+            const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
             const rbdi_b3 in = y;
             rbd_real x[3];
             rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
@@ -138,7 +138,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
 RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
                                       rbd_real *A_dot_v) {
     rbdi_force F = rbdi_force0();
-    for (const rbdi_run *r = d->run; r < d->run + d->runs; ++r) {
+    for (const rbdi_segment *r = d->segment; r < d->segment + d->segments; ++r) {
         const rbd_real *in = RBDI_OF(d, rbdi_last_dof(m, r->link), sum.f);
         if (r->parent < 0) F = rbdi_force_add(F, rbdi_load_force(in, RBDI_BATCH));
     }

@@ -5,8 +5,8 @@
 /* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
    for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
    as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
-RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real *x, int n) {
-    for (const rbdi_run *r = d->run + d->runs - 1; r >= root; --r) {
+RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+    for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
@@ -28,7 +28,7 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_run *root, rbd_real
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
-RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_run *root, int need) {
+RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
     if (!(need & RBDI_NEED_V)) {
         rbdi_sum_few(d, root, x, 9);
@@ -167,7 +167,7 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
                                 int need, int more) {
     rbdi_common_motion(m, d, base, q, v, a, gravity, need | more);
     rbdi_own_sums(m, d, base, f_ext, need);
-    rbdi_sum_subtrees(d, d->run + (base > 0), need);
+    rbdi_sum_subtrees(d, d->segment + (base > 0), need);
     for (int b = base ? d->behind : 0; b < d->batches; ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
