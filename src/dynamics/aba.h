@@ -299,7 +299,8 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, leaves first. In: contribution to link end - 1; out: of link first. */
+/* Pass 2 of the links first .. end - 1, leaves first. In: contribution to link end - 1; out: of link
+   first. */
 RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
                                       int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
                                       rbdi_mask *any_doubt) {
