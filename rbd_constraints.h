@@ -443,26 +443,26 @@ struct rbd_constraint_set {
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
-   Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
+   Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
    with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
-   well, and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and
-   for each state in which a pivot of the other way is in doubt. HyQ on four points and Atlas on two flat
-   feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
+   well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
+   that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
+   HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8587     17713
-       articulated bodies    19543     28489
-       factor of M           28606     46615
+       rbd_aba                8118     17009
+       articulated bodies    18785     27405
+       factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
 
-       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be
+       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: the wanted J a + gamma
        L a = z + D^-1 Y lambda
 
-   Row k of Y stands for dof k, its columns for the rows of the constraints, so that what goes with one dof is
-   contiguous and the sweep is that of a vector, on lanes of rows. Only rows of constraints that hold a body
-   behind the dof are not zero there: its span. */
+   Row k of Y stands for dof k, its columns for the rows of the constraints, so that the entries of one dof
+   are contiguous and loops run over batches of rows. Only rows of constraints that hold a body behind the
+   dof are not zero there: its span. */
 
 RBDI_CODE_BEGIN
 
@@ -473,7 +473,7 @@ RBDI_CODE_BEGIN
 /* ==== src/constraints/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both
+/* RBDI_CLEAR: each pivot must exceed this share of Delta's diagonal entry, or the factor of M decides: both
    equations then hold to 1e-11 of their terms.
    RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
    this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
@@ -520,7 +520,7 @@ RBDI_CODE_BEGIN
 /* ==== src/constraints/kinematics.h ==== */
 /* ---- kinematics [kinematics] ---- */
 
-/* A place and the motion of what of a link is there, world axes: angular velocity, velocity, their rates. */
+/* A point fixed in a link, world axes: its place, angular velocity, velocity, and their rates. */
 typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
@@ -629,7 +629,8 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 
 enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
 
-/* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
+/* gamma of a constraint; want: also J v, e. steady: without omega_dot and acc of the links. Returns the place
+   of frame 1. Body 2 is mostly the world, which is at rest. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int want, int steady) {
     const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);
@@ -690,7 +691,8 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Calls visit for every link that moves one of the two bodies only: those on both paths cancel. */
+/* Runs the statement behind it for every link that moves only one of the two bodies; sign: 1 for body 1, else
+   -1. Links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, k, link, sign) \
     for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
@@ -705,9 +707,9 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
-   with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
-   there already. */
+/* Motion of all links and poses of those on a path, into the work, in place of rbd_kinematics' own; with
+   `wrench` also the wrenches that the motion takes. Gravity is an acceleration of the world. rbdi_joints has
+   been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
@@ -718,14 +720,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Before Y and R are filled in another pattern. */
+/* Y = R = 0, before other entries than those of articulated bodies are written. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
-/* Y = J', gamma, and what else is wanted, of a constraint. */
+/* Y = J' and gamma of a constraint; want: also J v, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                  int want) {
     rbdi_axes_held h;
@@ -1509,7 +1511,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, con
     return 1;
 }
 
-/* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
+/* Velocities, poses and bias wrenches of the links; gamma, J v and e start at 0. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1522,7 +1524,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
-/* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
+/* gamma of a constraint, without omega_dot and acc of its links; want: also J v, e. Its row blocks begin. */
 static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
@@ -1531,7 +1533,7 @@ static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *
         if (k->link[side] >= 0) {
             rbdi_state *s = &c->w->kin[k->link[side]].state;
             s->omega_dot = s->acc = rbdi_vec0();
-            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* unknown, and not wanted */
+            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* not computed, not used */
         }
     rbdi_set_axes(c, k, &h);
     p = rbdi_constraint_motion(c, k, &h, want, 1);
@@ -1579,7 +1581,7 @@ static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set 
     return doubt;
 }
 
-/* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
+/* M x = x + J' lambda, J x = target, once the rows are set: the status, and lambda. */
 static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
                                          int check, rbd_real *lambda) {
     rbdi_multipliers(m, c, c->w->H, check);
@@ -1666,7 +1668,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, c
         rbdi_constraint_rows(m, c, k, want);
 }
 
-/* J v of a constraint as wanted after an impact, less J v before. */
+/* J v of a constraint after an impact less that before. */
 static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }
@@ -2225,7 +2227,7 @@ static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
     return needs;
 }
 
-/* What rbd_constraint_set_init was given. */
+/* Checks the arguments of rbd_constraint_set_init. */
 static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
                                   const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
@@ -2395,9 +2397,9 @@ RBDI_CODE_BEGIN
    so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
    tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
    bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
-   axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
-   S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
-   product, A spatial accelerations
+   axes, at the place p of frame 1: motions of the link-fixed point there. For such a dof k, which moves
+   body b, S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial
+   cross product, A spatial accelerations
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
@@ -2424,7 +2426,7 @@ typedef struct rbdi_encounter { /* of the two bodies of a constraint */
     rbd_real bend;         /* of the derivative of log R */
 } rbdi_encounter;
 
-/* What a dof changes of it. */
+/* Its derivatives by the position and velocity of a dof. */
 typedef struct rbdi_change {
     rbdi_motion S, velocity, by_q, by_v;
 } rbdi_change;

@@ -102,26 +102,26 @@ extern "C" {
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
-   Two ways. Dynamics and impacts go by articulated bodies, [articulated]: the work grows with the links, and
+   Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
    with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
-   well, and decides on the rank of the rows, [rank]. It is for derivatives, for models with mimic joints, and
-   for each state in which a pivot of the other way is in doubt. HyQ on four points and Atlas on two flat
-   feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
+   well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
+   that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
+   HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8587     17713
-       articulated bodies    19543     28489
-       factor of M           28606     46615
+       rbd_aba                8118     17009
+       articulated bodies    18785     27405
+       factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
 
-       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: what J a + gamma shall be
+       Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: the wanted J a + gamma
        L a = z + D^-1 Y lambda
 
-   Row k of Y stands for dof k, its columns for the rows of the constraints, so that what goes with one dof is
-   contiguous and the sweep is that of a vector, on lanes of rows. Only rows of constraints that hold a body
-   behind the dof are not zero there: its span. */
+   Row k of Y stands for dof k, its columns for the rows of the constraints, so that the entries of one dof
+   are contiguous and loops run over batches of rows. Only rows of constraints that hold a body behind the
+   dof are not zero there: its span. */
 
 RBDI_CODE_BEGIN
 

@@ -1167,6 +1167,28 @@ static void check_empty(const robot *r, const state *s, int number) {
 START_TEST(empty_set_is_forward_dynamics) { for_random_trees(50, check_empty); }
 END_TEST
 
+/* Sets that have more rows than can be independent use the factor of M at once: more than 6 between two
+   bodies, more than there are joints between them, more than degrees of freedom. */
+START_TEST(sets_with_too_many_rows_use_the_factor) {
+    const ref_control *hyq = control_named("control_hyq");
+    const double point[3][3] = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const int leg = rbd_body_index(r.m, "lf_lowerleg"), trunk = r.m->frame[leg].parent;
+    rbd_constraint list[8];
+    for (int n = 1; n <= 3; n++) {
+        list[n - 1] = rbd_point_contact(leg, point[n - 1], NULL);
+        set c = set_of(&r, list, n);
+        ck_assert_int_eq(c.c->factored, n > 2);
+        free(c.memory);
+    }
+    list[0] = rbd_ball_loop(leg, point[0], trunk, point[1]); /* one joint */
+    set c = set_of(&r, list, 1);
+    ck_assert_int_eq(c.c->factored, 1);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 /* A leg that is nearly straight is a strut, whose inertia would swamp that of the base: not so here. Some
    legs are, others not, and some feet do not stand. */
 START_TEST(straight_legs_cost_no_digits) {
@@ -1715,6 +1737,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, close_points_keep_their_rank);
     tcase_add_test(c, contradiction_names_the_row);
     tcase_add_test(c, empty_set_is_forward_dynamics);
+    tcase_add_test(c, sets_with_too_many_rows_use_the_factor);
     tcase_add_test(c, straight_legs_cost_no_digits);
     tcase_add_test(c, legs_of_any_make_stand);
     tcase_add_test(c, legs_do_not_hide_a_singular_joint);

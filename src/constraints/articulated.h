@@ -312,7 +312,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, con
     return 1;
 }
 
-/* Velocities, poses and bias wrenches of the links, and what starts from rows: wrenches, gamma, J v. */
+/* Velocities, poses and bias wrenches of the links; gamma, J v and e start at 0. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -325,7 +325,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
 }
 
-/* gamma of a constraint, links steady, and what else is wanted; its row blocks begin. */
+/* gamma of a constraint, without omega_dot and acc of its links; want: also J v, e. Its row blocks begin. */
 static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *k, int want) {
     rbdi_axes_held h;
     rbdi_v3 p;
@@ -334,7 +334,7 @@ static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *
         if (k->link[side] >= 0) {
             rbdi_state *s = &c->w->kin[k->link[side]].state;
             s->omega_dot = s->acc = rbdi_vec0();
-            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* unknown, and not wanted */
+            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* not computed, not used */
         }
     rbdi_set_axes(c, k, &h);
     p = rbdi_constraint_motion(c, k, &h, want, 1);

@@ -40,7 +40,7 @@ static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set 
     return doubt;
 }
 
-/* What is left of M x = x + J' lambda, J x = target when all constraints are reduced. */
+/* M x = x + J' lambda, J x = target, once the rows are set: the status, and lambda. */
 static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
                                          int check, rbd_real *lambda) {
     rbdi_multipliers(m, c, c->w->H, check);
@@ -127,7 +127,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, c
         rbdi_constraint_rows(m, c, k, want);
 }
 
-/* J v of a constraint as wanted after an impact, less J v before. */
+/* J v of a constraint after an impact less that before. */
 static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
     for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
 }

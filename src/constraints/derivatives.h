@@ -15,9 +15,9 @@
    so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
    tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
    bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
-   axes, at the place p of frame 1: motions of what of a link is there. Of such a dof k, which moves body b,
-   S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial cross
-   product, A spatial accelerations
+   axes, at the place p of frame 1: motions of the link-fixed point there. For such a dof k, which moves
+   body b, S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial
+   cross product, A spatial accelerations
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
@@ -44,7 +44,7 @@ typedef struct rbdi_encounter { /* of the two bodies of a constraint */
     rbd_real bend;         /* of the derivative of log R */
 } rbdi_encounter;
 
-/* What a dof changes of it. */
+/* Its derivatives by the position and velocity of a dof. */
 typedef struct rbdi_change {
     rbdi_motion S, velocity, by_q, by_v;
 } rbdi_change;

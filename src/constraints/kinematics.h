@@ -5,7 +5,7 @@
 
 /* ---- kinematics [kinematics] ---- */
 
-/* A place and the motion of what of a link is there, world axes: angular velocity, velocity, their rates. */
+/* A point fixed in a link, world axes: its place, angular velocity, velocity, and their rates. */
 typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
@@ -114,7 +114,8 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 
 enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
 
-/* gamma of a constraint and what else is wanted. Body 2 is mostly the world, which is at rest. */
+/* gamma of a constraint; want: also J v, e. steady: without omega_dot and acc of the links. Returns the place
+   of frame 1. Body 2 is mostly the world, which is at rest. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int want, int steady) {
     const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);

@@ -35,7 +35,8 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Calls visit for every link that moves one of the two bodies only: those on both paths cancel. */
+/* Runs the statement behind it for every link that moves only one of the two bodies; sign: 1 for body 1, else
+   -1. Links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, k, link, sign) \
     for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
@@ -50,9 +51,9 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Motion of all links, into the work, where rbd_kinematics has its own, poses of those on a path;
-   with the wrenches that it takes, gravity being an acceleration of the world. What only depends on q is
-   there already. */
+/* Motion of all links and poses of those on a path, into the work, in place of rbd_kinematics' own; with
+   `wrench` also the wrenches that the motion takes. Gravity is an acceleration of the world. rbdi_joints has
+   been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
@@ -63,14 +64,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Before Y and R are filled in another pattern. */
+/* Y = R = 0, before other entries than those of articulated bodies are written. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
-/* Y = J', gamma, and what else is wanted, of a constraint. */
+/* Y = J' and gamma of a constraint; want: also J v, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                  int want) {
     rbdi_axes_held h;

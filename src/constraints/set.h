@@ -336,7 +336,7 @@ static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
     return needs;
 }
 
-/* What rbd_constraint_set_init was given. */
+/* Checks the arguments of rbd_constraint_set_init. */
 static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
                                   const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;

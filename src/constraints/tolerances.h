@@ -4,7 +4,7 @@
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_CLEAR: of Delta's diagonal entry each pivot must exceed this, or the factor of M decides: both
+/* RBDI_CLEAR: each pivot must exceed this share of Delta's diagonal entry, or the factor of M decides: both
    equations then hold to 1e-11 of their terms.
    RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
    this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
