@@ -2010,17 +2010,17 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 }
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
-   First the columns at a = 0: the bias c_i = S_i' f_i and M, of which a is solved. What a adds then is
-   linear: dA to the accelerations, and, to the wrench of dof i's subtree, I dA_p + sum over the subtree of
-   F_j a_j, dA_p being the parent's.
+   The columns are computed at a = 0: the bias c_i = S_i' f_i, and M. They give a. Then a is added, which is
+   linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j a_j) to the wrench of dof i's
+   subtree, with dA_p of the parent.
 
-   a is solved of by the factor even if M^-1 is wanted. As its product with tau - c it would take 5 % fewer
-   instructions, but its error would not fit M: in chains of 48 links M a is off by 80 times as much, da/dq by
-   20, and where each of 24 links is twice as heavy as its parent da/dq has no digit left instead of six.
+   a is computed from the factor even if M^-1 is requested. The product M^-1 (tau - c) takes 5 % fewer
+   instructions but loses digits: in chains of 48 links M a is off by 80 times as much and da/dq by 20. If each
+   of 24 links is twice as heavy as its parent, da/dq has no correct digit, from the factor six.
 
-   With a free base, v and gravity are in its A only, and A is what is solved of: y = (w_dot; v_dot + w x v -
-   gravity; those of the others) at v = 0 without gravity. y changes with neither place, attitude nor v of the
-   base; from y to a
+   With a free base, v and gravity enter only the base's A. The unknowns are y = (w_dot; v_dot + w x v -
+   gravity; accelerations of the joints), at v = 0 and without gravity. y does not depend on the position,
+   attitude and linear velocity of the base. From y follows a:
 
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
@@ -2072,7 +2072,7 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
 
-/* What a adds to A_p and f of all dofs. */
+/* Adds the effect of a to A_p and f of all dofs. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
@@ -2083,8 +2083,8 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
-    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments;
-         ++r) /* of a block the last dof has what it adds */
+    /* the last dof of a block gets the sum */
+    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
         for (int k = r->first; r->block && k < r->end - 1; ++k) {
             rbd_real *last = RBDI_OF(d, r->end - 1, E);
             rbdi_store_force(last, RBDI_BATCH,
