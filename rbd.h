@@ -935,8 +935,8 @@ typedef double rbdi_wide;
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* ==== src/algebra/types.h ==== */
-/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of two
-   enumerations are combined. */
+/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of
+   two enumerations are combined. */
 #define RBDI_TWIST_90 128 /* 90 degrees */
 #define RBDI_TWIST_0 256  /* 0 */
 

@@ -2,8 +2,8 @@
 #define RBDI_ALGEBRA_TYPES_H
 #include "api/configuration.h"
 
-/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of two
-   enumerations are combined. */
+/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of
+   two enumerations are combined. */
 #define RBDI_TWIST_90 128 /* 90 degrees */
 #define RBDI_TWIST_0 256  /* 0 */
 
