@@ -42,8 +42,8 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    subtree, with dA_p of the parent.
 
    a is computed from the factor even if M^-1 is requested. The product M^-1 (tau - c) takes 5 % fewer
-   instructions but loses digits: in chains of 48 links M a is off by 80 times as much, da/dq by 20. If each of
-   24 links is twice as heavy as its parent, da/dq has no correct digit, from the factor six.
+   instructions but loses digits: in chains of 48 links M a is off by 80 times as much, da/dq by 20. If each
+   of 24 links is twice as heavy as its parent, da/dq has no correct digit, from the factor six.
 
    With a free base, v and gravity enter only the base's A. The unknowns are y = (w_dot; v_dot + w x v -
    gravity; accelerations of the joints), at v = 0 and without gravity. y does not depend on the position,
