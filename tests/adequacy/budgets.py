@@ -87,7 +87,7 @@ def counted():
 def compile_once(folder, header, level, out):
     """Processor seconds of compiling a file that implements the header of this folder."""
     before = os.times()
-    subprocess.run(["gcc", "-std=c99", level, "-I", str(folder), "-c", "-x", "c", "-", "-o", str(out)], check=True,
+    subprocess.run(["gcc", "-std=c99", level, "-I", str(folder), "-c", "-x", "c", "-", "-o", str(out)], check=True, cwd=folder,
                    input=f'#define RBD_IMPLEMENTATION\n#include "{header}"\n', text=True)
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
