@@ -3978,9 +3978,10 @@ RBDI_PART void rbdi_solve_one(const rbd_model *m, rbd_work *w, const rbd_real *L
                        rbdi_solve_sweeps(m, w, L, sign, stride, 1, 0, scalars, X, X))
 }
 RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                              int n, rbd_real *X, rbd_real *Y){
+                              int n, rbd_real *X, rbd_real *Y) {
     RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                   rbdi_solve_sweeps(m, w, L, sign, stride, 2, batches, n, X, Y))}
+                   rbdi_solve_sweeps(m, w, L, sign, stride, 2, batches, n, X, Y));
+}
 
 /* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
@@ -4484,7 +4485,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
             rbdi_world_axes(&x);
-        else if (l->parent != i - 1 || i == first)
+        else if (l->parent != i - 1)
             rbdi_load_axes(&x, &w->kin[l->parent].X);
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);

@@ -1097,7 +1097,7 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
 
 /* x loses its components along all null vectors. */
 static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
-    for (int t = 0; c->exchanged && t < c->rows; ++t) {
+    for (int t = 0; t < c->rows; ++t) {
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
         rbdi_load_null(c, t, c->square);
         rbdi_project(c->square, x, t + 1);

@@ -1667,6 +1667,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(SLOPES(r.m, c, d, q, q, NULL, da, dlambda), RBD_ERR_NULL);
     ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, NULL, dlambda), RBD_ERR_NULL);
     ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, da, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_constrained_fd_derivatives(r.m, c, d, q, q, q, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(SLOPES(other.m, c, d, q, q, q, da, dlambda), RBD_ERR_WORK);
     ck_assert_int_eq(SLOPES(r.m, c, others, q, q, q, da, dlambda), RBD_ERR_WORK);
     ck_assert_int_eq(SLOPES(r.m, c, d, q, q, q, NULL, NULL), RBD_OK);

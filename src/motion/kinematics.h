@@ -53,7 +53,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
             rbdi_world_axes(&x);
-        else if (l->parent != i - 1 || i == first)
+        else if (l->parent != i - 1)
             rbdi_load_axes(&x, &w->kin[l->parent].X);
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);
