@@ -472,7 +472,8 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
-   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good;
+   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good,
+   a set of constraints too; but make a set anew after mass was taken off that the model was built with;
    no call may run meanwhile. A model in a table of constants cannot be changed.
    memory   that was given to rbd_model_build
    mass     kg, may be negative
@@ -3799,8 +3800,10 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
    Y: a second matrix with the same rows. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+/* In the memory of scalars, which may be aligned to four bytes alone. */
 #if RBDI_GNU
-typedef ptrdiff_t rbdi_start __attribute__((may_alias)); /* in the memory of scalars */
+typedef ptrdiff_t rbdi_start
+    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
 #else
 typedef ptrdiff_t rbdi_start;
 #endif

@@ -23,7 +23,8 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
 /* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
-   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good;
+   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good,
+   a set of constraints too; but make a set anew after mass was taken off that the model was built with;
    no call may run meanwhile. A model in a table of constants cannot be changed.
    memory   that was given to rbd_model_build
    mass     kg, may be negative

@@ -91,8 +91,10 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
    Y: a second matrix with the same rows. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+/* In the memory of scalars, which may be aligned to four bytes alone. */
 #if RBDI_GNU
-typedef ptrdiff_t rbdi_start __attribute__((may_alias)); /* in the memory of scalars */
+typedef ptrdiff_t rbdi_start
+    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
 #else
 typedef ptrdiff_t rbdi_start;
 #endif
