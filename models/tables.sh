@@ -33,4 +33,13 @@ for robot in iiwa hyq atlas pendulum double_pendulum cart_pole five_bar; do
     table $robot.h "$@" --c $robot $robot.urdf
     table ${robot}_model.h "$@" --c-model $robot $robot.urdf
 done
+
+# The Arduino sketch has its model beside it, as a user's has.
+sketch=../examples/arduino_gravity/double_pendulum_model.h
+if [ -n "$write" ]; then
+    cp double_pendulum_model.h "$sketch"
+elif ! cmp -s double_pendulum_model.h "$sketch"; then
+    echo "$sketch: not the one of models/; write it again with models/tables.sh RBD_MODEL write"
+    status=1
+fi
 exit $status

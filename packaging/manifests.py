@@ -87,9 +87,16 @@ def arduino():
     check(name, fields["category"] in categories, f"no such category: {fields['category']}")
     for header in fields["includes"].split(","):
         check(name, (root / header).is_file(), f"no {header}")
-    # Without src/ the root is the include path, and sources in it and in utility/ would be compiled.
-    for folder in "src", "utility", "include":
+    # The include path is src/ alone, whose rbd.h includes the rooms, and sources in it would be compiled.
+    for header in fields["includes"].split(","):
+        check(name, (root / "src" / header).is_file(), f"no src/{header}")
+    for source in [*root.glob("src/**/*.c"), *root.glob("src/**/*.cpp"), *root.glob("src/**/*.S")]:
+        check(name, False, f"{source.name} in src/ would be compiled")
+    for folder in "utility", "include":
         check(name, not (root / folder).exists(), f"the folder {folder} changes what is compiled")
+    for sketch in root.glob("examples/**/*.ino"):
+        for header in re.findall(r'#include <(\S+)>', sketch.read_text()):
+            check(name, (root / "src" / header).is_file(), f"{sketch} includes {header}, which is not in src/")
     for source in [*root.glob("*.c"), *root.glob("*.cpp"), *root.glob("*.S")]:
         check(name, False, f"{source.name} in the root would be compiled")
     for sketch in root.glob("examples/**/*.ino"):
