@@ -21,6 +21,6 @@ status=0
     echo "write them anew: $formatter -i FILE"
     status=1
 }
-awk 'FILENAME !~ /^.\/models\// && length > 110 { print FILENAME ":" FNR ": more than 110 columns"; bad = 1 }
+awk 'FILENAME !~ /^.\/models\/|_model.h$/ && length > 110 { print FILENAME ":" FNR ": more than 110 columns"; bad = 1 }
      END { exit bad }' "$@" || status=1
 exit $status
