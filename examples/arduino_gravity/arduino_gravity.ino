@@ -1,5 +1,5 @@
 // arduino_gravity - the torque that holds an arm of two rods still, from two potentiometers on A0 and A1.
-// For a robot of your own, put a header written by rbd's tools beside this sketch in place of double_pendulum_model.h.
+// For a robot of your own, put a header that rbd-model writes in place of double_pendulum_model.h.
 #define RBD_REAL float // as most boards compute
 #define RBD_NO_BUILD   // the model is a constant table: it needs no code that builds it
 #define RBD_IMPLEMENTATION
