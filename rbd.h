@@ -115,10 +115,10 @@
 #define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
 
-/* What [configuration] says, checked and completed. */
+/* The macros of [configuration], checked and completed. */
 
-/* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
-   message. */
+/* A wrong macro gives one #error. Then it is replaced by a value that works, so that no further message hides
+   that one. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
 #undef RBD_IMPLEMENTATION
@@ -488,9 +488,9 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
-   of other lengths, every call returns RBD_ERR_WORK, be it another one or what was built in the memory of
-   this one since (a copy of the same model will do).
+/* Prepares the memory that the algorithms work in; one per thread and model. A copy of the model works
+   too. With a model that needs arrays of other lengths every call returns RBD_ERR_WORK, including a model
+   rebuilt in the same memory.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it
@@ -730,7 +730,7 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
 RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
                                             rbd_real *rates);
 
-/* The velocity, nv, from such rates. What changes the length of a quaternion or (cos, sin) does not count. */
+/* The velocity, nv, from such rates. A change of length of a quaternion or (cos, sin) does not count. */
 RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
                                             rbd_real *v);
 
@@ -2347,7 +2347,7 @@ RBDI_CODE_BEGIN
 
 /* ==== src/base/memory.h ==== */
 /* ---- common [common] ----
-   What several sections call. */
+   Small functions that several sections call. */
 
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
@@ -2409,10 +2409,10 @@ RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv
    rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
-   What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
-   rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
-   (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
-   first two only. */
+   Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
+   rbdi_can_mimic (build), rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates
+   and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
+   types mostly need the first two only. */
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
@@ -2871,7 +2871,7 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
-/* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
+/* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
 RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
@@ -3178,8 +3178,8 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
 
-/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i
-   does. */
+/* One step of the sweep leaf to root: takes the composite body carried from link i + 1, returns the one that
+   link i passes to link i - 1. */
 RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
                                     rbdi_rbi carried, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
@@ -4444,7 +4444,7 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 
 /* ---- kinematics [kinematics code] ---- */
 
-/* Velocity of what of the parent is at r, both in its axes. */
+/* Velocity of the parent-fixed point at r, both in the parent's axes. */
 RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
     const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
@@ -5405,8 +5405,8 @@ RBDI_CODE_END
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
 
 /* ---- descriptions [descriptions] ----
-   What reading a description takes, here and in the headers beside: checks, and algebra in the build's
-   arithmetic. And the way back, from the model to a row. */
+   Tools for reading a description, here and in the other headers: checks, and algebra in the build's
+   arithmetic. Also the way back, from the model to a row. */
 
 #include <math.h>
 
@@ -6220,7 +6220,7 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_reach(up, reach);
 }
 
-/* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
+/* Step 8, leaves to root: regrouping. Inertia that does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
 static void rbdi_build_regroup(rbdi_build_link *links, int i) {

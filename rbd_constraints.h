@@ -152,7 +152,7 @@ RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. What rbd_kinematics left in the work is gone after each of them. Errors:
+   an input of the same shape. Each of them overwrites the results of rbd_kinematics in the work. Errors:
    RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
@@ -1114,7 +1114,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
     }
 }
 
-/* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
+/* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
    agreement before: b loses its components along the null vectors, too. check: whether to note where they do
    not agree. */
 static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {
@@ -2127,8 +2127,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
-static void rbdi_know_each_other(rbd_constraint_set *c) {
+/* Finds the rows that share a joint with each constraint's rows: from `low` on, up to `end`. */
+static void rbdi_find_coupled_rows(rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
         k->low = k->row, k->end = (int16_t)(k->row + k->rows);
@@ -2302,7 +2302,7 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     c->links = 0;
     for (int i = 0; i < m->nl && !m->nmimic; ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    rbdi_know_each_other(c);
+    rbdi_find_coupled_rows(c);
     c->moving = 0;
     for (int i = 0; i < n; ++i)
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;

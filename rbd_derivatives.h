@@ -24,7 +24,7 @@
      [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
-   composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
+   composite inertias of all links in one frame. Each call is a short loop over its columns.
 */
 #include "rbd.h"
 
@@ -112,8 +112,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
-   all joints given but floating ones on the world, of which the torques are, in half of its instructions.
+/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid in half
+   of its instructions, if the torques of floating bases and the accelerations of all other joints are given.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
@@ -188,8 +188,8 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
-   What linearises a step on a floating base. Rows and columns: tangent components, as v; q moves by
-   rbd_integrate(q, t e_k), so do results. Either output may be NULL. Errors: RBD_ERR_NULL. */
+   The linearisation of a step, with a floating base too. Rows and columns: tangent components, as v;
+   q and results move by rbd_integrate(q, t e_k). Either output may be NULL. Errors: RBD_ERR_NULL. */
 
 /* Of q_next = rbd_integrate(q, v, dt) by q and by v: dnext_dq, dnext_dv, nv x nv. They do not depend on q. */
 RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
@@ -1161,7 +1161,7 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 }
 
 /* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
-   Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
+   Their turn comes later, as that of a base's columns does. Rows that would pass the end: elsewhere. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);

@@ -23,7 +23,7 @@
      [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
-   composite inertias of all links in one frame. What needs them is a short loop over its columns; see there.
+   composite inertias of all links in one frame. Each call is a short loop over its columns.
 */
 #include "rbd.h"
 

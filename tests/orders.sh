@@ -32,16 +32,16 @@ file() {
     case $1:$2 in *:*d*c* | *d*:*c*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     cat <<'END'
 #if defined EXPECTED != defined RBDI_IMPLEMENTED
-#error "rbd.h is not implemented"
+#error "the implementation of rbd.h is missing, or not wanted"
 #endif
 #if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
-#error "rbd_derivatives.h is not implemented"
+#error "the implementation of rbd_derivatives.h is missing"
 #endif
 #if defined EXPECTED_CONSTRAINTS && !defined RBDI_CONSTRAINTS_IMPLEMENTED
-#error "rbd_constraints.h is not implemented"
+#error "the implementation of rbd_constraints.h is missing"
 #endif
 #if defined EXPECTED_BOTH_IMPLEMENTED && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
-#error "the derivatives of constrained dynamics are not implemented"
+#error "the implementation of the derivatives of constrained dynamics is missing"
 #endif
 #if defined EXPECTED_BOTH
 void use(void);

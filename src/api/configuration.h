@@ -13,10 +13,10 @@
 #define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
 
-/* What [configuration] says, checked and completed. */
+/* The macros of [configuration], checked and completed. */
 
-/* What cannot work is said once, and what follows goes on with something that does, for the sake of a single
-   message. */
+/* A wrong macro gives one #error. Then it is replaced by a value that works, so that no further message hides
+   that one. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
 #undef RBD_IMPLEMENTATION

@@ -90,7 +90,7 @@ RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. What rbd_kinematics left in the work is gone after each of them. Errors:
+   an input of the same shape. Each of them overwrites the results of rbd_kinematics in the work. Errors:
    RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be

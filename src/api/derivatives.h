@@ -74,8 +74,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid with the accelerations of
-   all joints given but floating ones on the world, of which the torques are, in half of its instructions.
+/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid in half
+   of its instructions, if the torques of floating bases and the accelerations of all other joints are given.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
@@ -150,8 +150,8 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]);
 #endif
 
 /* ---- derivatives of steps on the configuration manifold [steps] ----
-   What linearises a step on a floating base. Rows and columns: tangent components, as v; q moves by
-   rbd_integrate(q, t e_k), so do results. Either output may be NULL. Errors: RBD_ERR_NULL. */
+   The linearisation of a step, with a floating base too. Rows and columns: tangent components, as v;
+   q and results move by rbd_integrate(q, t e_k). Either output may be NULL. Errors: RBD_ERR_NULL. */
 
 /* Of q_next = rbd_integrate(q, v, dt) by q and by v: dnext_dq, dnext_dv, nv x nv. They do not depend on q. */
 RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,

@@ -23,7 +23,7 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
 RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
                                             rbd_real *rates);
 
-/* The velocity, nv, from such rates. What changes the length of a quaternion or (cos, sin) does not count. */
+/* The velocity, nv, from such rates. A change of length of a quaternion or (cos, sin) does not count. */
 RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
                                             rbd_real *v);
 

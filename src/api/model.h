@@ -39,9 +39,9 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. With a model that needs arrays
-   of other lengths, every call returns RBD_ERR_WORK, be it another one or what was built in the memory of
-   this one since (a copy of the same model will do).
+/* Prepares the memory that the algorithms work in; one per thread and model. A copy of the model works
+   too. With a model that needs arrays of other lengths every call returns RBD_ERR_WORK, including a model
+   rebuilt in the same memory.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it

@@ -3,7 +3,7 @@
 #include "base/simd.h"
 
 /* ---- common [common] ----
-   What several sections call. */
+   Small functions that several sections call. */
 
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {

@@ -240,7 +240,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
     }
 }
 
-/* Delta lambda = b, of least norm, where rows may depend on others. What rows ask for is brought into
+/* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
    agreement before: b loses its components along the null vectors, too. check: whether to note where they do
    not agree. */
 static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {

@@ -236,8 +236,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Which other rows move the joints that a constraint's rows move: from `low` on, up to `end`. */
-static void rbdi_know_each_other(rbd_constraint_set *c) {
+/* Finds the rows that share a joint with each constraint's rows: from `low` on, up to `end`. */
+static void rbdi_find_coupled_rows(rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
         k->low = k->row, k->end = (int16_t)(k->row + k->rows);
@@ -411,7 +411,7 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     c->links = 0;
     for (int i = 0; i < m->nl && !m->nmimic; ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    rbdi_know_each_other(c);
+    rbdi_find_coupled_rows(c);
     c->moving = 0;
     for (int i = 0; i < n; ++i)
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;

@@ -137,7 +137,7 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 }
 
 /* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
-   Their turn comes later, as that of a base's columns does. What would go over the end is made elsewhere. */
+   Their turn comes later, as that of a base's columns does. Rows that would pass the end: elsewhere. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);

@@ -199,8 +199,8 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
 
-/* One step of the sweep leaf to root: the composite body that link i + 1 hands on becomes what link i
-   does. */
+/* One step of the sweep leaf to root: takes the composite body carried from link i + 1, returns the one that
+   link i passes to link i - 1. */
 RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
                                     rbdi_rbi carried, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];

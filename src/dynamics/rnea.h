@@ -31,7 +31,7 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
-/* One step of the sweep leaf to root: what link i + 1 hands on becomes what link i does. */
+/* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
 RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];

@@ -8,10 +8,10 @@
    rbdi_trig_of, RBDI_BY_FORM */
 
 /* ---- joints [joints] ----
-   What a joint type does: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup, rbdi_can_mimic (build),
-   rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity
-   (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis types mostly need the
-   first two only. */
+   Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
+   rbdi_can_mimic (build), rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates
+   and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
+   types mostly need the first two only. */
 
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];

@@ -38,7 +38,7 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_reach(up, reach);
 }
 
-/* Step 8, leaves to root: regrouping. What does not depend on the joint's motion goes to the parent:
+/* Step 8, leaves to root: regrouping. Inertia that does not depend on the joint's motion goes to the parent:
    of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
    point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
 static void rbdi_build_regroup(rbdi_build_link *links, int i) {

@@ -9,8 +9,8 @@
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
 
 /* ---- descriptions [descriptions] ----
-   What reading a description takes, here and in the headers beside: checks, and algebra in the build's
-   arithmetic. And the way back, from the model to a row. */
+   Tools for reading a description, here and in the other headers: checks, and algebra in the build's
+   arithmetic. Also the way back, from the model to a row. */
 
 #include <math.h>
 

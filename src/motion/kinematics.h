@@ -9,7 +9,7 @@
 
 /* ---- kinematics [kinematics code] ---- */
 
-/* Velocity of what of the parent is at r, both in its axes. */
+/* Velocity of the parent-fixed point at r, both in the parent's axes. */
 RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
     const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
