@@ -995,8 +995,8 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 /* ==== src/model/layout.h ==== */
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART, RBDI_ARMATURE,
-   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
    RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r). */
@@ -1035,7 +1035,7 @@ typedef struct rbdi_place {
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
 /* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
-   the common combinations are compiled with constant flags (see RBDI_BY_FORM). */
+   the common combinations are compiled with constant flags (see RBDI_BY_FLAGS). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
     RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
@@ -1045,17 +1045,18 @@ enum {
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_APART = 1024     /* not a simple link of a chain: a block, a link with a slot, a link whose parent is
+    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a block, a branch point, a link whose parent is
                                not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
    twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
 typedef struct rbdi_link {
-    int16_t parent;     /* an earlier link, -1 = world */
-    int16_t iq, iv;     /* first coordinate and degree of freedom */
-    int16_t block;      /* index into blocks, -1 = none */
-    int16_t slot;       /* index into rbd_work.slot, -1 = its only child, if any, is the next link */
+    int16_t parent; /* an earlier link, -1 = world */
+    int16_t iq, iv; /* first coordinate and degree of freedom */
+    int16_t block;  /* index into blocks, -1 = none */
+    int16_t
+        branch; /* index into rbd_work.branch, -1 = no branch point: its child, if any, is the next link */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
@@ -1128,7 +1129,7 @@ typedef struct rbdi_frame {
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
-    int16_t nl, nblock, nslot, nmimic;
+    int16_t nl, nblock, nbranch, nmimic;
     int32_t nh;              /* entries of the packed tree matrix */
     int32_t nhx;             /* with mimic joints: entries of the rows behind it, for the mechanism's dofs */
     rbdi_c3 gravity;         /* world frame */
@@ -1156,7 +1157,7 @@ struct rbd_model {
 #endif
 
 /* ==== src/model/work.h ==== */
-/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot, RBDI_FIXED_STRIDE, RBDI_LINKS */
+/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -1165,12 +1166,12 @@ typedef struct rbdi_scratch { /* per link, of one call */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_slot { /* per link with a child that is not the next link: what those children share */
-    rbdi_state state;      /* rnea, kinematics; aba's pass 1: omega */
-    rbdi_motion y;         /* aba's pass 3 */
-    rbdi_abi I;            /* aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;            /* crba */
-} rbdi_slot;
+typedef struct rbdi_branch { /* per link with a child that is not the next link: what those children share */
+    rbdi_state state;        /* rnea, kinematics; aba's pass 1: omega */
+    rbdi_motion y;           /* aba's pass 3 */
+    rbdi_abi I;              /* aba's pass 2; pass 1 clears it */
+    rbdi_rbi C;              /* crba */
+} rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
     rbdi_pose X;
@@ -1195,7 +1196,7 @@ struct rbd_work {
     rbd_real *d;     /* nl: slides of screw links */
     rbdi_scratch *scratch;       /* nl */
     rbdi_kin *kin;               /* nl */
-    rbdi_slot *slot;             /* nslot */
+    rbdi_branch *branch;         /* nbranch */
     rbdi_block_work *block;      /* nblock */
     rbd_real *zero;              /* nv + nmimic zeros */
     rbd_real *pivot;             /* nv + nmimic: pivots of the last factorisation */
@@ -1213,17 +1214,17 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-/* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
-   mimics (0 without mimics), nv dofs without, h packed entries. */
+/* Bytes of the arrays of a work: nl links, k blocks, s branch points, n dofs with mimics, n_q coordinates
+   with mimics (0 without mimics), nv dofs without, h packed entries. */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 4 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
      (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
-     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) + \
+     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_branch) + \
      sizeof(rbd_real) * (1 + 2 * (size_t)(n) + 6 * (size_t)RBDI_STRIDE(n) + (size_t)(nv) + (size_t)(h) + \
                          ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
-   joints three. Slots go to links with two children, blocks have three dofs at least. */
+   joints three. Branch points have two children, blocks have three dofs at least. */
 #define RBDI_LINKS(nb, nv) ((nb) + 2 * (nv) / 3)
 
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
@@ -1287,12 +1288,12 @@ struct rbd_work {
    Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a
    one-axis link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities
    passed between the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba),
-   down s, y or omega. A link with further children has a slot, an accumulator in memory: the slot keeps state
-   and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
+   down s, y or omega. A link with further children is a branch point. Its accumulator in memory, rbdi_branch,
+   keeps state and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
-             |    '--- 3          links 0 and 1 have a slot, for 4 and 3
-             '--- 4 -- 5          through registers: 1, 2, 5; through slots: 3, 4
+             |    '--- 3          links 0 and 1 are branch points, for 4 and 3
+             '--- 4 -- 5          through registers: 1, 2, 5; through memory: 3, 4
 
    So the dofs of a subtree are contiguous in the solver's order, order[]: link.first .. end - 1.
 
@@ -1399,9 +1400,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CODE_END
 #endif
 
-/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each form of a link. It is inlined
-   always where the compiler optimises: vectors that are passed in memory would cost ten times as much at -Os,
-   to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. It is
+   inlined always where the compiler optimises: vectors that are passed in memory would cost ten times as much
+   at -Os, to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
 #if RBDI_GNU && defined __OPTIMIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
@@ -1876,27 +1877,27 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
 }
 
 /* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
-   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
+   which it was turned. The flags say what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
    or nothing. */
-RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
-    if (form & RBDI_TWIST_0) return v;
-    if (form & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
+RBDI_INLINE rbdi_v3 rbdi_turn_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (flags & RBDI_TWIST_0) return v;
+    if (flags & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
 }
-RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
-    if (form & RBDI_TWIST_0) return v;
-    if (form & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
+RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (flags & RBDI_TWIST_0) return v;
+    if (flags & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
     return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
 /* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
    block (x, y) instead of the twelve of the plain product. */
-RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A) {
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
-    if (form & RBDI_TWIST_0) return A;
+    if (flags & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
         B.xz = -A.yz, B.yz = A.xz;
         return B;
@@ -1916,12 +1917,12 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
 }
 
 /* The same for a general matrix. */
-RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A) {
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;
-    if (form & RBDI_TWIST_0) return A;
+    if (flags & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
         B.xz = -A.yz, B.yz = A.xz;
         B.zx = -A.zy, B.zy = A.zx;
@@ -1982,9 +1983,9 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     C.h.z = k;
     return C;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C) {
-    C.Sigma = rbdi_sym_up_z(form, c, s, C.Sigma);
-    C.h = rbdi_turn_up_z(form, c, s, C.h);
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int flags, rbd_real c, rbd_real s, rbdi_rbi C) {
+    C.Sigma = rbdi_sym_up_z(flags, c, s, C.Sigma);
+    C.h = rbdi_turn_up_z(flags, c, s, C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
@@ -2023,10 +2024,10 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
     }
     return Y;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi IA) {
-    IA.I = rbdi_sym_up_z(form, c, s, IA.I);
-    IA.H = rbdi_mat_up_z(form, c, s, IA.H);
-    IA.M = rbdi_sym_up_z(form, c, s, IA.M);
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(int flags, rbd_real c, rbd_real s, rbdi_abi IA) {
+    IA.I = rbdi_sym_up_z(flags, c, s, IA.I);
+    IA.H = rbdi_mat_up_z(flags, c, s, IA.H);
+    IA.M = rbdi_sym_up_z(flags, c, s, IA.M);
     return IA;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {
@@ -2406,7 +2407,7 @@ RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
    rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
-   rbdi_trig_of, RBDI_BY_FORM */
+   rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -2417,9 +2418,9 @@ RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
 }
-/* Whether a link is a block, which the common forms are not. */
-RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int form) {
-    return (form & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+/* Whether a link is a block, which links with the common flags are not. */
+RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
+    return (flags & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
@@ -2507,72 +2508,72 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     }
 }
 
-RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form) {
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
-    t.d = form & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
+    t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
 
 /* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code: on microcontrollers, where there
-   is no SIMD, one for right angles, in which the shifts are tested (the empty assembly keeps clang from
-   concluding that form is flags_, and forgetting the rest); none where arithmetic is a call, for there it
-   saves two per cent. */
-#define RBDI_CASE(known, form, call) \
+   first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
+   have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
+   that the flags are flags_, and forgetting the rest). Where arithmetic is a call there is none: it would
+   save two per cent. */
+#define RBDI_CASE(known, name, call) \
     case known: { \
-        const int form = known; \
+        const int name = known; \
         call; \
     } break;
 #if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_CASES(form, call)
+#define RBDI_CASES(name, call)
 #elif RBDI_SIMD > 0
-#define RBDI_CASES(form, call) \
-    RBDI_CASE(RBDI_TWIST_90, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call) \
-    RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
-    RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
+#define RBDI_CASES(name, call) \
+    RBDI_CASE(RBDI_TWIST_90, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, name, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, name, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, name, call)
 #else
-#define RBDI_CASES(form, call) \
+#define RBDI_CASES(name, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
         __asm__("" : "+r"(shifts_)); \
-        const int form = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        const int name = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \
-        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
 #endif
-#define RBDI_BY_FORM(form, link, call) \
+#define RBDI_BY_FLAGS(name, link, call) \
     do { \
         const int flags_ = (link)->flags; \
         switch (flags_) { \
         default: { \
-            const int form = flags_; \
+            const int name = flags_; \
             call; \
         } break; \
-            RBDI_CASES(form, call) \
+            RBDI_CASES(name, call) \
         } \
     } while (0)
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
-    if (form & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
-    v = rbdi_uncycle(rbdi_turn_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
+    if (flags & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
+    v = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
     return rbdi_turn_z(0, t.c, t.s, v);
 }
 
 /* omega x r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omega) {
     rbdi_v3 y;
     y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
-    if (form & RBDI_SHIFT_XYZ) {
+    if (flags & RBDI_SHIFT_XYZ) {
         y.x = omega.y * l->r.z - omega.z * l->r.y;
         y.y = y.y - omega.x * l->r.z;
         y.z = y.z + omega.x * l->r.y;
@@ -2584,27 +2585,27 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
    branch turn, shift. Written once for T = one scalar and T = a batch of them, of one link; or, with U = T as
    well, of as many links. SET makes a constant of a link a U. */
 #define RBDI_DEFINE_FORCE_UP(name, T, U, SET, LINK, TRIG) \
-    RBDI_INLINE void name##_turn(int form, U c, U s, T *x, T *y) { \
+    RBDI_INLINE void name##_turn(int flags, U c, U s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
-        if (form & RBDI_TWIST_0) return; \
+        if (flags & RBDI_TWIST_0) return; \
         *x = -y0, *y = x0; \
-        if (form & RBDI_TWIST_90) return; \
+        if (flags & RBDI_TWIST_90) return; \
         *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const LINK *l, int form, TRIG t, T *x) { \
-        if (form & RBDI_SHIFT_Z) { \
+    RBDI_INLINE void name(const LINK *l, int flags, TRIG t, T *x) { \
+        if (flags & RBDI_SHIFT_Z) { \
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(form, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
-            if (form & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
+            name##_turn(flags, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
+            if (flags & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
         } \
-        if (!(form & RBDI_SHIFT_R)) return; \
+        if (!(flags & RBDI_SHIFT_R)) return; \
         x[1] = x[1] - x[5] * l->r.x; \
         x[2] = x[2] + x[4] * l->r.x; \
-        if (form & RBDI_SHIFT_XYZ) { \
+        if (flags & RBDI_SHIFT_XYZ) { \
             x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
             x[1] = x[1] + x[3] * l->r.z; \
             x[2] = x[2] - x[3] * l->r.y; \
@@ -2615,10 +2616,10 @@ RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real, rbd_real, rbdi_set, rbdi_link, rbd
 RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
 #endif
 
-RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F) {
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
     rbd_real x[6];
     rbdi_store_force(x, 1, F);
-    rbdi_array_up(l, form, t, x);
+    rbdi_array_up(l, flags, t, x);
     return rbdi_load_force(x, 1);
 }
 
@@ -2630,8 +2631,8 @@ RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
 }
 
 /* S' F of a one-axis joint. */
-RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F) {
-    return form & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F) {
+    return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
 RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {
@@ -2676,33 +2677,33 @@ RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
 }
 
 /* Acceleration, relative to the parent's origin, of the point r where the joint sits: Omega r. */
-RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_state p) {
+RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int flags, rbdi_state p) {
     const rbdi_mat O = rbdi_omega(p.omega, p.omega_dot);
-    if (form & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
+    if (flags & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
 }
 
 /* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
    never appears. */
-RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_state p, rbd_real qd,
-                                         rbd_real qdd) {
-    const int screw = form & RBDI_SLIDES;
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_trig t, rbdi_state p,
+                                         rbd_real qd, rbd_real qdd) {
+    const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
     rbdi_v3 omega = rbdi_vec0();
     rbdi_state s;
-    if (form & RBDI_ROOT) {
+    if (flags & RBDI_ROOT) {
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        omega = rbdi_down(l, form, t, p.omega);
-        s.omega_dot = rbdi_down(l, form, t, p.omega_dot);
+        omega = rbdi_down(l, flags, t, p.omega);
+        s.omega_dot = rbdi_down(l, flags, t, p.omega_dot);
         s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
                                s.omega_dot.z + turn_rate);
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
-        if (form & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
+        if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
-    s.acc = rbdi_down(l, form, t, p.acc);
-    if (form & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
+    s.acc = rbdi_down(l, flags, t, p.acc);
+    if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
         s.acc.x = s.acc.x + t.d * O.xz;
         s.acc.y = s.acc.y + t.d * O.yz;
@@ -2746,7 +2747,7 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
 
 /* Wrench that moves a link: f = Omega h + m acc, n_x = K_zy - K_yz and so on of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc) {
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
@@ -2761,7 +2762,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
-    if (form & RBDI_MASS_KEPT) {
+    if (flags & RBDI_MASS_KEPT) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
@@ -2780,20 +2781,21 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
 
 /* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
    parent's was kept; with it the wrench that moves the link, if wanted. */
-RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                          const rbdi_state *world, const rbd_real *v, const rbd_real *a,
                                          rbdi_state s, int wrench) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-    if (rbdi_block_link(l, form)) {
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->parent != i - 1)
+        s = l->parent < 0 ? *world : w->branch[m->link[l->parent].branch].state;
+    if (rbdi_block_link(l, flags)) {
         rbdi_state block = s; /* an address of s would keep it in memory */
         rbdi_forward_block(m, w, l, v, a, &block);
         s = block;
     } else
-        s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), s, v[l->iv], a[l->iv]);
-    if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
-    if (apart && l->slot >= 0) w->slot[l->slot].state = s;
+        s = rbdi_forward_axis(l, flags, rbdi_trig_of(m, w, i, flags), s, v[l->iv], a[l->iv]);
+    if (wrench) w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega(s.omega, s.omega_dot), &s.acc);
+    if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
 /* The states of all links; keep: in kin. */
@@ -2801,7 +2803,7 @@ RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state 
                               const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+        RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }
 }
@@ -2852,13 +2854,13 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
    external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
 
 /* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
-RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
+RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_force F,
                                     const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
-    rbd_real t = rbdi_along_axis(l, form, F);
-    if (form & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
+    rbd_real t = rbdi_along_axis(l, flags, F);
+    if (flags & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
     tau[l->iv] = t;
-    return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
+    return flags & RBDI_ROOT ? F : rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F);
 }
 RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *a, rbd_real *tau, rbdi_force *F) {
@@ -2872,17 +2874,17 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
-RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int flags,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
-    if (rbdi_block_link(l, form)) {
+    if (rbdi_block_link(l, flags)) {
         rbdi_force block = F; /* an address of F would keep it in memory */
         rbdi_rnea_up_block(m, w, l, a, tau, &block);
         F = block;
     } else
-        F = rbdi_rnea_up(m, w, i, form, F, a, tau);
-    if (!(form & RBDI_APART) || l->parent == i - 1) return F;
+        F = rbdi_rnea_up(m, w, i, flags, F, a, tau);
+    if (!(flags & RBDI_OFF_CHAIN) || l->parent == i - 1) return F;
     if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
     return rbdi_force0();
 }
@@ -2891,7 +2893,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
+        RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
@@ -2994,15 +2996,15 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
    together, a batch at a time. Of I^c only Sigma and h depend on q: the subtree's mass is a constant. */
 
 /* Composite body of a link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
-    if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_rbi C) {
+    if (flags & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
     C = rbdi_rbi_up_z(0, t.c, t.s, C);
-    C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
-    if (!(form & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
-    if (!(form & RBDI_SHIFT_XYZ))
+    C = rbdi_rbi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(flags & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
+    if (!(flags & RBDI_SHIFT_XYZ))
         return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
     C = rbdi_rbi_uncycle(C);
-    if (form & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
+    if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
@@ -3055,10 +3057,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
    not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
    last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
    batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
-RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
 #if RBDI_BATCH > 1
     rbd_real F[6];
     rbdi_store_force(F, 1, own);
@@ -3073,7 +3075,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
                 x[j] = rbdi_insert(x[j], l->first - k, F[j]);
         }
-        rbdi_batch_up(l, form, t, x);
+        rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&n[j * stride] = x[j];
             *(rbdi_batch *)&p[j * stride] = x[j + 3];
@@ -3082,7 +3084,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
 #else
     rbdi_store_force(&w->F[l->first], stride, own);
     for (int k = l->first; k < l->end; ++k)
-        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, flags, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
@@ -3135,32 +3137,32 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
-RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                    rbdi_force own, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-    rbd_real D = rbdi_along_axis(l, form, own);
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
+    rbd_real D = rbdi_along_axis(l, flags, own);
+    if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
     for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
-        if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
+        if (flags & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(e, j, x);
     }
 }
 
 /* The rows and columns of one link's dofs; its composite body and all wrenches of its subtree, to the
    parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                     rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_force own = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
-    rbdi_crba_entries(m, w, i, form, stride, own, H, M);
-    if (form & RBDI_ROOT) return C;
-    rbdi_crba_up(m, w, i, form, stride, own);
-    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
+    const rbdi_force own = rbdi_rbi_axis(l, flags & RBDI_SLIDES, C);
+    rbdi_crba_entries(m, w, i, flags, stride, own, H, M);
+    if (flags & RBDI_ROOT) return C;
+    rbdi_crba_up(m, w, i, flags, stride, own);
+    return rbdi_rbi_up(l, flags, rbdi_trig_of(m, w, i, flags), C);
 }
 RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride, rbdi_rbi *C,
                                rbd_real *H, rbd_real *M) {
@@ -3180,27 +3182,27 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
 
 /* One step of the sweep leaf to root: takes the composite body carried from link i + 1, returns the one that
    link i passes to link i - 1. */
-RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                     rbdi_rbi carried, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
+    const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_rbi C = rbdi_rbi_add_link(l, carried);
-    if (apart && l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-    if (rbdi_block_link(l, form)) {
+    if (off_chain && l->branch >= 0) C = rbdi_rbi_add(C, w->branch[l->branch].C);
+    if (rbdi_block_link(l, flags)) {
         rbdi_rbi block = C; /* an address of C would keep it in memory */
         rbdi_crba_block(m, w, i, stride, &block, H, M);
         C = block;
     } else
-        C = rbdi_crba_axis(m, w, i, form, stride, C, H, M);
-    if (!apart || l->parent == i - 1) return C;
+        C = rbdi_crba_axis(m, w, i, flags, stride, C, H, M);
+    if (!off_chain || l->parent == i - 1) return C;
     if (l->parent >= 0) {
-        rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-        slot->C = rbdi_rbi_add(slot->C, C);
+        rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
+        branch->C = rbdi_rbi_add(branch->C, C);
     }
     return rbdi_rbi_zero();
 }
 
-/* The same, of any form and stride. */
+/* The same, of any flags and stride. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, m->link[i].flags, stride, *carried, H, M);
@@ -3213,14 +3215,15 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m);
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = carried;
+    for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FORM(form, &model.link[i],
-                     carried = rbdi_crba_step(&model, &work, i, form,
-                                              RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
+        RBDI_BY_FLAGS(flags, &model.link[i],
+                      carried =
+                          rbdi_crba_step(&model, &work, i, flags,
+                                         RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */
@@ -3309,14 +3312,14 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
    feels about the joint's axis is its torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
-    if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
+    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, flags & (RBDI_SLIDES | RBDI_ARMATURE), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
-    IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
-    if (!(form & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
-    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
+    IA = rbdi_abi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
+    if (!(flags & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
+    if (!(flags & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
     IA = rbdi_abi_uncycle(IA);
-    if (form & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
+    if (flags & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
@@ -3327,14 +3330,14 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
 }
 
 /* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
-RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA) {
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int flags, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
     IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz,
     IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
     IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
     IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
-    if (form & RBDI_MASS_KEPT) {
+    if (flags & RBDI_MASS_KEPT) {
         IA.H.xy = IA.H.xy - l->h.z, IA.H.yx = IA.H.yx + l->h.z;
         IA.M.xx = IA.M.xx + l->mass, IA.M.yy = IA.M.yy + l->mass, IA.M.zz = IA.M.zz + l->mass;
     }
@@ -3342,21 +3345,21 @@ RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA
 }
 
 /* Pass 1, one-axis link: velocity omega (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd,
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
                                           rbdi_v3 *omega) {
-    const int screw = form & RBDI_SLIDES;
+    const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
-    if (form & RBDI_ROOT) {
+    if (flags & RBDI_ROOT) {
         *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         return c;
     }
-    if (form & RBDI_SHIFT_R)
-        c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
-    *omega = rbdi_down(l, form, t, *omega);
+    if (flags & RBDI_SHIFT_R)
+        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
+    *omega = rbdi_down(l, flags, t, *omega);
     c.omega.x = turn * omega->y;
     c.omega.y = -(turn * omega->x);
-    if (form & RBDI_SHIFT_Z) {
+    if (flags & RBDI_SHIFT_Z) {
         c.v.x = c.v.x + t.d * (omega->x * omega->z);
         c.v.y = c.v.y + t.d * (omega->y * omega->z);
         c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
@@ -3386,20 +3389,21 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
 }
 
 /* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
-RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
+    const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_motion *c = &w->scratch[i].c;
-    if (apart && l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
-    if (rbdi_block_link(l, form))
+    if (off_chain && l->parent != i - 1 && l->parent >= 0)
+        omega = w->branch[m->link[l->parent].branch].state.omega;
+    if (rbdi_block_link(l, flags))
         *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
     else
-        *c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), v[l->iv], &omega);
-    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(omega), NULL);
-    if (apart && l->slot >= 0) {
-        w->slot[l->slot].state.omega = omega;
-        w->slot[l->slot].I = rbdi_abi_zero();
+        *c = rbdi_aba_velocity(l, flags, rbdi_trig_of(m, w, i, flags), v[l->iv], &omega);
+    w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
+    if (off_chain && l->branch >= 0) {
+        w->branch[l->branch].state.omega = omega;
+        w->branch[l->branch].I = rbdi_abi_zero();
     }
     return omega;
 }
@@ -3408,17 +3412,17 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        RBDI_BY_FLAGS(flags, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, flags, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
 }
 
 /* U = IA S. */
-RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_abi *IA) {
+RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int flags, const rbdi_abi *IA) {
     rbdi_force U;
     U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
     U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
-    if (form & RBDI_SLIDES) {
+    if (flags & RBDI_SLIDES) {
         U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
         U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
@@ -3430,21 +3434,21 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c
    + U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z
    is tau, see [aba]. c.omega.z is always 0. */
-RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
+    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];
     const rbdi_motion *c = &own->c;
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
-    U = rbdi_abi_axis(l, form, IA);
-    D = rbdi_along_axis(l, form, U);
+    U = rbdi_abi_axis(l, flags, IA);
+    D = rbdi_along_axis(l, flags, U);
     if (full) D = D + dof->armature;
     w->pivot[l->iv] = D;
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    u_D = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
+    u_D = (tau - rbdi_along_axis(l, flags, *pA)) * inverse;
     U_D.n.x = inverse * U.n.x;
     U_D.n.y = inverse * U.n.y;
     U_D.f = rbdi_scale(inverse, U.f);
@@ -3518,13 +3522,14 @@ RBDI_INLINE void rbdi_aba_eliminate_block(const rbd_model *m, rbd_work *w, const
         rbdi_aba_eliminate_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
 
-/* Adds IA and pA to the parent's slot, unless the parent is link i - 1, which takes them from registers. */
+/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
+   registers. */
 RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
     if (parent >= 0) {
-        rbdi_slot *slot = &w->slot[m->link[parent].slot];
-        slot->I = rbdi_abi_add(slot->I, *IA);
+        rbdi_branch *branch = &w->branch[m->link[parent].branch];
+        branch->I = rbdi_abi_add(branch->I, *IA);
         w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
     }
     *IA = rbdi_abi_zero();
@@ -3557,35 +3562,35 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
 }
 
 /* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */
-RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    *IA = rbdi_abi_add_link(l, form, *IA);
-    rbdi_aba_eliminate(m, w, i, form, tau[l->iv], IA, pA, doubt);
-    if (form & RBDI_ROOT) return;
-    *IA = rbdi_abi_up(l, form, t, *IA);
-    *pA = rbdi_force_up(l, form, t, *pA);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+    *IA = rbdi_abi_add_link(l, flags, *IA);
+    rbdi_aba_eliminate(m, w, i, flags, tau[l->iv], IA, pA, doubt);
+    if (flags & RBDI_ROOT) return;
+    *IA = rbdi_abi_up(l, flags, t, *IA);
+    *pA = rbdi_force_up(l, flags, t, *pA);
 }
 
 /* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. */
-RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->branch >= 0) *IA = rbdi_abi_add(*IA, w->branch[l->branch].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
     if (rbdi_block_link(
-            l, form)) { /* copies: without an address taken IA and pA of other links stay in registers */
+            l, flags)) { /* copies: without an address taken IA and pA of other links stay in registers */
         rbdi_abi copy_IA = *IA;
         rbdi_force copy_pA = *pA;
         rbdi_mask copy_doubt = *doubt;
         rbdi_aba_up_block(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
         *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
     } else {
-        rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
+        rbdi_aba_up(m, w, i, flags, tau, IA, pA, doubt);
     }
-    if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
+    if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
 /* Pass 2 of the links first .. end - 1, leaves first. In: contribution to link end - 1; out: of link
@@ -3597,7 +3602,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
     for (int i = end - 1; i >= first; --i) {
-        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+        RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
     }
     *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }
@@ -3611,14 +3616,15 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
 }
 
 /* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity). */
-RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int flags,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    if (!(form & RBDI_ROOT) && (form & RBDI_SHIFT_R)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
-    y.omega = rbdi_down(l, form, t, y.omega);
-    y.v = rbdi_down(l, form, t, y.v);
-    if (form & RBDI_SHIFT_Z) {
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+    if (!(flags & RBDI_ROOT) && (flags & RBDI_SHIFT_R))
+        y.v = rbdi_add(y.v, rbdi_cross_shift(l, flags, y.omega));
+    y.omega = rbdi_down(l, flags, t, y.omega);
+    y.v = rbdi_down(l, flags, t, y.v);
+    if (flags & RBDI_SHIFT_Z) {
         y.v.x = y.v.x + t.d * y.omega.y;
         y.v.y = y.v.y - t.d * y.omega.x;
     }
@@ -3632,20 +3638,20 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
 }
 
 /* qdd = u/D - (U/D)' y. For a revolute joint without armature U_z/D = 1: x is the link's omega_dot_z. */
-RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbd_real x, qdd;
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
-    if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
+    if (!(flags & (RBDI_SLIDES | RBDI_ARMATURE))) {
         a[l->iv] = x - y.omega.z;
         y.omega.z = x;
         return y;
     }
     qdd = x - own->U_D.n.z * y.omega.z;
-    if (form & RBDI_SLIDES) {
+    if (flags & RBDI_SLIDES) {
         y.omega.z = y.omega.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
     } else {
@@ -3682,19 +3688,19 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
 }
 
 /* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
-RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                             const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->parent < 0)
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->parent < 0)
         y = *world;
-    else if (apart && l->parent != i - 1)
-        y = w->slot[m->link[l->parent].slot].y;
-    if (rbdi_block_link(l, form))
+    else if (off_chain && l->parent != i - 1)
+        y = w->branch[m->link[l->parent].branch].y;
+    if (rbdi_block_link(l, flags))
         y = rbdi_aba_down_block(m, w, i, y, a);
     else
-        y = rbdi_aba_down(m, w, i, form, y, a);
-    if (apart && l->slot >= 0) w->slot[l->slot].y = y;
+        y = rbdi_aba_down(m, w, i, flags, y, a);
+    if (off_chain && l->branch >= 0) w->branch[l->branch].y = y;
     return y;
 }
 
@@ -3702,7 +3708,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
                                              rbdi_motion world, rbdi_motion y, rbd_real *a) {
     for (int i = first; i < end; ++i)
-        RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
+        RBDI_BY_FLAGS(flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &world, y, a));
     return y;
 }
 
@@ -4396,10 +4402,10 @@ RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
 }
 
 /* The axes a, b turned in their plane, as in rbdi_turn_z. */
-RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
+RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
     const rbdi_axis from = *a;
-    if (form & RBDI_TWIST_0) return;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_0) return;
+    if (flags & RBDI_TWIST_90) {
         *a = *b;
         rbdi_negate_axis(b, &from);
         return;
@@ -4411,18 +4417,18 @@ RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, 
 }
 
 /* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
-RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int form, rbdi_trig t, rbdi_axes *p) {
-    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
+RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
+    if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
         rbdi_add_axis(&p->origin, rbdi_set(l->r.x), &p->x);
-        if (form & RBDI_SHIFT_XYZ) {
+        if (flags & RBDI_SHIFT_XYZ) {
             rbdi_add_axis(&p->origin, rbdi_set(l->r.y), &p->y);
             rbdi_add_axis(&p->origin, rbdi_set(l->r.z), &p->z);
         }
     }
-    if (form & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
-    rbdi_turn_axes(form, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
+    if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
+    rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
     rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((form & RBDI_SHIFT_Z) && !(form & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
 }
 
 /* The same of a block. */
@@ -4452,20 +4458,20 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
 
 /* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
    origin of the parent, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                int moving, rbdi_axes *x) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_step(l, form & ~RBDI_ROOT, t, x);
+    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, x);
     rbdi_store_axes(&k->X, x);
     if (!moving) return;
-    k->v = rbdi_down(l, form, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
-    if (form & RBDI_SHIFT_Z) {
+    k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
+    if (flags & RBDI_SHIFT_Z) {
         k->v.x = k->v.x + t.d * k->state.omega.y;
         k->v.y = k->v.y - t.d * k->state.omega.x;
     }
-    if (form & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
 RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
                                 rbdi_axes *x) {
@@ -4493,7 +4499,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
-            RBDI_BY_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
     }
 }
 
@@ -5199,7 +5205,7 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 
 RBDI_API size_t rbd_work_size(const rbd_model *m) {
     if (!m) return 0;
-    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nbranch, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
                            m->nv, m->nh + m->nhx);
 }
 
@@ -5225,7 +5231,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
+    w->branch = (rbdi_branch *)rbdi_take(&p, m->nbranch, sizeof(rbdi_branch));
     w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
     w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
     w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
@@ -6014,7 +6020,8 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have the cheap form). links[p].order = who stands at p. */
+   others, under a one-axis parent: only they can have Denavit and Hartenberg's form). links[p].order = the
+   link at position p. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) links[i].size = 1;
@@ -6290,7 +6297,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
     out.parent = (int16_t)(l->parent < 0 ? -1 : links[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
-    out.block = out.slot = -1;
+    out.block = out.branch = -1;
     out.first = out.end = 0;
     out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
     rbdi_emit_angle(l, &out);
@@ -6423,7 +6430,7 @@ static uint64_t rbdi_pack(int a, int b, int c, int d) {
    the same. */
 static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
-    shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
+    shape[1] = rbdi_pack(0, m->nblock, m->nbranch, m->nmimic);
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
@@ -6476,11 +6483,11 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
     for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
 }
 
-/* Links, blocks, slots and dofs, in the solver's order. */
+/* Links, blocks, branch points and dofs, in the solver's order. */
 static void rbdi_emit_links(const rbdi_build *b) {
     rbd_model *m = b->m;
     int block = 0;
-    m->nslot = 0;
+    m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
         *l = rbdi_emit_link(b->bodies, b->links, p);
@@ -6488,15 +6495,15 @@ static void rbdi_emit_links(const rbdi_build *b) {
             l->block = (int16_t)block;
             b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
-            b->link[l->parent].slot = m->nslot++;
+        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].branch < 0)
+            b->link[l->parent].branch = m->nbranch++;
         rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        if (l->kind == RBDI_BLOCK || l->slot >= 0 || l->parent < 0 || l->parent != p - 1 ||
+        if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
             (l->flags & RBDI_SHIFT_XYZ))
-            l->flags |= RBDI_APART;
+            l->flags |= RBDI_OFF_CHAIN;
     }
 }
 

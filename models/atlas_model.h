@@ -141,17 +141,17 @@ RBDI_TABLE_DECLARATION(atlas_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link atlas_links[31] = {
     {-1, 0, 0, 0, 1, 0, 36, RBDI_BLOCK, /* 0: pelvis */
-     RBDI_MASS_KEPT | RBDI_ROOT | RBDI_APART,
+     RBDI_MASS_KEPT | RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 0, 0, 0, 0, 0, 0, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.065438317015), RBD_C(-0.0008), RBD_C(-0.25597059412250006), RBD_C(0.359564462), RBD_C(0.0005), RBD_C(3.41129984158431)},
      {RBD_C(-1.5117871500000002), 0, RBD_C(21.03243875528)}, RBD_C(175.117964), RBD_C(175.117964)},
     {0, 7, 6, -1, -1, 6, 24, RBDI_REVOLUTE, /* 1: ltorso */
-     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      -1, 0, 2, 0, 1, 0, 1, 0,
      {RBD_C(-0.0125), 0, RBD_C(0.162)}, 0, 1, 0,
      {RBD_C(0.0009161042226112005), RBD_C(1.3133217856688001e-07), RBD_C(-0.002581595407972), RBD_C(0.0014637767702761974), RBD_C(-1.3796307619530006e-07), 0},
@@ -163,7 +163,7 @@ static const rbdi_link atlas_links[31] = {
      {RBD_C(0.31678955850852125), RBD_C(0.043912185637719994), RBD_C(0.00037360518546370006), RBD_C(1.5452382291028501), RBD_C(-0.00014667393410483), 0},
      {RBD_C(-6.3403455226), RBD_C(-0.8765008690602826), 0}, 0, 0},
     {2, 13, 12, -1, 0, 8, 24, RBDI_REVOLUTE, /* 3: utorso */
-     RBDI_SHIFT_Z | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_Z | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, -1, 3, 0, 0, 1, 1, 0,
      {RBD_C(-0.05), 0, 0}, RBD_C(0.1406), 1, 0,
      {RBD_C(2.2959966635950746), RBD_C(0.014334314725190422), RBD_C(0.00736364560296167), RBD_C(13.70948617952751), RBD_C(5.356031642674764), 0},
@@ -211,13 +211,13 @@ static const rbdi_link atlas_links[31] = {
      {RBD_C(0.00024800023355980833), RBD_C(-1.8684799999988545e-09), RBD_C(9.528080199969705e-07), RBD_C(0.00023901494783973165), RBD_C(-7.622464160011817e-06), 0},
      {RBD_C(1.1677999999968469e-05), RBD_C(-9.342400000015808e-05), 0}, 0, 0},
     {3, 17, 16, -1, -1, 16, 17, RBDI_REVOLUTE, /* 11: head */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, 1, 0, -1,
      {0, RBD_C(-0.6215), RBD_C(0.11399999999999999)}, 0, 1, 0,
      {RBD_C(0.007451717244328127), RBD_C(-0.0024130603412924985), RBD_C(3.982733669467637e-06), RBD_C(0.013086161697514084), RBD_C(-2.8062844640467733e-06), 0},
      {RBD_C(0.05442042065601582), RBD_C(-0.10982967690802517), 0}, 0, 0},
     {3, 18, 17, -1, -1, 17, 24, RBDI_REVOLUTE, /* 12: r_clav */
-     RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      -1, 0, 2, 0, 0, 1, 1, 0,
      {RBD_C(0.2256), RBD_C(-0.23260000000000003), 0}, 0, 1, 0,
      {RBD_C(0.18867087), 0, RBD_C(-0.004), RBD_C(0.005234999999999999), 0, 0},
@@ -259,7 +259,7 @@ static const rbdi_link atlas_links[31] = {
      {RBD_C(0.00024800023355980833), RBD_C(1.8684799999988545e-09), RBD_C(-9.528080199969705e-07), RBD_C(0.00023901494783973165), RBD_C(-7.622464160011817e-06), 0},
      {RBD_C(1.1677999999968469e-05), RBD_C(9.342400000015808e-05), 0}, 0, 0},
     {0, 8, 7, -1, -1, 24, 30, RBDI_REVOLUTE, /* 19: l_uglut */
-     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 1, 0, 1, 0,
      {0, RBD_C(0.089), 0}, 0, 1, 0,
      {RBD_C(0.00025678128574232155), RBD_C(3.5704689310885595e-05), RBD_C(-2.11082001423448e-05), RBD_C(0.039349509472127155), RBD_C(-6.0412268666986794e-05), 0},
@@ -295,7 +295,7 @@ static const rbdi_link atlas_links[31] = {
      {RBD_C(0.011318490000000004), 0, RBD_C(0.00435969), RBD_C(0.0015000000000000005), 0, 0},
      {RBD_C(0.16147000000000003), 0, 0}, 0, 0},
     {0, 9, 8, -1, -1, 30, 36, RBDI_REVOLUTE, /* 25: r_uglut */
-     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_XYZ | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 1, 0, 1, 0,
      {0, RBD_C(-0.089), 0}, 0, 1, 0,
      {RBD_C(0.00025678128574232155), RBD_C(-3.5704689310885595e-05), RBD_C(2.11082001423448e-05), RBD_C(0.039349509472127155), RBD_C(-6.0412268666986794e-05), 0},
@@ -560,7 +560,7 @@ static const rbdi_frame atlas_frames[31] = {
 
 RBDI_TABLE const rbd_model atlas_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 31, 37, 36, /* nb, nq, nv */
-    31, 1, 2, 0, 351, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    31, 1, 2, 0, 351, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     atlas_links, atlas_blocks, atlas_dofs, atlas_order, atlas_nodes, NULL, atlas_frames,
     {UINT64_C(0x1f00250024001f), UINT64_C(0x100020000), UINT64_C(0x15f00000000)}, /* lengths of a work's arrays */

@@ -43,11 +43,11 @@ RBDI_TABLE_DECLARATION(cart_pole_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link cart_pole_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, /* 0: cart */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, -1, 3, 0, 0, 1, 0, 1,
      {0, 0, 0}, 0, 0, 1,
      {0, 0, 0, 0, 0, 0},
@@ -94,7 +94,7 @@ static const rbdi_frame cart_pole_frames[2] = {
 
 RBDI_TABLE const rbd_model cart_pole_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
-    2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    2, 0, 0, 0, 3, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     cart_pole_links, NULL, cart_pole_dofs, cart_pole_order, cart_pole_nodes, NULL, cart_pole_frames,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */

@@ -49,11 +49,11 @@ RBDI_TABLE_DECLARATION(five_bar_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link five_bar_links[4] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, /* 0: left_crank */
-     RBDI_ROOT | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_ROOT | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, 1, 1, 0,
      {RBD_C(-0.1), 0, 0}, 0, 1, 0,
      {RBD_C(0.031245), 0, 0, RBD_C(4.999999999999796e-06), 0, 0},
@@ -65,7 +65,7 @@ static const rbdi_link five_bar_links[4] = {
      {RBD_C(0.012244999999999999), 0, 0, RBD_C(4.999999999999796e-06), 0, 0},
      {RBD_C(0.0525), 0, 0}, 0, 0},
     {-1, 2, 2, -1, -1, 2, 4, RBDI_REVOLUTE, /* 2: right_crank */
-     RBDI_ROOT | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_ROOT | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, 1, 1, 0,
      {RBD_C(0.1), 0, 0}, 0, 1, 0,
      {RBD_C(0.031245), 0, 0, RBD_C(4.999999999999796e-06), 0, 0},
@@ -124,7 +124,7 @@ static const rbdi_frame five_bar_frames[4] = {
 
 RBDI_TABLE const rbd_model five_bar_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 4, 4, 4, /* nb, nq, nv */
-    4, 0, 0, 0, 6, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    4, 0, 0, 0, 6, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     five_bar_links, NULL, five_bar_dofs, five_bar_order, five_bar_nodes, NULL, five_bar_frames,
     {UINT64_C(0x4000400040004), UINT64_C(0x0), UINT64_C(0x600000000)}, /* lengths of a work's arrays */

@@ -87,17 +87,17 @@ RBDI_TABLE_DECLARATION(hyq_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link hyq_links[13] = {
     {-1, 0, 0, 0, 0, 0, 18, RBDI_BLOCK, /* 0: base_link_0 */
-     RBDI_MASS_KEPT | RBDI_ROOT | RBDI_APART,
+     RBDI_MASS_KEPT | RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 0, 0, 0, 0, 0, 0, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(10.906933697209752), RBD_C(0.04502136235994825), RBD_C(0.21587646426523668), RBD_C(2.266757564183247), RBD_C(0.009154269078503287), RBD_C(0.44030476978820265)},
      {RBD_C(3.4189836000011398), RBD_C(1.3106417999983129), RBD_C(0.2200155851996976)}, RBD_C(86.774), RBD_C(86.774)},
     {0, 7, 6, -1, -1, 6, 9, RBDI_REVOLUTE, /* 1: lf_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, -1, 3, 0, 0, 1, 0, -1,
      {RBD_C(0.3735), RBD_C(0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(4.7048e-05), RBD_C(0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
@@ -115,7 +115,7 @@ static const rbdi_link hyq_links[13] = {
      {RBD_C(0.02606386596), RBD_C(-5.5580904e-05), RBD_C(-1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(3.524e-05), 0}, 0, 0},
     {0, 8, 7, -1, -1, 9, 12, RBDI_REVOLUTE, /* 4: rf_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 0, 1, 0, 1,
      {RBD_C(0.3735), RBD_C(-0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(-4.7048e-05), RBD_C(0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(-5e-05), 0},
@@ -133,7 +133,7 @@ static const rbdi_link hyq_links[13] = {
      {RBD_C(0.02606386596), RBD_C(-5.5580904e-05), RBD_C(-1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(3.524e-05), 0}, 0, 0},
     {0, 9, 8, -1, -1, 12, 15, RBDI_REVOLUTE, /* 7: lh_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, -1, 3, 0, 0, 1, 0, -1,
      {RBD_C(-0.3735), RBD_C(0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(-4.7048e-05), RBD_C(-0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(5e-05), 0},
@@ -151,7 +151,7 @@ static const rbdi_link hyq_links[13] = {
      {RBD_C(0.02606386596), RBD_C(5.5580904e-05), RBD_C(1.0477400000000013e-06), RBD_C(0.00012000140960000031), RBD_C(-3.5240000000000002e-09), 0},
      {RBD_C(0.11047740000000002), RBD_C(-3.524e-05), 0}, 0, 0},
     {0, 10, 9, -1, -1, 15, 18, RBDI_REVOLUTE, /* 10: rh_hipassembly */
-     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 0, 1, 0, 1,
      {RBD_C(-0.3735), RBD_C(-0.207), 0}, 0, 1, 0,
      {RBD_C(0.032776338517), RBD_C(4.7048e-05), RBD_C(-0.022737817929000002), RBD_C(0.002510008809999995), RBD_C(-5e-05), 0},
@@ -285,7 +285,7 @@ static const rbdi_frame hyq_frames[13] = {
 
 RBDI_TABLE const rbd_model hyq_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 13, 19, 18, /* nb, nq, nv */
-    13, 1, 1, 0, 117, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    13, 1, 1, 0, 117, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     hyq_links, hyq_blocks, hyq_dofs, hyq_order, hyq_nodes, NULL, hyq_frames,
     {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x7500000000)}, /* lengths of a work's arrays */

@@ -58,11 +58,11 @@ RBDI_TABLE_DECLARATION(iiwa_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link iiwa_links[7] = {
     {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, /* 0: lbr_iiwa_link_1 */
-     RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_APART,
+     RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      -1, 0, 2, 0, 1, 0, 1, 0,
      {0, 0, RBD_C(0.36)}, 0, 1, 0,
      {RBD_C(0.0049999999999999906), 0, 0, RBD_C(0.037656), RBD_C(-0.009900000000000003), 0},
@@ -170,7 +170,7 @@ static const rbdi_frame iiwa_frames[7] = {
 
 RBDI_TABLE const rbd_model iiwa_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 7, 7, 7, /* nb, nq, nv */
-    7, 0, 0, 0, 28, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    7, 0, 0, 0, 28, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     iiwa_links, NULL, iiwa_dofs, iiwa_order, iiwa_nodes, NULL, iiwa_frames,
     {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c00000000)}, /* lengths of a work's arrays */

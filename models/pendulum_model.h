@@ -40,11 +40,11 @@ RBDI_TABLE_DECLARATION(pendulum_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link pendulum_links[1] = {
     {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, /* 0: rod */
-     RBDI_ROOT | RBDI_APART,
+     RBDI_ROOT | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(0.0005000000000000004), 0, 0, RBD_C(0.39949999999999997), 0, 0},
@@ -79,7 +79,7 @@ static const rbdi_frame pendulum_frames[1] = {
 
 RBDI_TABLE const rbd_model pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 1, 1, 1, /* nb, nq, nv */
-    1, 0, 0, 0, 1, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    1, 0, 0, 0, 1, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     pendulum_links, NULL, pendulum_dofs, pendulum_order, pendulum_nodes, NULL, pendulum_frames,
     {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x100000000)}, /* lengths of a work's arrays */

@@ -184,12 +184,12 @@ RBDI_EXTERN_C_END
    Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a
    one-axis link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities
    passed between the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba),
-   down s, y or omega. A link with further children has a slot, an accumulator in memory: the slot keeps state
-   and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
+   down s, y or omega. A link with further children is a branch point. Its accumulator in memory, rbdi_branch,
+   keeps state and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
-             |    '--- 3          links 0 and 1 have a slot, for 4 and 3
-             '--- 4 -- 5          through registers: 1, 2, 5; through slots: 3, 4
+             |    '--- 3          links 0 and 1 are branch points, for 4 and 3
+             '--- 4 -- 5          through registers: 1, 2, 5; through memory: 3, 4
 
    So the dofs of a subtree are contiguous in the solver's order, order[]: link.first .. end - 1.
 

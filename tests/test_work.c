@@ -333,7 +333,7 @@ START_TEST(works_of_models_that_differ_in_one_number_are_refused) {
     const rbd_joint_type hinges[5] = {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE};
     chain(a, hinges, 3), chain(b, hinges, 3);
     b[2].parent = 0;
-    expect_apart("nslot", a, 3, b, 3);
+    expect_apart("nbranch", a, 3, b, 3);
     chain(a, hinges, 5), chain(b, hinges, 5);
     a[0].type = RBD_FLOATING, b[0].type = RBD_SPHERICAL;
     a[1].joint = "leader";
@@ -416,7 +416,7 @@ START_TEST(work_of_a_model_that_differs_in_one_count_is_refused) {
         {4, {-1, 0, 1, 2}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0}, /* nb */
         {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_CONTINUOUS_CS}, 0},          /* nq */
         {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_FIXED}, 0},                  /* nv, nl, nh */
-        {3, {-1, 0, 0}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},               /* nslot, nh */
+        {3, {-1, 0, 0}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},               /* nbranch, nh */
         {3, {-1, -1, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 0},              /* nh */
         {3, {-1, 0, 1}, {RBD_REVOLUTE, RBD_REVOLUTE, RBD_REVOLUTE}, 1},               /* nmimic */
         {3, {-1, 0, 1}, {RBD_TRANSLATION, RBD_FIXED, RBD_FIXED}, 0},                  /* nblock, nl */

@@ -51,17 +51,12 @@ static void write_flags(int flags) {
     static const struct {
         int flag;
         const char *name;
-    } names[] = {{RBDI_BRANCH_TURN, "RBDI_BRANCH_TURN"},
-                 {RBDI_SHIFT_XYZ, "RBDI_SHIFT_XYZ"},
-                 {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},
-                 {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
-                 {RBDI_ARMATURE, "RBDI_ARMATURE"},
-                 {RBDI_ROOT, "RBDI_ROOT"},
-                 {RBDI_SLIDES, "RBDI_SLIDES"},
-                 {RBDI_TWIST_90, "RBDI_TWIST_90"},
-                 {RBDI_TWIST_0, "RBDI_TWIST_0"},
-                 {RBDI_SHIFT_R, "RBDI_SHIFT_R"},
-                 {RBDI_APART, "RBDI_APART"}};
+    } names[] = {{RBDI_BRANCH_TURN, "RBDI_BRANCH_TURN"}, {RBDI_SHIFT_XYZ, "RBDI_SHIFT_XYZ"},
+                 {RBDI_SHIFT_Z, "RBDI_SHIFT_Z"},         {RBDI_MASS_KEPT, "RBDI_MASS_KEPT"},
+                 {RBDI_ARMATURE, "RBDI_ARMATURE"},       {RBDI_ROOT, "RBDI_ROOT"},
+                 {RBDI_SLIDES, "RBDI_SLIDES"},           {RBDI_TWIST_90, "RBDI_TWIST_90"},
+                 {RBDI_TWIST_0, "RBDI_TWIST_0"},         {RBDI_SHIFT_R, "RBDI_SHIFT_R"},
+                 {RBDI_OFF_CHAIN, "RBDI_OFF_CHAIN"}};
     const char *between = "";
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
         if (flags & names[i].flag) {
@@ -72,7 +67,7 @@ static void write_flags(int flags) {
 }
 
 static void write_links(const char *name, const rbd_model *m) {
-    printf("/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin "
+    printf("/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin "
            "alpha | cos sin beta |\n"
            "   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */\n");
     printf("static const rbdi_link %s_links[%d] = {\n", name, m->nl);
@@ -80,7 +75,7 @@ static void write_links(const char *name, const rbd_model *m) {
         const rbdi_link *l = &m->link[i];
         const double angles[] = {l->cg, l->sg, l->quarters, l->gamma, l->ca, l->sa, l->cb, l->sb};
         const double slide[] = {l->d, l->rho, l->kappa};
-        printf("    {%d, %d, %d, %d, %d, %d, %d, %s, /* %d: ", l->parent, l->iq, l->iv, l->block, l->slot,
+        printf("    {%d, %d, %d, %d, %d, %d, %d, %s, /* %d: ", l->parent, l->iq, l->iv, l->block, l->branch,
                l->first, l->end, kind_name(l->kind), i);
         print_in_comment(body_of_link(m, i));
         printf(" */\n     ");
@@ -201,7 +196,7 @@ static void write_frames(const char *name, const rbd_model *m) {
 static void write_work_size(const char *name, const rbd_model *m) {
     printf("/* Bytes for rbd_work_init, exactly. */\n#define ");
     print_upper(name);
-    printf("_WORK_SIZE RBDI_WORK_BYTES(%d, %d, %d, %d, %d, %d, %d)\n\n", m->nl, m->nblock, m->nslot,
+    printf("_WORK_SIZE RBDI_WORK_BYTES(%d, %d, %d, %d, %d, %d, %d)\n\n", m->nl, m->nblock, m->nbranch,
            m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0, m->nv, (int)(m->nh + m->nhx));
 }
 
@@ -257,8 +252,8 @@ void print_c_model(const robot *r, const char *name) {
     printf("RBDI_TABLE const rbd_model %s_model = {\n"
            "    RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), %d, %d, %d, /* nb, nq, nv */\n"
            "    %d, %d, %d, %d, %d, %d, "
-           "/* links, blocks, slots, mimics, packed entries, those behind */\n    ",
-           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nslot, m->nmimic, (int)m->nh, (int)m->nhx);
+           "/* links, blocks, branch points, mimics, packed entries, those behind */\n    ",
+           name, m->nb, m->nq, m->nv, m->nl, m->nblock, m->nbranch, m->nmimic, (int)m->nh, (int)m->nhx);
     vector(m->gravity);
     printf(",\n    %s_links, ", name);
     if (m->nblock)

@@ -43,11 +43,11 @@ RBDI_TABLE_DECLARATION(double_pendulum_model)
 
 /* Constants are the solver's, in its own frames; rbd.h, rbdi_link and on, explains them. */
 
-/* parent iq iv block slot first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
+/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
 static const rbdi_link double_pendulum_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, /* 0: upper_rod */
-     RBDI_ROOT | RBDI_APART,
+     RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 0, -1, 1, 0,
      {0, 0, 0}, 0, 1, 0,
      {RBD_C(1.3995), 0, 0, RBD_C(0.0005000000000000004), 0, 0},
@@ -94,7 +94,7 @@ static const rbdi_frame double_pendulum_frames[2] = {
 
 RBDI_TABLE const rbd_model double_pendulum_model = {
     RBD_MODEL_VERSION, (int16_t)sizeof(rbd_const), 2, 2, 2, /* nb, nq, nv */
-    2, 0, 0, 0, 3, 0, /* links, blocks, slots, mimics, packed entries, those behind */
+    2, 0, 0, 0, 3, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     double_pendulum_links, NULL, double_pendulum_dofs, double_pendulum_order, double_pendulum_nodes, NULL, double_pendulum_frames,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */

@@ -37,9 +37,9 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     C.h.z = k;
     return C;
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int form, rbd_real c, rbd_real s, rbdi_rbi C) {
-    C.Sigma = rbdi_sym_up_z(form, c, s, C.Sigma);
-    C.h = rbdi_turn_up_z(form, c, s, C.h);
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int flags, rbd_real c, rbd_real s, rbdi_rbi C) {
+    C.Sigma = rbdi_sym_up_z(flags, c, s, C.Sigma);
+    C.h = rbdi_turn_up_z(flags, c, s, C.h);
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
@@ -78,10 +78,10 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
     }
     return Y;
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_z(int form, rbd_real c, rbd_real s, rbdi_abi IA) {
-    IA.I = rbdi_sym_up_z(form, c, s, IA.I);
-    IA.H = rbdi_mat_up_z(form, c, s, IA.H);
-    IA.M = rbdi_sym_up_z(form, c, s, IA.M);
+RBDI_INLINE rbdi_abi rbdi_abi_up_z(int flags, rbd_real c, rbd_real s, rbdi_abi IA) {
+    IA.I = rbdi_sym_up_z(flags, c, s, IA.I);
+    IA.H = rbdi_mat_up_z(flags, c, s, IA.H);
+    IA.M = rbdi_sym_up_z(flags, c, s, IA.M);
     return IA;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {

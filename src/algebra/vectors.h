@@ -65,27 +65,27 @@ RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
 }
 
 /* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
-   which it was turned. The form says what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
+   which it was turned. The flags say what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
    or nothing. */
-RBDI_INLINE rbdi_v3 rbdi_turn_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
-    if (form & RBDI_TWIST_0) return v;
-    if (form & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
+RBDI_INLINE rbdi_v3 rbdi_turn_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (flags & RBDI_TWIST_0) return v;
+    if (flags & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
 }
-RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int form, rbd_real c, rbd_real s, rbdi_v3 v) {
-    if (form & RBDI_TWIST_0) return v;
-    if (form & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
+RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
+    if (flags & RBDI_TWIST_0) return v;
+    if (flags & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
     return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
 /* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
    block (x, y) instead of the twelve of the plain product. */
-RBDI_INLINE rbdi_sym rbdi_sym_up_z(int form, rbd_real c, rbd_real s, rbdi_sym A) {
+RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
-    if (form & RBDI_TWIST_0) return A;
+    if (flags & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
         B.xz = -A.yz, B.yz = A.xz;
         return B;
@@ -105,12 +105,12 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
 }
 
 /* The same for a general matrix. */
-RBDI_INLINE rbdi_mat rbdi_mat_up_z(int form, rbd_real c, rbd_real s, rbdi_mat A) {
+RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;
-    if (form & RBDI_TWIST_0) return A;
+    if (flags & RBDI_TWIST_0) return A;
     B.zz = A.zz;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_90) {
         B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
         B.xz = -A.yz, B.yz = A.xz;
         B.zx = -A.zy, B.zy = A.zx;

@@ -76,9 +76,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CODE_END
 #endif
 
-/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each form of a link. It is inlined
-   always where the compiler optimises: vectors that are passed in memory would cost ten times as much at -Os,
-   to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. It is
+   inlined always where the compiler optimises: vectors that are passed in memory would cost ten times as much
+   at -Os, to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
 #if RBDI_GNU && defined __OPTIMIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else

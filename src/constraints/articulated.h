@@ -61,21 +61,21 @@ typedef struct rbdi_carried {
 } rbdi_carried;
 
 /* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
-RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_carried *on,
+RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
                                 rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbdi_batch *K = on->K, y = K[2], z = K[2], term;
-    if (form & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
+    if (flags & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
     K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
     K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
+    if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
     K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
     term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
     on->b = on->b - term;
-    rbdi_wrenches_up(l, form, rbdi_trig_of(m, w, i, form), K);
+    rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
 /* K = X' K of a block link. */
@@ -138,7 +138,7 @@ static void rbdi_rows_to(const rbd_model *m, rbd_constraint_set *c, rbdi_row_blo
         if (l->kind == RBDI_BLOCK)
             on = rbdi_rows_block(m, c->w, i, on, Y, stride);
         else
-            RBDI_BY_FORM(form, l, rbdi_rows_axis(m, c->w, i, form, &on, (rbdi_batch *)Y));
+            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)Y));
     }
     if (i < 0) on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
     RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { ((rbdi_batch *)block->K)[j] = on.K[j]; }

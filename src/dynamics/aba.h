@@ -20,14 +20,14 @@
    feels about the joint's axis is its torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_abi IA) {
-    if (form & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, form & (RBDI_SLIDES | RBDI_ARMATURE), IA);
+RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
+    if (flags & RBDI_SHIFT_Z) IA = rbdi_abi_shift_z(t.d, flags & (RBDI_SLIDES | RBDI_ARMATURE), IA);
     IA = rbdi_abi_up_z(0, t.c, t.s, IA);
-    IA = rbdi_abi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
-    if (!(form & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
-    if (!(form & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
+    IA = rbdi_abi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
+    if (!(flags & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
+    if (!(flags & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
     IA = rbdi_abi_uncycle(IA);
-    if (form & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
+    if (flags & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
@@ -38,14 +38,14 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
 }
 
 /* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
-RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA) {
+RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int flags, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
     IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
     IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz,
     IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
     IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
     IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
-    if (form & RBDI_MASS_KEPT) {
+    if (flags & RBDI_MASS_KEPT) {
         IA.H.xy = IA.H.xy - l->h.z, IA.H.yx = IA.H.yx + l->h.z;
         IA.M.xx = IA.M.xx + l->mass, IA.M.yy = IA.M.yy + l->mass, IA.M.zz = IA.M.zz + l->mass;
     }
@@ -53,21 +53,21 @@ RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int form, rbdi_abi IA
 }
 
 /* Pass 1, one-axis link: velocity omega (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int form, rbdi_trig t, rbd_real qd,
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
                                           rbdi_v3 *omega) {
-    const int screw = form & RBDI_SLIDES;
+    const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd;
     rbdi_motion c = rbdi_motion0();
-    if (form & RBDI_ROOT) {
+    if (flags & RBDI_ROOT) {
         *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         return c;
     }
-    if (form & RBDI_SHIFT_R)
-        c.v = rbdi_down(l, form, t, rbdi_cross(*omega, rbdi_cross_shift(l, form, *omega)));
-    *omega = rbdi_down(l, form, t, *omega);
+    if (flags & RBDI_SHIFT_R)
+        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
+    *omega = rbdi_down(l, flags, t, *omega);
     c.omega.x = turn * omega->y;
     c.omega.y = -(turn * omega->x);
-    if (form & RBDI_SHIFT_Z) {
+    if (flags & RBDI_SHIFT_Z) {
         c.v.x = c.v.x + t.d * (omega->x * omega->z);
         c.v.y = c.v.y + t.d * (omega->y * omega->z);
         c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
@@ -97,20 +97,21 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
 }
 
 /* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
-RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
+    const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_motion *c = &w->scratch[i].c;
-    if (apart && l->parent != i - 1 && l->parent >= 0) omega = w->slot[m->link[l->parent].slot].state.omega;
-    if (rbdi_block_link(l, form))
+    if (off_chain && l->parent != i - 1 && l->parent >= 0)
+        omega = w->branch[m->link[l->parent].branch].state.omega;
+    if (rbdi_block_link(l, flags))
         *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
     else
-        *c = rbdi_aba_velocity(l, form, rbdi_trig_of(m, w, i, form), v[l->iv], &omega);
-    w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega_steady(omega), NULL);
-    if (apart && l->slot >= 0) {
-        w->slot[l->slot].state.omega = omega;
-        w->slot[l->slot].I = rbdi_abi_zero();
+        *c = rbdi_aba_velocity(l, flags, rbdi_trig_of(m, w, i, flags), v[l->iv], &omega);
+    w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
+    if (off_chain && l->branch >= 0) {
+        w->branch[l->branch].state.omega = omega;
+        w->branch[l->branch].I = rbdi_abi_zero();
     }
     return omega;
 }
@@ -119,17 +120,17 @@ RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, 
 RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
     rbdi_v3 omega = rbdi_vec0();
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_FORM(form, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, form, v, omega));
+        RBDI_BY_FLAGS(flags, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, flags, v, omega));
         if (keep) w->kin[i].state.omega = omega;
     }
 }
 
 /* U = IA S. */
-RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_abi *IA) {
+RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int flags, const rbdi_abi *IA) {
     rbdi_force U;
     U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
     U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
-    if (form & RBDI_SLIDES) {
+    if (flags & RBDI_SLIDES) {
         U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
         U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
@@ -141,21 +142,21 @@ RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int form, const rbdi_ab
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c
    + U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z
    is tau, see [aba]. c.omega.z is always 0. */
-RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int form, rbd_real tau,
+RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = form & (RBDI_SLIDES | RBDI_ARMATURE);
+    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];
     const rbdi_motion *c = &own->c;
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
-    U = rbdi_abi_axis(l, form, IA);
-    D = rbdi_along_axis(l, form, U);
+    U = rbdi_abi_axis(l, flags, IA);
+    D = rbdi_along_axis(l, flags, U);
     if (full) D = D + dof->armature;
     w->pivot[l->iv] = D;
     inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    u_D = (tau - rbdi_along_axis(l, form, *pA)) * inverse;
+    u_D = (tau - rbdi_along_axis(l, flags, *pA)) * inverse;
     U_D.n.x = inverse * U.n.x;
     U_D.n.y = inverse * U.n.y;
     U_D.f = rbdi_scale(inverse, U.f);
@@ -229,13 +230,14 @@ RBDI_INLINE void rbdi_aba_eliminate_block(const rbd_model *m, rbd_work *w, const
         rbdi_aba_eliminate_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
 }
 
-/* Adds IA and pA to the parent's slot, unless the parent is link i - 1, which takes them from registers. */
+/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
+   registers. */
 RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
     const int parent = m->link[i].parent;
     if (parent == i - 1) return;
     if (parent >= 0) {
-        rbdi_slot *slot = &w->slot[m->link[parent].slot];
-        slot->I = rbdi_abi_add(slot->I, *IA);
+        rbdi_branch *branch = &w->branch[m->link[parent].branch];
+        branch->I = rbdi_abi_add(branch->I, *IA);
         w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
     }
     *IA = rbdi_abi_zero();
@@ -268,35 +270,35 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
 }
 
 /* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */
-RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                              rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    *IA = rbdi_abi_add_link(l, form, *IA);
-    rbdi_aba_eliminate(m, w, i, form, tau[l->iv], IA, pA, doubt);
-    if (form & RBDI_ROOT) return;
-    *IA = rbdi_abi_up(l, form, t, *IA);
-    *pA = rbdi_force_up(l, form, t, *pA);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+    *IA = rbdi_abi_add_link(l, flags, *IA);
+    rbdi_aba_eliminate(m, w, i, flags, tau[l->iv], IA, pA, doubt);
+    if (flags & RBDI_ROOT) return;
+    *IA = rbdi_abi_up(l, flags, t, *IA);
+    *pA = rbdi_force_up(l, flags, t, *pA);
 }
 
 /* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. */
-RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *tau,
+RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->slot >= 0) *IA = rbdi_abi_add(*IA, w->slot[l->slot].I);
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->branch >= 0) *IA = rbdi_abi_add(*IA, w->branch[l->branch].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
     if (rbdi_block_link(
-            l, form)) { /* copies: without an address taken IA and pA of other links stay in registers */
+            l, flags)) { /* copies: without an address taken IA and pA of other links stay in registers */
         rbdi_abi copy_IA = *IA;
         rbdi_force copy_pA = *pA;
         rbdi_mask copy_doubt = *doubt;
         rbdi_aba_up_block(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
         *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
     } else {
-        rbdi_aba_up(m, w, i, form, tau, IA, pA, doubt);
+        rbdi_aba_up(m, w, i, flags, tau, IA, pA, doubt);
     }
-    if (apart) rbdi_aba_to_parent(m, w, i, IA, pA);
+    if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
 /* Pass 2 of the links first .. end - 1, leaves first. In: contribution to link end - 1; out: of link
@@ -308,7 +310,7 @@ RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd
     rbdi_force pA = *carried_pA;
     rbdi_mask doubt = *any_doubt;
     for (int i = end - 1; i >= first; --i) {
-        RBDI_BY_FORM(form, &m->link[i], rbdi_aba_pass2_step(m, w, i, form, tau, &IA, &pA, &doubt));
+        RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
     }
     *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
 }
@@ -322,14 +324,15 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
 }
 
 /* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity). */
-RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int flags,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
-    if (!(form & RBDI_ROOT) && (form & RBDI_SHIFT_R)) y.v = rbdi_add(y.v, rbdi_cross_shift(l, form, y.omega));
-    y.omega = rbdi_down(l, form, t, y.omega);
-    y.v = rbdi_down(l, form, t, y.v);
-    if (form & RBDI_SHIFT_Z) {
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+    if (!(flags & RBDI_ROOT) && (flags & RBDI_SHIFT_R))
+        y.v = rbdi_add(y.v, rbdi_cross_shift(l, flags, y.omega));
+    y.omega = rbdi_down(l, flags, t, y.omega);
+    y.v = rbdi_down(l, flags, t, y.v);
+    if (flags & RBDI_SHIFT_Z) {
         y.v.x = y.v.x + t.d * y.omega.y;
         y.v.y = y.v.y - t.d * y.omega.x;
     }
@@ -343,20 +346,20 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
 }
 
 /* qdd = u/D - (U/D)' y. For a revolute joint without armature U_z/D = 1: x is the link's omega_dot_z. */
-RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_motion y,
+RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbd_real x, qdd;
-    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, form, y), own->c);
+    y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
-    if (!(form & (RBDI_SLIDES | RBDI_ARMATURE))) {
+    if (!(flags & (RBDI_SLIDES | RBDI_ARMATURE))) {
         a[l->iv] = x - y.omega.z;
         y.omega.z = x;
         return y;
     }
     qdd = x - own->U_D.n.z * y.omega.z;
-    if (form & RBDI_SLIDES) {
+    if (flags & RBDI_SLIDES) {
         y.omega.z = y.omega.z + qdd * l->rho;
         y.v.z = y.v.z + qdd * l->kappa;
     } else {
@@ -393,19 +396,19 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
 }
 
 /* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
-RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                             const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->parent < 0)
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->parent < 0)
         y = *world;
-    else if (apart && l->parent != i - 1)
-        y = w->slot[m->link[l->parent].slot].y;
-    if (rbdi_block_link(l, form))
+    else if (off_chain && l->parent != i - 1)
+        y = w->branch[m->link[l->parent].branch].y;
+    if (rbdi_block_link(l, flags))
         y = rbdi_aba_down_block(m, w, i, y, a);
     else
-        y = rbdi_aba_down(m, w, i, form, y, a);
-    if (apart && l->slot >= 0) w->slot[l->slot].y = y;
+        y = rbdi_aba_down(m, w, i, flags, y, a);
+    if (off_chain && l->branch >= 0) w->branch[l->branch].y = y;
     return y;
 }
 
@@ -413,7 +416,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
 RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
                                              rbdi_motion world, rbdi_motion y, rbd_real *a) {
     for (int i = first; i < end; ++i)
-        RBDI_BY_FORM(form, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, form, &world, y, a));
+        RBDI_BY_FLAGS(flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &world, y, a));
     return y;
 }
 

@@ -15,15 +15,15 @@
    together, a batch at a time. Of I^c only Sigma and h depend on q: the subtree's mass is a constant. */
 
 /* Composite body of a link, to the parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_rbi C) {
-    if (form & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
+RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_rbi C) {
+    if (flags & RBDI_SHIFT_Z) C = rbdi_rbi_shift_z(t.d, l->subtree_mass, C);
     C = rbdi_rbi_up_z(0, t.c, t.s, C);
-    C = rbdi_rbi_up_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
-    if (!(form & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
-    if (!(form & RBDI_SHIFT_XYZ))
+    C = rbdi_rbi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_rbi_cycle(C));
+    if (!(flags & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
+    if (!(flags & RBDI_SHIFT_XYZ))
         return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
     C = rbdi_rbi_uncycle(C);
-    if (form & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
+    if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
@@ -76,10 +76,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
    not there yet. They are kept by component, so that a batch of them moves at once; batches count from the
    last dof down and may reach below the first: what lies there is not set yet. The link's own is put into the
    batch, for a batch cannot be loaded without a wait from where scalars were stored just before. */
-RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
 #if RBDI_BATCH > 1
     rbd_real F[6];
     rbdi_store_force(F, 1, own);
@@ -94,7 +94,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
                 x[j] = rbdi_insert(x[j], l->first - k, F[j]);
         }
-        rbdi_batch_up(l, form, t, x);
+        rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&n[j * stride] = x[j];
             *(rbdi_batch *)&p[j * stride] = x[j + 3];
@@ -103,7 +103,7 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
 #else
     rbdi_store_force(&w->F[l->first], stride, own);
     for (int k = l->first; k < l->end; ++k)
-        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, form, t, rbdi_load_force(&w->F[k], stride)));
+        rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, flags, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
@@ -156,32 +156,32 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
 }
-RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                    rbdi_force own, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
     const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
-    rbd_real D = rbdi_along_axis(l, form, own);
-    if (form & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
+    rbd_real D = rbdi_along_axis(l, flags, own);
+    if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
     for (int j = l->first + 1; j < l->end; ++j) {
         rbd_real x = N[j];
-        if (form & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
+        if (flags & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
         rbdi_crba_put(e, j, x);
     }
 }
 
 /* The rows and columns of one link's dofs; its composite body and all wrenches of its subtree, to the
    parent's axes and origin. */
-RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                     rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_force own = rbdi_rbi_axis(l, form & RBDI_SLIDES, C);
-    rbdi_crba_entries(m, w, i, form, stride, own, H, M);
-    if (form & RBDI_ROOT) return C;
-    rbdi_crba_up(m, w, i, form, stride, own);
-    return rbdi_rbi_up(l, form, rbdi_trig_of(m, w, i, form), C);
+    const rbdi_force own = rbdi_rbi_axis(l, flags & RBDI_SLIDES, C);
+    rbdi_crba_entries(m, w, i, flags, stride, own, H, M);
+    if (flags & RBDI_ROOT) return C;
+    rbdi_crba_up(m, w, i, flags, stride, own);
+    return rbdi_rbi_up(l, flags, rbdi_trig_of(m, w, i, flags), C);
 }
 RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride, rbdi_rbi *C,
                                rbd_real *H, rbd_real *M) {
@@ -201,27 +201,27 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
 
 /* One step of the sweep leaf to root: takes the composite body carried from link i + 1, returns the one that
    link i passes to link i - 1. */
-RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int form, ptrdiff_t stride,
+RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                     rbdi_rbi carried, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
+    const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_rbi C = rbdi_rbi_add_link(l, carried);
-    if (apart && l->slot >= 0) C = rbdi_rbi_add(C, w->slot[l->slot].C);
-    if (rbdi_block_link(l, form)) {
+    if (off_chain && l->branch >= 0) C = rbdi_rbi_add(C, w->branch[l->branch].C);
+    if (rbdi_block_link(l, flags)) {
         rbdi_rbi block = C; /* an address of C would keep it in memory */
         rbdi_crba_block(m, w, i, stride, &block, H, M);
         C = block;
     } else
-        C = rbdi_crba_axis(m, w, i, form, stride, C, H, M);
-    if (!apart || l->parent == i - 1) return C;
+        C = rbdi_crba_axis(m, w, i, flags, stride, C, H, M);
+    if (!off_chain || l->parent == i - 1) return C;
     if (l->parent >= 0) {
-        rbdi_slot *slot = &w->slot[m->link[l->parent].slot];
-        slot->C = rbdi_rbi_add(slot->C, C);
+        rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
+        branch->C = rbdi_rbi_add(branch->C, C);
     }
     return rbdi_rbi_zero();
 }
 
-/* The same, of any form and stride. */
+/* The same, of any flags and stride. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
     *carried = rbdi_crba_step(m, w, i, m->link[i].flags, stride, *carried, H, M);
@@ -234,14 +234,15 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m);
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
-    for (int i = 0; i < m->nslot; ++i) w->slot[i].C = carried;
+    for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FORM(form, &model.link[i],
-                     carried = rbdi_crba_step(&model, &work, i, form,
-                                              RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
+        RBDI_BY_FLAGS(flags, &model.link[i],
+                      carried =
+                          rbdi_crba_step(&model, &work, i, flags,
+                                         RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */

@@ -12,13 +12,13 @@
    external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
 
 /* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
-RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int form, rbdi_force F,
+RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_force F,
                                     const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
-    rbd_real t = rbdi_along_axis(l, form, F);
-    if (form & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
+    rbd_real t = rbdi_along_axis(l, flags, F);
+    if (flags & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
     tau[l->iv] = t;
-    return form & RBDI_ROOT ? F : rbdi_force_up(l, form, rbdi_trig_of(m, w, i, form), F);
+    return flags & RBDI_ROOT ? F : rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F);
 }
 RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *a, rbd_real *tau, rbdi_force *F) {
@@ -32,17 +32,17 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
-RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int flags,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
-    if (rbdi_block_link(l, form)) {
+    if (rbdi_block_link(l, flags)) {
         rbdi_force block = F; /* an address of F would keep it in memory */
         rbdi_rnea_up_block(m, w, l, a, tau, &block);
         F = block;
     } else
-        F = rbdi_rnea_up(m, w, i, form, F, a, tau);
-    if (!(form & RBDI_APART) || l->parent == i - 1) return F;
+        F = rbdi_rnea_up(m, w, i, flags, F, a, tau);
+    if (!(flags & RBDI_OFF_CHAIN) || l->parent == i - 1) return F;
     if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
     return rbdi_force0();
 }
@@ -51,7 +51,7 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FORM(form, &m->link[i], carried = rbdi_rnea_step(m, w, i, form, carried, a, tau));
+        RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */

@@ -26,33 +26,33 @@ RBDI_INLINE rbdi_motion rbdi_joint_product(rbdi_v3 omega, rbdi_motion J) {
 }
 
 /* Acceleration, relative to the parent's origin, of the point r where the joint sits: Omega r. */
-RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int form, rbdi_state p) {
+RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int flags, rbdi_state p) {
     const rbdi_mat O = rbdi_omega(p.omega, p.omega_dot);
-    if (form & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
+    if (flags & RBDI_SHIFT_XYZ) return rbdi_mul(O, rbdi_vec_c(l->r));
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
 }
 
 /* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
    never appears. */
-RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int form, rbdi_trig t, rbdi_state p, rbd_real qd,
-                                         rbd_real qdd) {
-    const int screw = form & RBDI_SLIDES;
+RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_trig t, rbdi_state p,
+                                         rbd_real qd, rbd_real qdd) {
+    const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
     rbdi_v3 omega = rbdi_vec0();
     rbdi_state s;
-    if (form & RBDI_ROOT) {
+    if (flags & RBDI_ROOT) {
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
     } else {
-        omega = rbdi_down(l, form, t, p.omega);
-        s.omega_dot = rbdi_down(l, form, t, p.omega_dot);
+        omega = rbdi_down(l, flags, t, p.omega);
+        s.omega_dot = rbdi_down(l, flags, t, p.omega_dot);
         s.omega_dot = rbdi_vec(s.omega_dot.x + turn * omega.y, s.omega_dot.y - turn * omega.x,
                                s.omega_dot.z + turn_rate);
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
-        if (form & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, form, p));
+        if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
-    s.acc = rbdi_down(l, form, t, p.acc);
-    if (form & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
+    s.acc = rbdi_down(l, flags, t, p.acc);
+    if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
         s.acc.x = s.acc.x + t.d * O.xz;
         s.acc.y = s.acc.y + t.d * O.yz;
@@ -96,7 +96,7 @@ RBDI_INLINE rbdi_state rbdi_world_state(rbdi_c3 gravity) {
 
 /* Wrench that moves a link: f = Omega h + m acc, n_x = K_zy - K_yz and so on of K = Omega Sigma + acc h'.
    A regrouped revolute link has m = h_z = Sigma_zz = 0. acc = NULL means zero. */
-RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, const rbdi_v3 *acc) {
+RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, const rbdi_v3 *acc) {
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
@@ -111,7 +111,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
-    if (form & RBDI_MASS_KEPT) {
+    if (flags & RBDI_MASS_KEPT) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
@@ -130,20 +130,21 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int form, rbdi_mat O, con
 
 /* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
    parent's was kept; with it the wrench that moves the link, if wanted. */
-RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int form,
+RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                          const rbdi_state *world, const rbd_real *v, const rbd_real *a,
                                          rbdi_state s, int wrench) {
     const rbdi_link *l = &m->link[i];
-    const int apart = form & RBDI_APART;
-    if (apart && l->parent != i - 1) s = l->parent < 0 ? *world : w->slot[m->link[l->parent].slot].state;
-    if (rbdi_block_link(l, form)) {
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    if (off_chain && l->parent != i - 1)
+        s = l->parent < 0 ? *world : w->branch[m->link[l->parent].branch].state;
+    if (rbdi_block_link(l, flags)) {
         rbdi_state block = s; /* an address of s would keep it in memory */
         rbdi_forward_block(m, w, l, v, a, &block);
         s = block;
     } else
-        s = rbdi_forward_axis(l, form, rbdi_trig_of(m, w, i, form), s, v[l->iv], a[l->iv]);
-    if (wrench) w->scratch[i].f = rbdi_wrench(l, form, rbdi_omega(s.omega, s.omega_dot), &s.acc);
-    if (apart && l->slot >= 0) w->slot[l->slot].state = s;
+        s = rbdi_forward_axis(l, flags, rbdi_trig_of(m, w, i, flags), s, v[l->iv], a[l->iv]);
+    if (wrench) w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega(s.omega, s.omega_dot), &s.acc);
+    if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
 /* The states of all links; keep: in kin. */
@@ -151,7 +152,7 @@ RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state 
                               const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
     for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_FORM(form, &m->link[i], s = rbdi_forward_step(m, w, i, form, world, v, a, s, wrench));
+        RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }
 }

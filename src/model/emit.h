@@ -44,7 +44,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
     out.parent = (int16_t)(l->parent < 0 ? -1 : links[l->parent].position);
     out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
-    out.block = out.slot = -1;
+    out.block = out.branch = -1;
     out.first = out.end = 0;
     out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
     rbdi_emit_angle(l, &out);
@@ -177,7 +177,7 @@ static uint64_t rbdi_pack(int a, int b, int c, int d) {
    the same. */
 static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
-    shape[1] = rbdi_pack(0, m->nblock, m->nslot, m->nmimic);
+    shape[1] = rbdi_pack(0, m->nblock, m->nbranch, m->nmimic);
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
@@ -230,11 +230,11 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
     for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
 }
 
-/* Links, blocks, slots and dofs, in the solver's order. */
+/* Links, blocks, branch points and dofs, in the solver's order. */
 static void rbdi_emit_links(const rbdi_build *b) {
     rbd_model *m = b->m;
     int block = 0;
-    m->nslot = 0;
+    m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
         *l = rbdi_emit_link(b->bodies, b->links, p);
@@ -242,15 +242,15 @@ static void rbdi_emit_links(const rbdi_build *b) {
             l->block = (int16_t)block;
             b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].slot < 0)
-            b->link[l->parent].slot = m->nslot++;
+        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].branch < 0)
+            b->link[l->parent].branch = m->nbranch++;
         rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        if (l->kind == RBDI_BLOCK || l->slot >= 0 || l->parent < 0 || l->parent != p - 1 ||
+        if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
             (l->flags & RBDI_SHIFT_XYZ))
-            l->flags |= RBDI_APART;
+            l->flags |= RBDI_OFF_CHAIN;
     }
 }
 

@@ -5,7 +5,7 @@
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
    rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
-   rbdi_trig_of, RBDI_BY_FORM */
+   rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -16,9 +16,9 @@
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     return &m->block[l->block];
 }
-/* Whether a link is a block, which the common forms are not. */
-RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int form) {
-    return (form & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+/* Whether a link is a block, which links with the common flags are not. */
+RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
+    return (flags & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
@@ -106,72 +106,72 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     }
 }
 
-RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int form) {
+RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
-    t.d = form & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
+    t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
 
 /* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code: on microcontrollers, where there
-   is no SIMD, one for right angles, in which the shifts are tested (the empty assembly keeps clang from
-   concluding that form is flags_, and forgetting the rest); none where arithmetic is a call, for there it
-   saves two per cent. */
-#define RBDI_CASE(known, form, call) \
+   first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
+   have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
+   that the flags are flags_, and forgetting the rest). Where arithmetic is a call there is none: it would
+   save two per cent. */
+#define RBDI_CASE(known, name, call) \
     case known: { \
-        const int form = known; \
+        const int name = known; \
         call; \
     } break;
 #if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_CASES(form, call)
+#define RBDI_CASES(name, call)
 #elif RBDI_SIMD > 0
-#define RBDI_CASES(form, call) \
-    RBDI_CASE(RBDI_TWIST_90, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, form, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, form, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call) \
-    RBDI_CASE(RBDI_APART | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, form, call) \
-    RBDI_CASE(RBDI_APART | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, form, call)
+#define RBDI_CASES(name, call) \
+    RBDI_CASE(RBDI_TWIST_90, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, name, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, name, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, name, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, name, call)
 #else
-#define RBDI_CASES(form, call) \
+#define RBDI_CASES(name, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
         __asm__("" : "+r"(shifts_)); \
-        const int form = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        const int name = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \
-        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, form, call)
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
 #endif
-#define RBDI_BY_FORM(form, link, call) \
+#define RBDI_BY_FLAGS(name, link, call) \
     do { \
         const int flags_ = (link)->flags; \
         switch (flags_) { \
         default: { \
-            const int form = flags_; \
+            const int name = flags_; \
             call; \
         } break; \
-            RBDI_CASES(form, call) \
+            RBDI_CASES(name, call) \
         } \
     } while (0)
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int form, rbdi_trig t, rbdi_v3 v) {
-    if (form & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
-    v = rbdi_uncycle(rbdi_turn_z(form, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
+    if (flags & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
+    v = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
     return rbdi_turn_z(0, t.c, t.s, v);
 }
 
 /* omega x r, for the parent-side shift r. */
-RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega) {
+RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omega) {
     rbdi_v3 y;
     y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
-    if (form & RBDI_SHIFT_XYZ) {
+    if (flags & RBDI_SHIFT_XYZ) {
         y.x = omega.y * l->r.z - omega.z * l->r.y;
         y.y = y.y - omega.x * l->r.z;
         y.z = y.z + omega.x * l->r.y;
@@ -183,27 +183,27 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int form, rbdi_v3 omega
    branch turn, shift. Written once for T = one scalar and T = a batch of them, of one link; or, with U = T as
    well, of as many links. SET makes a constant of a link a U. */
 #define RBDI_DEFINE_FORCE_UP(name, T, U, SET, LINK, TRIG) \
-    RBDI_INLINE void name##_turn(int form, U c, U s, T *x, T *y) { \
+    RBDI_INLINE void name##_turn(int flags, U c, U s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
-        if (form & RBDI_TWIST_0) return; \
+        if (flags & RBDI_TWIST_0) return; \
         *x = -y0, *y = x0; \
-        if (form & RBDI_TWIST_90) return; \
+        if (flags & RBDI_TWIST_90) return; \
         *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const LINK *l, int form, TRIG t, T *x) { \
-        if (form & RBDI_SHIFT_Z) { \
+    RBDI_INLINE void name(const LINK *l, int flags, TRIG t, T *x) { \
+        if (flags & RBDI_SHIFT_Z) { \
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(form, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
-            if (form & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
+            name##_turn(flags, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
+            if (flags & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
         } \
-        if (!(form & RBDI_SHIFT_R)) return; \
+        if (!(flags & RBDI_SHIFT_R)) return; \
         x[1] = x[1] - x[5] * l->r.x; \
         x[2] = x[2] + x[4] * l->r.x; \
-        if (form & RBDI_SHIFT_XYZ) { \
+        if (flags & RBDI_SHIFT_XYZ) { \
             x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
             x[1] = x[1] + x[3] * l->r.z; \
             x[2] = x[2] - x[3] * l->r.y; \
@@ -214,10 +214,10 @@ RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real, rbd_real, rbdi_set, rbdi_link, rbd
 RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
 #endif
 
-RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int form, rbdi_trig t, rbdi_force F) {
+RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
     rbd_real x[6];
     rbdi_store_force(x, 1, F);
-    rbdi_array_up(l, form, t, x);
+    rbdi_array_up(l, flags, t, x);
     return rbdi_load_force(x, 1);
 }
 
@@ -229,8 +229,8 @@ RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
 }
 
 /* S' F of a one-axis joint. */
-RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int form, rbdi_force F) {
-    return form & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
+RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F) {
+    return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
 RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {

@@ -5,8 +5,8 @@
 #include "base/types.h"
 #include "algebra/types.h"
 
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_APART, RBDI_ARMATURE,
-   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
    RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r). */
@@ -45,7 +45,7 @@ typedef struct rbdi_place {
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
 /* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
-   the common combinations are compiled with constant flags (see RBDI_BY_FORM). */
+   the common combinations are compiled with constant flags (see RBDI_BY_FLAGS). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
     RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
@@ -55,17 +55,18 @@ enum {
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_APART = 1024     /* not a simple link of a chain: a block, a link with a slot, a link whose parent is
+    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a block, a branch point, a link whose parent is
                                not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
 /* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
    twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
 typedef struct rbdi_link {
-    int16_t parent;     /* an earlier link, -1 = world */
-    int16_t iq, iv;     /* first coordinate and degree of freedom */
-    int16_t block;      /* index into blocks, -1 = none */
-    int16_t slot;       /* index into rbd_work.slot, -1 = its only child, if any, is the next link */
+    int16_t parent; /* an earlier link, -1 = world */
+    int16_t iq, iv; /* first coordinate and degree of freedom */
+    int16_t block;  /* index into blocks, -1 = none */
+    int16_t
+        branch; /* index into rbd_work.branch, -1 = no branch point: its child, if any, is the next link */
     int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
@@ -138,7 +139,7 @@ typedef struct rbdi_frame {
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
     int16_t nb, nq, nv;      /* bodies, coordinates, degrees of freedom */
-    int16_t nl, nblock, nslot, nmimic;
+    int16_t nl, nblock, nbranch, nmimic;
     int32_t nh;              /* entries of the packed tree matrix */
     int32_t nhx;             /* with mimic joints: entries of the rows behind it, for the mechanism's dofs */
     rbdi_c3 gravity;         /* world frame */

@@ -104,7 +104,8 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
 }
 
 /* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have the cheap form). links[p].order = who stands at p. */
+   others, under a one-axis parent: only they can have Denavit and Hartenberg's form). links[p].order = the
+   link at position p. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) links[i].size = 1;

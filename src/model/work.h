@@ -2,7 +2,7 @@
 #define RBDI_MODEL_WORK_H
 #include "model/layout.h"
 
-/* Interface: rbdi_block_work, rbdi_kin, rbdi_scratch, rbdi_slot, RBDI_FIXED_STRIDE, RBDI_LINKS */
+/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -11,12 +11,12 @@ typedef struct rbdi_scratch { /* per link, of one call */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_slot { /* per link with a child that is not the next link: what those children share */
-    rbdi_state state;      /* rnea, kinematics; aba's pass 1: omega */
-    rbdi_motion y;         /* aba's pass 3 */
-    rbdi_abi I;            /* aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;            /* crba */
-} rbdi_slot;
+typedef struct rbdi_branch { /* per link with a child that is not the next link: what those children share */
+    rbdi_state state;        /* rnea, kinematics; aba's pass 1: omega */
+    rbdi_motion y;           /* aba's pass 3 */
+    rbdi_abi I;              /* aba's pass 2; pass 1 clears it */
+    rbdi_rbi C;              /* crba */
+} rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
     rbdi_pose X;
@@ -41,7 +41,7 @@ struct rbd_work {
     rbd_real *d;     /* nl: slides of screw links */
     rbdi_scratch *scratch;       /* nl */
     rbdi_kin *kin;               /* nl */
-    rbdi_slot *slot;             /* nslot */
+    rbdi_branch *branch;         /* nbranch */
     rbdi_block_work *block;      /* nblock */
     rbd_real *zero;              /* nv + nmimic zeros */
     rbd_real *pivot;             /* nv + nmimic: pivots of the last factorisation */
@@ -59,17 +59,17 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-/* Bytes of the arrays of a work: nl links, k blocks, s slots, n dofs with mimics, n_q coordinates with
-   mimics (0 without mimics), nv dofs without, h packed entries. */
+/* Bytes of the arrays of a work: nl links, k blocks, s branch points, n dofs with mimics, n_q coordinates
+   with mimics (0 without mimics), nv dofs without, h packed entries. */
 #define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 4 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
      (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
-     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_slot) + \
+     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_branch) + \
      sizeof(rbd_real) * (1 + 2 * (size_t)(n) + 6 * (size_t)RBDI_STRIDE(n) + (size_t)(nv) + (size_t)(h) + \
                          ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
-   joints three. Slots go to links with two children, blocks have three dofs at least. */
+   joints three. Branch points have two children, blocks have three dofs at least. */
 #define RBDI_LINKS(nb, nv) ((nb) + 2 * (nv) / 3)
 
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with

@@ -8,7 +8,7 @@
 
 RBDI_API size_t rbd_work_size(const rbd_model *m) {
     if (!m) return 0;
-    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nslot, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
+    return RBDI_WORK_BYTES(m->nl, m->nblock, m->nbranch, m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0,
                            m->nv, m->nh + m->nhx);
 }
 
@@ -34,7 +34,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
     w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->slot = (rbdi_slot *)rbdi_take(&p, m->nslot, sizeof(rbdi_slot));
+    w->branch = (rbdi_branch *)rbdi_take(&p, m->nbranch, sizeof(rbdi_branch));
     w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
     w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
     w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));

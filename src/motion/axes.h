@@ -56,10 +56,10 @@ RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
 }
 
 /* The axes a, b turned in their plane, as in rbdi_turn_z. */
-RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
+RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
     const rbdi_axis from = *a;
-    if (form & RBDI_TWIST_0) return;
-    if (form & RBDI_TWIST_90) {
+    if (flags & RBDI_TWIST_0) return;
+    if (flags & RBDI_TWIST_90) {
         *a = *b;
         rbdi_negate_axis(b, &from);
         return;
@@ -71,18 +71,18 @@ RBDI_INLINE void rbdi_turn_axes(int form, rbd_real c, rbd_real s, rbdi_axis *a, 
 }
 
 /* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
-RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int form, rbdi_trig t, rbdi_axes *p) {
-    if ((form & RBDI_SHIFT_R) && !(form & RBDI_ROOT)) {
+RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
+    if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
         rbdi_add_axis(&p->origin, rbdi_set(l->r.x), &p->x);
-        if (form & RBDI_SHIFT_XYZ) {
+        if (flags & RBDI_SHIFT_XYZ) {
             rbdi_add_axis(&p->origin, rbdi_set(l->r.y), &p->y);
             rbdi_add_axis(&p->origin, rbdi_set(l->r.z), &p->z);
         }
     }
-    if (form & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
-    rbdi_turn_axes(form, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
+    if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
+    rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
     rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((form & RBDI_SHIFT_Z) && !(form & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
 }
 
 /* The same of a block. */

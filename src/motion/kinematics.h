@@ -17,20 +17,20 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
 
 /* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
    origin of the parent, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int form, const rbd_real *v,
+RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                int moving, rbdi_axes *x) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, form);
+    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_step(l, form & ~RBDI_ROOT, t, x);
+    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, x);
     rbdi_store_axes(&k->X, x);
     if (!moving) return;
-    k->v = rbdi_down(l, form, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
-    if (form & RBDI_SHIFT_Z) {
+    k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
+    if (flags & RBDI_SHIFT_Z) {
         k->v.x = k->v.x + t.d * k->state.omega.y;
         k->v.y = k->v.y - t.d * k->state.omega.x;
     }
-    if (form & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
 RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
                                 rbdi_axes *x) {
@@ -58,7 +58,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
         if (l->kind == RBDI_BLOCK)
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
-            RBDI_BY_FORM(form, l, rbdi_kin_axis(m, w, i, form, v, moving, &x));
+            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
     }
 }
 
