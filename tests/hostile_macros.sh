@@ -73,6 +73,7 @@ cat >"$scratch/hostile.c" <<'END'
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
+#include "rbd_contact.h"
 #include "models/iiwa_model.h"
 #include "behind.h"
 #include "rbd_spatial.h"
@@ -107,8 +108,8 @@ after_headers() {
             absent="$absent $header.h"
         fi
     done
-    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
-        rbd_derivatives.h rbd_constraints.h rbd_spatial.h >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
+        rbd_derivatives.h rbd_constraints.h rbd_contact.h rbd_spatial.h >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     echo "$1: after $(grep -c '<' "$scratch/headers.c") headers; not there:${absent:- none}"
     [ "$(grep -c '<' "$scratch/headers.c")" -gt 60 ] || failures=$((failures + 1))

@@ -16,6 +16,7 @@ name() {
     r) echo rbd.h ;;
     d) echo rbd_derivatives.h ;;
     c) echo rbd_constraints.h ;;
+    k) echo rbd_contact.h ;;
     s) echo rbd_spatial.h ;;
     esac
 }
@@ -27,9 +28,10 @@ file() {
     for letter in $(echo "$2" | sed 's/./& /g'); do echo "#include \"$(name "$letter")\""; done
     [ -n "$2" ] && echo "#define EXPECTED"
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    case $2 in *c*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
-    case $1$2 in *d*c*) echo "#define EXPECTED_BOTH" ;; esac
-    case $1:$2 in *:*d*c* | *d*:*c*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
+    case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
+    case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
+    case $1$2 in *d*[ck]*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1:$2 in *:*d*[ck]* | *d*:*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     cat <<'END'
 #if defined EXPECTED != defined RBDI_IMPLEMENTED
 #error "the implementation of rbd.h is missing, or not wanted"
@@ -39,6 +41,9 @@ file() {
 #endif
 #if defined EXPECTED_CONSTRAINTS && !defined RBDI_CONSTRAINTS_IMPLEMENTED
 #error "the implementation of rbd_constraints.h is missing"
+#endif
+#if defined EXPECTED_CONTACT && !defined RBDI_CONTACT_IMPLEMENTED
+#error "the implementation of rbd_contact.h is missing"
 #endif
 #if defined EXPECTED_BOTH_IMPLEMENTED && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 #error "the implementation of the derivatives of constrained dynamics is missing"
@@ -63,15 +68,16 @@ compile() {
     sed -n '1,5p' "$scratch/messages"
 }
 
-singles="r d c s"
+singles="r d c k s"
 pairs=
 for a in $singles; do
     for b in $singles; do pairs="$pairs $a$b"; done
 done
 orders=$(for a in $singles; do for b in $singles; do for c in $singles; do for d in $singles; do echo "$a $b $c $d"; done; done; done; done |
-    awk '$1 != $2 && $1 != $3 && $1 != $4 && $2 != $3 && $2 != $4 && $3 != $4 { print $1 $2 $3 $4 }')
+    awk '$1 != $2 && $1 != $3 && $1 != $4 && $2 != $3 && $2 != $4 && $3 != $4 { print $1 $2 $3 $4 }' |
+    grep r | grep d | grep s) # and c or k, which stands on it
 
-# All orders of two, and of all four, on both sides. tcc takes no more than a moment for each.
+# All orders of two, and of four, on both sides. tcc takes no more than a moment for each.
 if command -v tcc >/dev/null 2>&1; then
     for before in "" $singles $pairs; do
         for behind in "" $singles $pairs cdc; do compile "$before" "$behind" tcc -std=c99 -c -o "$scratch/file.o"; done

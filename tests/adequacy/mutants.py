@@ -25,7 +25,7 @@ HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
 FIELDS = ["function", "text", "mutated"]
 ABORT = ["-Wl,--wrap=_ck_assert_failed"]  # the first failure ends the program: see stop.c
-COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_spatial.h": 50}  # that compile
+COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_spatial.h": 50}  # that compile
 
 # ---- mutants ----
 
@@ -229,7 +229,7 @@ class Stage:
     arguments: tuple = ()
     parts: tuple = ("",) # Check's suites that are run one by one, the quickest first
     functions: str = "" # which functions' mutants it can see and the stages before it cannot; all
-    headers: str = "rbd.h|rbd_derivatives.h|rbd_constraints.h" # and which headers'
+    headers: str = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_contact.h" # and which headers'
 
 
 def suite_sources():

@@ -1,0 +1,182 @@
+#ifndef RBDI_CONTACT_NEWTON_H
+#define RBDI_CONTACT_NEWTON_H
+#include "contact/laws.h"
+
+/* ---- newton [newton] ----
+   Newton's method on p = P(z), whose states are held during a step. With kappa = mu z_n/|z_t| and t across e:
+
+     opens    p = 0                 no unknown
+     sticks   u = 0                 three unknowns
+     slips    u_n = 0,  t'u + alpha t'p = 0,  alpha = (1 - kappa) d / kappa;  dp = (mu e + n) dp_n + t ds
+     bounded  u = 0                 one, none at a bound                                                        (2)
+
+   The second equation of a slip is the linearised direction: friction turns as u turns. With the columns S
+   and the rows T of (2)
+
+     G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                          (3)
+
+   `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the diagonal
+   a step wanders through its null space and the states never settle. It acts on the increments, not on p, so
+   the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric: Gauss with
+   row pivots. */
+
+/* Unknown number n of row `first` and, of a contact, the two behind it. */
+RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
+                                                   rbd_real scale) {
+    rbdi_contact_unknown *x = &s->unknown[n];
+    x->first = first, x->rows = rows, x->scale = scale;
+    for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_zero();
+    x->alpha = rbdi_zero();
+    return x;
+}
+
+/* One row whose u shall become 0. */
+RBDI_INLINE void rbdi_plain_unknown(rbdi_contact_solver *s, int n, int row, rbd_real scale) {
+    rbdi_contact_unknown *x = rbdi_new_unknown(s, n, row, 1, scale);
+    x->column[0] = x->row[0] = rbdi_set(RBD_C(1));
+}
+
+/* Lists the unknowns (2); returns their number. */
+RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
+    int n = 0;
+    for (int i = 0; i < s->given.contacts; ++i) {
+        const rbdi_contact_law *law = &s->law[i];
+        if (law->state == RBD_STICKS)
+            for (int j = 0; j < 3; ++j) rbdi_plain_unknown(s, n++, 3 * i + j, law->trace);
+        if (law->state == RBD_SLIPS) {
+            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
+            x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
+            x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
+        }
+        if (law->state == RBD_SLIPS && law->friction > 0) {
+            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
+            x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
+            x->alpha = law->alpha;
+        }
+    }
+    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
+        if (s->bound[i] == RBD_STICKS) rbdi_plain_unknown(s, n++, r, s->given.delta[r * s->rows + r]);
+    return n;
+}
+
+/* G and -T'u behind it, of n unknowns. */
+RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
+    for (int i = 0; i < n; ++i) {
+        const rbdi_contact_unknown *x = &s->unknown[i];
+        rbd_real *g = &s->G[i * (n + 1)], *row = s->scratch;
+        rbdi_clear(row, s->rows); /* minus the row of T' Delta */
+        g[n] = rbdi_zero();
+        for (int j = 0; j < x->rows; ++j) {
+            if (!(x->row[j] < 0 || x->row[j] > 0)) continue;
+            rbdi_subtract(row, x->row[j], &s->given.delta[(x->first + j) * s->rows], s->rows);
+            g[n] = g[n] - x->row[j] * s->u[x->first + j];
+        }
+        for (int k = 0; k < n; ++k) {
+            const rbdi_contact_unknown *y = &s->unknown[k];
+            g[k] = -row[y->first] * y->column[0];
+            if (y->rows == 3)
+                g[k] = g[k] - row[y->first + 1] * y->column[1] - row[y->first + 2] * y->column[2];
+        }
+        g[i] = g[i] + x->alpha + x->scale * proximal;
+    }
+}
+
+/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if there is none. */
+RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
+    rbd_real *own = &s->G[k * (n + 1)], *best = own;
+    for (rbd_real *g = own; g < &s->G[n * (n + 1)]; g += n + 1)
+        if (rbdi_abs(g[k]) > rbdi_abs(best[k])) best = g;
+    for (int j = k; best != own && j <= n; ++j) {
+        const rbd_real x = own[j];
+        own[j] = best[j], best[j] = x;
+    }
+    return rbdi_abs(own[k]) > 0;
+}
+
+/* dx in place of the right-hand side. Returns 0 if G is singular. */
+RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
+    for (int k = 0; k < n; ++k) {
+        const rbd_real *own = &s->G[k * (n + 1)];
+        if (!rbdi_newton_pivot(s, n, k)) return 0;
+        for (int i = k + 1; i < n; ++i) {
+            rbd_real *g = &s->G[i * (n + 1)];
+            rbdi_subtract(g + k + 1, g[k] / own[k], own + k + 1, n - k);
+        }
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        rbd_real *g = &s->G[k * (n + 1)], x = g[n];
+        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * (n + 1) + n];
+        g[n] = x / g[k];
+    }
+    return 1;
+}
+
+/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along e,
+   and rows that are at a bound there; u belongs to p. */
+RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
+    for (int i = 0; i < s->given.contacts; ++i) {
+        const rbdi_contact_law *law = &s->law[i];
+        rbd_real *p = &s->p[3 * i], x = p[0], y = p[1], size;
+        if (law->state == RBD_OPENS) p[0] = p[1] = p[2] = rbdi_zero();
+        if (law->state != RBD_SLIPS) continue;
+        if (!(p[2] > 0)) p[2] = rbdi_zero();
+        if (along_e) x = law->e[0], y = law->e[1];
+        size = rbdi_sqrt(x * x + y * y);
+        size = size > 0 ? law->friction * p[2] / size : rbdi_zero();
+        p[0] = x * size, p[1] = y * size;
+    }
+    for (int i = 0; along_e && i < s->given.bounded; ++i)
+        if (s->bound[i] != RBD_STICKS)
+            s->p[3 * s->given.contacts + i] = rbdi_project_bounded(s, i, &s->bound[i]);
+}
+
+/* p + S dx. */
+RBDI_PART void rbdi_add_increments(rbdi_contact_solver *s, int n) {
+    for (int i = 0; i < n; ++i) {
+        const rbdi_contact_unknown *x = &s->unknown[i];
+        const rbd_real dx = s->G[i * (n + 1) + n];
+        for (int j = 0; j < x->rows; ++j) s->p[x->first + j] = s->p[x->first + j] + x->column[j] * dx;
+    }
+}
+
+/* p as a step of all its length has it. Returns 0 if there is none. */
+RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
+    int n;
+    rbdi_onto_cones(s, 1);
+    rbdi_contact_velocities(s);
+    n = rbdi_list_unknowns(s);
+    rbdi_newton_matrix(s, n, proximal);
+    if (!rbdi_newton_solve(s, n)) return 0;
+    rbdi_add_increments(s, n);
+    rbdi_onto_cones(s, 0);
+    return 1;
+}
+
+RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *from, rbd_real *to) {
+    for (int r = 0; r < s->rows; ++r) to[r] = from[r];
+}
+
+/* A Newton step that makes the residual smaller, perhaps a shortened one. Returns 0, p, u and states as they
+   were, if there is none. */
+RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
+    const rbd_real before = s->solution.residual;
+    rbd_const share = 1;
+    rbdi_copy_rows(s, s->p, s->start);
+    if (rbdi_newton_aim(s, proximal)) {
+        rbdi_copy_rows(s, s->p, s->aim);
+        for (int i = 0; i < RBDI_SHORTENINGS; ++i, share *= RBDI_SHORTEN_BY) {
+            for (int r = 0; i > 0 && r < s->rows; ++r)
+                s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
+            rbdi_contact_velocities(s);
+            rbdi_project_laws(s);
+            if (s->solution.residual < before * (i > 0 ? RBDI_SHORT_STEP_GAIN : RBDI_FULL_STEP_GAIN))
+                return 1;
+        }
+    }
+    rbdi_copy_rows(s, s->start, s->p);
+    rbdi_contact_velocities(s);
+    rbdi_project_laws(s);
+    return 0;
+}
+
+#endif

@@ -1,0 +1,141 @@
+#ifndef RBDI_CONTACT_SOLVER_H
+#define RBDI_CONTACT_SOLVER_H
+#include "contact/newton.h"
+
+/* ---- solver code [solver code] ----
+   One sweep, which is enough where contacts hardly feel each other; then Newton steps; where none makes the
+   residual smaller, some sweeps, twice as many each time. The best p of all is kept. */
+
+/* A Newton step, with a larger proximal term if that is needed. */
+RBDI_PART int rbdi_newton_descends(rbdi_contact_solver *s) {
+    const rbd_const proximal[3] = RBDI_PROXIMAL;
+    ++s->solution.newton_steps;
+    for (int i = 0; i < 3; ++i)
+        if (rbdi_newton_step(s, proximal[i])) return 1;
+    return 0;
+}
+
+RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
+    return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
+}
+
+/* Sweeps forth and back, up to n. */
+RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
+    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+    rbdi_project_laws(s);
+}
+
+/* u and the residual of p. */
+RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
+    rbdi_contact_velocities(s);
+    rbdi_project_laws(s);
+}
+
+/* Puts p into cones and bounds; whether the residual is within the tolerance there. */
+RBDI_PART int rbdi_contact_solved(rbdi_contact_solver *s) {
+    if (s->solution.residual > s->given.tolerance) return 0;
+    if (rbdi_into_cones(s)) rbdi_contact_judge(s);
+    return s->solution.residual <= s->given.tolerance;
+}
+
+/* p of a problem that is not solved: the best one, in cones and bounds; 0 if something has overflowed. */
+RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
+    rbdi_copy_rows(s, s->best, s->p);
+    (void)rbdi_into_cones(s);
+    rbdi_contact_judge(s);
+    if (s->solution.residual < RBDI_UNBOUNDED) return;
+    rbdi_clear(s->p, s->rows);
+    (void)rbdi_into_cones(s);
+    rbdi_contact_judge(s);
+}
+
+/* p and u of a problem that has been laid out, from p. */
+RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
+    rbd_real least = rbdi_set(RBDI_UNBOUNDED);
+    s->solution.sweeps = s->solution.newton_steps = 0;
+    rbdi_clear(s->best, s->rows);
+    rbdi_contact_velocities(s);
+    rbdi_sweep_some(s, 1);
+    for (int sweeps = 2; !rbdi_contact_solved(s);) {
+        if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
+        if (rbdi_contact_left(s) <= 0) {
+            rbdi_contact_give_up(s);
+            return;
+        }
+        if (rbdi_newton_descends(s)) continue;
+        rbdi_sweep_some(s, sweeps);
+        if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
+    }
+}
+
+/* Cuts a solver's arrays off the memory. */
+RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *memory) {
+    const int rows = 3 * contacts + bounded;
+    rbd_real *x;
+    s->law =
+        (rbdi_contact_law *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)contacts * sizeof(rbdi_contact_law)));
+    s->bound =
+        (rbd_contact_state *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)bounded * sizeof(rbd_contact_state)));
+    s->unknown = (rbdi_contact_unknown *)rbdi_take(&memory, 1,
+                                                   RBDI_ROUND((size_t)rows * sizeof(rbdi_contact_unknown)));
+    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 6), sizeof(rbd_real));
+    s->u = x, s->start = x + rows, s->aim = x + 2 * rows, s->best = x + 3 * rows, s->scratch = x + 4 * rows;
+    s->G = x + 5 * rows;
+}
+
+/* A problem, and what of it does not change between iterations; the defaults. */
+RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
+    s->given = *given;
+    s->rows = 3 * given->contacts + given->bounded;
+    s->p = p;
+    if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
+    if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
+    for (int i = 0; i < given->contacts; ++i)
+        rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
+}
+
+RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
+    for (int i = 0; i < n; ++i)
+        if (!(x[i] - x[i] == 0)) return 0;
+    return 1;
+}
+
+RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *a, const void *memory, size_t size,
+                                        const rbd_real *p) {
+    if (!a) return RBD_ERR_NULL;
+    if (a->contacts < 0 || a->bounded < 0) return RBD_ERR_COUNT;
+    if (!memory || (a->contacts && !a->friction) || (a->bounded && (!a->lower || !a->upper)))
+        return RBD_ERR_NULL;
+    if (a->contacts + a->bounded > 0 && (!a->delta || !a->b || !p)) return RBD_ERR_NULL;
+    if (size < rbd_contact_solve_size(a->contacts, a->bounded)) return RBD_ERR_MEMORY;
+    if (!(a->tolerance >= 0) || a->iterations < 0) return RBD_ERR_RANGE;
+    for (int i = 0; i < a->contacts; ++i)
+        if (!(a->friction[i] >= 0)) return RBD_ERR_RANGE;
+    for (int i = 0; i < a->bounded; ++i)
+        if (!(a->lower[i] <= a->upper[i])) return RBD_ERR_RANGE;
+    return RBD_OK;
+}
+
+RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded) {
+    return contacts < 0 || bounded < 0 ? 0 : RBDI_CONTACT_SOLVER_BYTES(contacts, bounded);
+}
+
+RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
+                                      rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution) {
+    const rbd_status status = rbdi_check_problem(problem, memory, size, p);
+    rbdi_contact_solver s;
+    if (status) return status;
+    s.rows = 3 * problem->contacts + problem->bounded;
+    if (!rbdi_all_finite(problem->b, s.rows) || !rbdi_all_finite(p, s.rows)) {
+        rbdi_clear(p, s.rows);
+        return RBD_ERR_NAN;
+    }
+    rbdi_lay_solver(&s, problem->contacts, problem->bounded, rbdi_aligned(memory));
+    rbdi_contact_begin(&s, problem, p);
+    rbdi_contact_iterate(&s);
+    for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
+    if (solution) *solution = s.solution;
+    return RBD_OK;
+}
+
+#endif

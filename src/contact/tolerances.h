@@ -1,0 +1,28 @@
+#ifndef RBDI_CONTACT_TOLERANCES_H
+#define RBDI_CONTACT_TOLERANCES_H
+#include "base/tolerances.h"
+
+/* ---- tolerances [tolerances] ---- */
+
+/* RBDI_UNMOVED: a block's entry below this share of its trace is rounding: nothing gives way there.
+   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. */
+#define RBDI_UNMOVED (16 * RBDI_EPS)
+#if RBDI_KIND(RBD_CONST) == 2
+#define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
+#define RBDI_CONTACT_TOLERANCE 1e-5f
+#else
+#define RBDI_PROXIMAL {RBD_C(1e-7), RBD_C(1e-4), RBD_C(1e-2)}
+#define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
+#endif
+#define RBDI_CONTACT_ITERATIONS 40
+
+#define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
+#define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
+#define RBDI_SHORTENINGS 3           /* shares of a Newton step that are tried: */
+#define RBDI_SHORTEN_BY RBD_C(0.3)
+#define RBDI_FULL_STEP_GAIN RBD_C(0.98) /* the residual must fall below this share of itself */
+#define RBDI_SHORT_STEP_GAIN RBD_C(0.9)
+#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
+#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
+
+#endif

@@ -1,0 +1,80 @@
+/* rbd_contact.h - contacts that push only and slip, on rbd_constraints.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   Impulses of contacts with friction by the exact laws of Signorini and Coulomb at the level of velocities.
+   Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file.
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [limits]
+     [solver]
+     --- stop here if you only use it ---
+     [tolerances] [layout] [one contact] [laws] [newton] [solver code]
+
+   [conventions] Beyond those of rbd.h:
+     u            velocity of body 1's point of contact less that of body 2's at this place, m/s
+     p            impulse on body 1 at this place, N s; the opposite acts on body 2
+     rows         of a contact: two tangents, then the normal, out of body 2 into body 1
+     laws         normal: p_n >= 0, u_n >= 0, p_n u_n = 0; friction: |p_t| <= mu p_n, and where a contact slips
+                  u_t = -alpha p_t, alpha > 0, |p_t| = mu p_n. Stewart and Trinkle (1996), Anitescu and Potra
+                  (1997), here with the round cone. Of a bounded row: lower <= p <= upper; u > 0 only at the
+                  lower bound, u < 0 only at the upper one
+
+   [configuration] That of rbd.h, without RBD_NO_CHOLESKY, RBD_LANES and RBD_REAL_CUSTOM: the solver branches on
+     its data.
+
+   [limits]
+     No rolling and torsional friction. Convergence of the solver is not proven, nor is the solution unique where
+     friction is large; the residual says what was reached.
+*/
+#include "rbd_constraints.h"
+
+#ifndef RBD_CONTACT_H
+#define RBD_CONTACT_H
+
+#if defined RBD_LANES || defined RBD_REAL_CUSTOM
+#error "rbd: rbd_contact.h needs a scalar, without RBD_LANES and RBD_REAL_CUSTOM"
+#endif
+
+#if defined __cplusplus && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#include "api/contact.h"
+
+#if defined __cplusplus && !defined RBD_STATIC
+}
+#endif
+
+#endif /* RBD_CONTACT_H */
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+#include "base/letters_begin.h"
+
+#ifndef RBDI_CONTACT_LAYOUT
+#define RBDI_CONTACT_LAYOUT
+
+#include "contact/layout.h"
+
+#endif /* RBDI_CONTACT_LAYOUT */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED
+#define RBDI_CONTACT_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+#include "contact/tolerances.h"
+#include "contact/one_contact.h"
+#include "contact/laws.h"
+#include "contact/newton.h"
+#include "contact/solver.h"
+
+RBDI_CODE_END
+
+#endif /* RBD_IMPLEMENTATION */
+
+#include "base/letters_end.h"
