@@ -3,7 +3,7 @@
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
 # rbd_urdf.h; for double and float; without code, as a standard decides on syntax and meaning alone, and with the first
 # standard also at -O0 and -O2, where the compiler sees more. Then the batch calls for several numbers of lanes, with the
-# SIMD unit for them where the compiler has it; as C++ the first of them with code.
+# SIMD unit for them where the compiler has it; the first of them with code.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -81,11 +81,10 @@ batches() {
     shift 2
     for standard; do
         batch "$compiler" "$standard" "$suffix" 2 double "$level"
-        [ "$suffix" = c ] || level=-fsyntax-only
+        level=-fsyntax-only
         batch "$compiler" "$standard" "$suffix" 4 double "$level" -mavx2
         batch "$compiler" "$standard" "$suffix" 8 double "$level" -mavx512f
         batch "$compiler" "$standard" "$suffix" 8 float "$level" -mavx2
-        level=-fsyntax-only
     done
 }
 

@@ -105,7 +105,7 @@ fma() {
     dialect=$1
     shift
     checks=$((checks + 1))
-    "$@" -std="$dialect" -O2 -march=x86-64-v3 -DRBD_REAL=double -I"$root" -DRBD_NO_BUILD \
+    "$@" -std="$dialect" -O2 -Dalways_inline=unused -march=x86-64-v3 -DRBD_REAL=double -I"$root" -DRBD_NO_BUILD \
         -DRBD_NO_CHOLESKY -DEXPECTED_BATCH=4 -S "$scratch/single.c" \
         -o "$scratch/single.s" && [ "$(grep -c vfm "$scratch/single.s")" -gt 100 ] && return
     failures=$((failures + 1))

@@ -84,8 +84,11 @@ if command -v tcc >/dev/null 2>&1; then
     done
     for order in $orders; do compile "$order" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi
-for order in $orders; do compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only; done
-for order in $orders; do compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only; done
+# The other compilers take half a second: each header stands first, and last, and either way round with each other one.
+for order in rdcs dscr csrd srcd crds sdrc; do
+    compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
+    compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only
+done
 
 echo "$checks checks, $failures failed"
-[ "$checks" -ge 48 ] && [ "$failures" -eq 0 ]
+[ "$checks" -ge 12 ] && [ "$failures" -eq 0 ]

@@ -99,11 +99,12 @@ def compiler(target):
 
 # ---- build and run ----
 
-def build(target, folder, scalars, codegen):
+def build(target, folder, scalars, levels, codegen):
     if not (folder / "build.ninja").exists():
         family = "riscv.ini" if is_riscv(target) else "arm.ini"
         output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
                   CROSS / (target + ".ini"), "--cross-file", CROSS / family, "-Dfirmware_scalars=" + ",".join(scalars),
+                  "-Dfirmware_levels=" + ",".join(levels),
                   "-Dcodegen=" + (str(codegen.absolute()) if codegen else ""), folder, ROOT)
     output_of("ninja", "-C", folder, "--quiet")
 
@@ -149,7 +150,7 @@ def double_arithmetic(target, library, symbols):
     return sorted(instructions | {s for s in symbols if DOUBLE.fullmatch(s)})
 
 
-def prove(target, folder, scalars):
+def prove(target, folder, scalars, levels):
     """What the objects of the library may show and what not; returns a line a proof."""
     lines = []
     here = folder / "bench/firmware"
@@ -169,7 +170,7 @@ def prove(target, folder, scalars):
             lines.append(f"{library.stem}: double arithmetic: {' '.join(doubles) or 'none'}")
             if (scalar == "double") != bool(doubles):  # seen where it is, none where it must not be
                 problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
-    if len(lines) < 5 * len(scalars):
+    if len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     for program in ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa"):
         if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc")):  # an FPU
@@ -221,11 +222,11 @@ def worst_frames(graph_file):
     return {re.sub("_(double|float)$", "", function): depth(function) for function in list(frame)}
 
 
-def figures(target, folder, scalars, printed):
+def figures(target, folder, scalars, levels, printed):
     here, title, rows = folder / "bench/firmware", compiler(target), []
     for scalar in scalars:
         model = {r: flash_bytes(target, here / f"libmodel_{scalar}_{r}.a") for r in ROBOTS}
-        for level in LEVELS:
+        for level in levels:
             name = f"{scalar}_{level}"
             code = {g: flash_bytes(target, here / f"code_{name}_{g}") for g in ALGORITHMS}
             frames = worst_frames(next((here / f"librbd_{name}.a.p").glob("*.ci")))
@@ -251,7 +252,7 @@ def figures(target, folder, scalars, printed):
                              model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
                              frames=frames[algorithms[algorithm]], instructions=int(instructions)))
             check_stack(rows[-1])
-    if len(rows) < 2 * len(scalars) * len(SMALL):
+    if len(rows) < len(scalars) * len(levels) * len(SMALL):
         problem(f"{target}: only {len(rows)} rows of figures")
     return rows
 
@@ -524,8 +525,8 @@ def options():
     parser.add_argument("--target", action="append", choices=TARGETS + ["all"], help="once or several times; default: "
                         "all")
     parser.add_argument("--scalar", choices=SCALARS + ["all"], default="float", help="to show; default: float")
-    parser.add_argument("--float-only", action="store_true", help="build, run and measure float alone, in less time")
-    parser.add_argument("--level", choices=LEVELS + ["all"], default="2", help="of optimisation, to show: -Os or -O2; "
+    parser.add_argument("--brief", action="store_true", help="build, run and measure float at -Os alone, in less time")
+    parser.add_argument("--level", choices=LEVELS + ["all"], help="of optimisation, to show: -Os or -O2; "
                         "default: 2")
     parser.add_argument("--robot", choices=ROBOTS + ["all"], default="all", help="to show; default: all")
     parser.add_argument("--format", choices=["table", "csv"], default="table")
@@ -541,18 +542,19 @@ def options():
     return parser.parse_args()
 
 
-def do_target(target, directory, scalars, proofs, codegen):
+def do_target(target, directory, scalars, levels, proofs, codegen):
     say(f"firmware: {target}: building")
-    build(target, directory / target, scalars, codegen)
+    build(target, directory / target, scalars, levels, codegen)
     say(f"firmware: {target}: running")
     printed = run_tests(target, directory / target)
     for name, text in printed.items():
         if not name.startswith("figures"):
             say(f"  {name}: {text}")
-    found = prove(target, directory / target, scalars)
+    found = prove(target, directory / target, scalars, levels)
     if proofs:
         say("  " + "\n  ".join(found))
-    return figures(target, directory / target, scalars, printed), example_figures(target, directory / target, printed)
+    return (figures(target, directory / target, scalars, levels, printed),
+            example_figures(target, directory / target, printed))
 
 
 def check_accepted():
@@ -578,23 +580,25 @@ def main():
     if wanted.documents:
         documents(write=True)
         return
-    if wanted.accept and wanted.float_only:
-        die("budgets are of both scalars: --accept without --float-only")
+    if wanted.accept and wanted.brief:
+        die("budgets are of all builds: --accept without --brief")
     targets = TARGETS if not wanted.target or "all" in wanted.target else wanted.target
     for target in targets:
         if missing(target):
             say(f"firmware: {target} needs {' and '.join(missing(target))}")
             sys.exit(77 if wanted.if_possible else 1)
     wanted.directory.mkdir(parents=True, exist_ok=True)
-    scalars = ["float"] if wanted.float_only else SCALARS
+    scalars, levels = (["float"], ["s"]) if wanted.brief else (SCALARS, LEVELS)
+    codegen = None if wanted.brief else wanted.codegen
+    level = wanted.level or levels[-1]
     rows, examples = [], {}
     for target in targets:
-        new, of_examples = do_target(target, wanted.directory, scalars, wanted.proofs, wanted.codegen)
+        new, of_examples = do_target(target, wanted.directory, scalars, levels, wanted.proofs, codegen)
         rows, examples = rows + new, {**examples, **of_examples}
         if not wanted.accept:
             check_examples(of_examples)
             say(f"  {check_budgets(target, [r for r in rows if r['target'] == target])}")
-    shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and wanted.level in ("all", r["level"])
+    shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and level in ("all", r["level"])
              and wanted.robot in ("all", r["robot"])]
     robots = ROBOTS if wanted.robot == "all" else [wanted.robot]
     print({"table": lambda: table(shown, robots), "csv": lambda: as_csv(shown).rstrip()}[wanted.format]())
