@@ -3294,7 +3294,7 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
 }
 
 /* ==== src/dynamics/aba.h ==== */
-/* Interface: rbdi_aba_pass2_links, rbdi_aba_pass3_links, rbdi_aba_velocities, rbdi_free_base */
+/* Interface: rbdi_aba_pass2, rbdi_aba_pass3, rbdi_aba_velocities, rbdi_free_base */
 
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
@@ -3593,25 +3593,14 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
-/* Pass 2 of the links first .. end - 1, leaves first. In: contribution to link end - 1; out: of link
-   first. */
-RBDI_INLINE void rbdi_aba_pass2_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int first,
-                                      int end, rbdi_abi *carried_IA, rbdi_force *carried_pA,
-                                      rbdi_mask *any_doubt) {
-    rbdi_abi IA = *carried_IA;
-    rbdi_force pA = *carried_pA;
-    rbdi_mask doubt = *any_doubt;
-    for (int i = end - 1; i >= first; --i) {
-        RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
-    }
-    *carried_IA = IA, *carried_pA = pA, *any_doubt = doubt;
-}
-
+/* Pass 2, leaves first. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    rbdi_aba_pass2_links(m, w, tau, 0, m->nl, &IA, &pA, &doubt);
+    for (int i = m->nl - 1; i >= 0; --i) {
+        RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
+    }
     return doubt;
 }
 
@@ -3704,18 +3693,13 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
     return y;
 }
 
-/* Pass 3 of the links first .. end - 1; y: of the link before them, comes back as that of the last. */
-RBDI_INLINE rbdi_motion rbdi_aba_pass3_links(const rbd_model *m, rbd_work *w, int first, int end,
-                                             rbdi_motion world, rbdi_motion y, rbd_real *a) {
-    for (int i = first; i < end; ++i)
-        RBDI_BY_FLAGS(flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &world, y, a));
-    return y;
-}
-
-RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbd_real *a) {
-    rbdi_motion world = rbdi_motion0();
-    world.v = rbdi_world_state(w->gravity).acc;
-    (void)rbdi_aba_pass3_links(m, w, 0, m->nl, world, world, a);
+/* Pass 3. world: its acceleration, minus gravity. */
+RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rbd_real *a) {
+    rbdi_motion root = rbdi_motion0(), y;
+    root.v = world;
+    y = root;
+    for (int i = 0; i < m->nl; ++i)
+        RBDI_BY_FLAGS(flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &root, y, a));
 }
 
 /* ==== src/dynamics/packed.h ==== */
@@ -4271,7 +4255,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
-    rbdi_aba_pass3(m, w, a);
+    rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 

@@ -361,28 +361,15 @@ typedef struct rbdi_constraint {
     rbd_const held[3][RBDI_SIX_ROWS]; /* the axis that each row holds, a column of R[1], by component */
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
-    int16_t index;     /* in the caller's list */
     int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
     int16_t row, rows; /* the first, and how many */
     int16_t angular;   /* how many of them are angular; they come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
-    int16_t tip[2];    /* last dof of the path to each body, -1 = none */
-    int16_t trunk;     /* number of dofs that both paths begin with */
-    int16_t low, end;  /* first row, and behind the last, that move a joint that these move: [articulated] */
     int16_t dofs;      /* number of: */
-    int16_t *dof;      /* the path to body 1, root first, then what is only on that to body 2 */
-    int16_t block[2];  /* first row block on each side; the world has none */
+    int16_t *dof;      /* on the path to one body or both, ascending */
 } rbdi_constraint;
 
-/* Up to a batch of a constraint's rows, on the way from one of its bodies to the common ancestor:
-   [articulated]. */
-typedef struct rbdi_row_block {
-    int16_t row, rows;              /* the first, and how many */
-    int16_t at;                     /* link */
-    rbd_real K[6 * RBDI_ROW_BATCH]; /* 6 x batch: wrench of each row on that link, its axes */
-} rbdi_row_block;
-
-/* The rows that a dof may have entries in, first .. end - 1; what lies beside them is zero. */
+/* The rows that a dof may have entries in, first .. end - 1. All others are zero. */
 typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
@@ -391,22 +378,18 @@ struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
     int n, rows, stride;          /* stride: of rows, padded */
-    int links;                    /* on a path */
-    int blocks;                   /* row blocks */
-    int infeasible;               /* row of the caller's, -1 = none */
+    int links;                    /* number of links on a path */
+    int infeasible;               /* row, -1 = none */
     int exchanged;                /* whether the rows of R are in another order, `chosen` */
-    int factored;                 /* whether the factor of M is used always */
+    int factored;                 /* whether the factor of M is always used */
     int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
     int moving;                   /* whether velocities of links' origins are wanted, but for impacts */
-    rbdi_constraint *constraint;  /* n; a common ancestor farther from the world comes before */
-    rbdi_row_block *block;        /* by constraint, side, row */
-    int16_t *at;                  /* rows: where each row of the caller's is */
+    rbdi_constraint *constraint;  /* n */
     int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
-    rbdi_span *span, *passed;     /* nv each: rows of the paths from the world; from the common ancestor */
+    rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
     int32_t *path;                /* nv: of dofs, where their rows of Y start */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
-    rbd_real *W;                  /* rows x 6: [articulated] */
     rbd_real *x, *stack, *before; /* nv each: solution; of a path, by depth; the last step of assembly */
     rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
@@ -415,25 +398,22 @@ struct rbd_constraint_set {
     rbd_real *square, *share,
         *chosen;       /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
     rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
-    rbd_real levers;   /* 1 + sum of the squares of the links' places */
-    rbd_real give;     /* sum of 1/D of the dofs that rows have to do with */
+    rbd_real noise;    /* the square that rounding of J's entries may give a row */
     rbdi_v3 world;     /* acceleration of the world */
 };
 
-/* n constraints with so many row blocks at most. */
-#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride, blocks) \
+#define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
-     RBDI_ROUND((size_t)(blocks) * sizeof(rbdi_row_block)) + \
-     RBDI_ROUND(((size_t)(nv) * ((size_t)(n) + 1) + (size_t)(rows)) * sizeof(int16_t)) + \
-     RBDI_ROUND(2 * (size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     RBDI_ROUND((size_t)(nv) * ((size_t)(n) + 1) * sizeof(int16_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
-                         6 * (size_t)(rows) + 11 * (size_t)(stride)))
+                         11 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
 
 /* Bytes that suffice for any n constraints that hold this many axes together; and for any number of them. */
 #define RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) \
-    RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 4 * RBDI_ROW_BATCH, 2 * (rows))
+    RBDI_CONSTRAINTS_BYTES(nv, n, rows, (rows) + 4 * RBDI_ROW_BATCH)
 #define RBD_CONSTRAINT_SET_SIZE(nv, rows) RBD_CONSTRAINT_SET_SIZE_OF(nv, rows, rows)
 
 /* ==== src/rbd_constraints.h ==== */
@@ -444,14 +424,14 @@ struct rbd_constraint_set {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
-   well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
+   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the paths
+   as well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
    that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8118     17009
-       articulated bodies    18785     27405
+       rbd_aba                8119     17163
+       articulated bodies    18090     27207
        factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
@@ -743,8 +723,7 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
-   Row t of R needs the rows before it alone, so articulated bodies add rows as they become known. beta is
-   column `rows` of R, as Delta has b there. Columns behind it are 0. */
+   beta is column `rows` of R, as Delta has b there. */
 
 /* sum of x_k y_k */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
@@ -758,40 +737,30 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     return sum;
 }
 
-/* The sum of the squares of the distances of a constraint's links from the world's origin. */
-RBDI_INLINE void rbdi_add_levers(rbd_constraint_set *c, const rbdi_constraint *k) {
-    for (int side = 0; side < 2; ++side)
-        if (k->link[side] >= 0)
-            c->levers = c->levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
+/* c->noise: RBDI_MOTIONLESS of the levers of J's entries, as the dofs on the paths magnify them. */
+static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
+    rbd_real levers = rbdi_set(RBD_C(1)), give = rbdi_zero();
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        for (int side = 0; side < 2; ++side)
+            if (k->link[side] >= 0)
+                levers = levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) give = give + c->D_inverse[k];
+    c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* The square that rounding of J's entries may give a row: RBDI_MOTIONLESS of their levers. */
-static rbd_real rbdi_row_noise(const rbd_constraint_set *c) {
-    return c->levers * c->give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
-}
-
-/* Where the dofs that move a constraint's rows have their rows of Y, and 1/D: c->path, c->stack. whole: of
-   the paths from the world; else from the common ancestor. Returns their number. */
-RBDI_INLINE int rbdi_list_dofs(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
-    const int first = whole ? 0 : k->trunk, n = k->dofs - first, stride = c->stride;
-    const int16_t *dof = k->dof + first;
-    int32_t *path = c->path;
-    rbd_real *inverse = c->stack;
-    for (int t = 0; t < n; ++t) path[t] = (int32_t)(dof[t] * stride), inverse[t] = c->D_inverse[dof[t]];
-    return n;
-}
-
-/* Rows i .. i + n - 1 of Delta from the diagonal on, of so many dofs. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, int i, int n, const rbdi_span *span,
-                                 const int16_t *dof, int dofs) {
+/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: of its dofs where
+   their rows of Y start, and 1/D. */
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constraint *k, int i, int n) {
     const rbd_real *inverse = c->stack, *Y = c->Y;
     const int32_t *path = c->path;
     const int stride = c->stride;
+    int dofs = k->dofs;
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batch x[6], y[6];
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x[r] = y[r] = rbdi_zero_batch(); }
-        while (dofs > 0 && span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
+        while (dofs > 0 && c->span[k->dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
             const rbd_real *own = Y + path[t];
             const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse[t],
@@ -808,28 +777,28 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, int i, int n, cons
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
-    const int dofs = rbdi_list_dofs(c, k, whole), stop = k->row + k->rows;
-    const rbdi_span *span = whole ? c->span : c->passed;
-    const int16_t *dof = k->dof + k->dofs - dofs;
+static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k) {
+    const int stop = k->row + k->rows;
+    for (int t = 0; t < k->dofs; ++t)
+        c->path[t] = (int32_t)(k->dof[t] * c->stride), c->stack[t] = c->D_inverse[k->dof[t]];
     for (int i = k->row, n; i < stop; i += n) {
         n = stop - i >= 6 ? 6 : stop - i >= 3 ? 3 : 1;
         if (n == 6)
-            rbdi_delta_rows(c, i, 6, span, dof, dofs);
+            rbdi_delta_rows(c, k, i, 6);
         else if (n == 3)
-            rbdi_delta_rows(c, i, 3, span, dof, dofs);
+            rbdi_delta_rows(c, k, i, 3);
         else
-            rbdi_delta_rows(c, i, 1, span, dof, dofs);
+            rbdi_delta_rows(c, k, i, 1);
     }
 }
 
-/* Two batches of row t, from column j on, less what rows low .. t - 1 take. */
+/* Two batches of row t, from column j on, less what the rows before it take. */
 typedef struct rbdi_batches {
     rbdi_batch x, y;
 } rbdi_batches;
-RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int low, int j) {
+RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int j) {
     const int stride = c->stride;
-    const rbd_real *r = &c->R[low * stride], *row = &c->R[t * stride];
+    const rbd_real *r = c->R, *row = &c->R[t * stride];
     rbdi_batches b = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
     for (; r < row; r += stride) {
         b.x = b.x - *(const rbdi_batch *)&r[j] * r[t];
@@ -839,41 +808,42 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int 
 }
 
 /* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
-RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, int low, int end, rbd_real noise) {
+RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
     rbdi_mask none = rbdi_less(least, least), doubt;
-    rbdi_batches b = rbdi_less_rows(c, t, low, t);
+    rbdi_batches b = rbdi_less_rows(c, t, t);
     *(rbdi_batch *)&R[t] = b.x;
     doubt = rbdi_not(rbdi_less(least, R[t]));
     c->inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
     for (int j = t;;) {
         *(rbdi_batch *)&R[j] = b.x * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = b.y * inverse;
-        if (j == c->rows || (j += 2 * RBDI_BATCH) > c->rows) return doubt;
-        if (j >= end) j = c->rows; /* beta */
-        b = rbdi_less_rows(c, t, low, j);
+        if ((j += 2 * RBDI_BATCH) > c->rows) return doubt;
+        b = rbdi_less_rows(c, t, j);
     }
 }
 
-/* lambda of rows first .. last - 1, that of the rows behind them being known up to `end`. */
-static void rbdi_back_substitute(rbd_constraint_set *c, int first, int last, int end) {
-    for (int t = last - 1; t >= first; --t) {
+/* lambda from beta; it is 0 behind the last row. */
+static void rbdi_back_substitute(rbd_constraint_set *c) {
+    for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_batch sum = rbdi_zero_batch();
-        for (int j = t + 1; j < end; j += RBDI_BATCH)
+        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
             sum = sum + *(const rbdi_batch *)&R[j] * *(const rbdi_batch *)&c->lambda[j];
         c->lambda[t] = c->inverse[t] * (R[c->rows] - rbdi_sum_lanes(sum));
     }
 }
 
-/* Rows of R and beta of a constraint. whole: as rbdi_list_dofs. Returns whether a pivot is in doubt. */
-static rbdi_mask rbdi_factor_rows(rbd_constraint_set *c, const rbdi_constraint *k, int whole) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_CLEAR);
-    const int low = whole ? 0 : k->low, end = whole ? c->rows : k->end;
-    rbdi_mask doubt = rbdi_less(noise, noise);
-    rbdi_delta(c, k, whole);
-    for (int t = k->row; t < k->row + k->rows; ++t)
-        doubt = rbdi_or(doubt, rbdi_factor_row(c, t, low, end, noise));
+/* R and beta from Y, D and b. Returns whether a pivot is in doubt. */
+static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
+    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbd_real noise;
+    rbdi_bound_noise(m, c);
+    noise = c->noise * (1 / RBDI_CLEAR);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_delta(c, k);
+        for (int t = k->row; t < k->row + k->rows; ++t) doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
+    }
     return doubt;
 }
 
@@ -980,7 +950,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
 
 /* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
+    const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
     for (int k = 0; k < nv; ++k) {
@@ -1058,28 +1028,6 @@ static void rbdi_bound_demand(rbd_constraint_set *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
-/* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraint_set *c, int at) {
-    int r = 0;
-    while (c->at[r] != at) ++r;
-    return r;
-}
-
-/* Notes the row that stands at t if the targets have a component along its null vector n. */
-static void rbdi_check_row(rbd_constraint_set *c, int t, const rbd_real *n) {
-    rbd_real bound = rbdi_zero();
-    rbdi_mask bad;
-    for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))));
-    if (!rbdi_any(bad)) return;
-    for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
-    rbdi_to_order(c, c->share, 1, 1, 0);
-    for (int r = 0; r < c->rows; ++r)
-        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
-            (c->infeasible < 0 || rbdi_row_of_caller(c, r) < c->infeasible))
-            c->infeasible = rbdi_row_of_caller(c, r);
-}
-
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
 static void rbdi_null_space(const rbd_constraint_set *c) {
     rbd_real *n = c->square, *before = c->share;
@@ -1104,14 +1052,22 @@ static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
     }
 }
 
-/* Notes the first row that contradicts others. */
+/* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
+   along the null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
+    rbd_real *n = c->square, *bad = c->share;
+    const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_bound_demand(c);
     for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_load_null(c, t, c->square);
-        rbdi_check_row(c, t, c->square);
+        rbd_real bound = rbdi_zero();
+        rbdi_load_null(c, t, n);
+        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
+        bad[t] =
+            rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
     }
+    rbdi_from_order(c, bad, 1, 1, 0);
+    for (int r = c->rows - 1; r >= 0; --r)
+        if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
 /* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
@@ -1130,20 +1086,16 @@ static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int 
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
             *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
     }
-    rbdi_back_substitute(c, 0, c->rows, c->rows);
+    rbdi_back_substitute(c);
     rbdi_project_rows(c, c->lambda);
     rbdi_from_order(c, c->lambda, 1, 1, 0);
 }
 
-RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
-    for (int r = 0; r < rows; ++r) out[r] = x[at[r]];
-}
-
-/* lambda in the caller's order; what a call returns, status of the pivots being known. */
+/* lambda; what a call returns, status of the pivots being known. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
-    if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
@@ -1184,8 +1136,9 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
         }
 }
 
-/* Y'lambda / D of dof k, whose rows are s. */
-RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_span s) {
+/* Y'lambda / D of dof k. */
+RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
+    const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
     for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
@@ -1197,7 +1150,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_spa
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
-        rbd_real x = c->x[k] + rbdi_rows_push(c, k, c->span[k]);
+        rbd_real x = c->x[k] + rbdi_rows_push(c, k);
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda)
             x = x - l[t] * c->x[i];
         c->x[k] = x;
@@ -1207,20 +1160,14 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 /* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
    A row's unit force (moment) acts on body 1 with one sign and on body 2 with the other, as wrenches K on
-   their links. Behind pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
-   the tree. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
+   their links. After pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
+   the tree to the world. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
    so that the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the
-   joints so far. Once both sides have come to the common ancestor of the two links, no other joint moves the
-   rows against each other, and they are eliminated there, [factor]:
-
-       W = K R^-1,   R' beta = r - epsilon,   R lambda = beta - W'y      IA += W W',   pA -= W beta
-
-   The rows that go on lose what these take: K -= W R, and of Delta and beta by [factor]. Rows that depend on
-   others would vanish, K too: for n with Delta n = 0 all Y'n = 0. They leave a pivot in doubt. In pass 3
-   lambda follows from y of the common ancestor, then u/D += Y'lambda / D of the joints behind it. */
+   joints so far. At the common ancestor of the two links both wrenches become one, their sum. In the world y is
+   known, and [factor] gives lambda. Then u/D += Y'lambda / D, and pass 3 gives the accelerations. */
 
 #if RBDI_BATCH > 1
 #define rbdi_wrenches_up rbdi_batch_up
@@ -1228,36 +1175,32 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* Wrenches on the link of a side, of a constraint at the place `arm` from its origin, link axes. */
-RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
-                                 const rbdi_axes_held *h, rbdi_v3 arm, int side) {
-    const rbdi_mat E = c->w->kin[k->link[side]].X.E;
-    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(1));
-    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(E.xx, E.xy, E.xz)),
-                             rbdi_scale(sign, rbdi_vec(E.yx, E.yy, E.yz)),
-                             rbdi_scale(sign, rbdi_vec(E.zx, E.zy, E.zz))};
-    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
-        rbdi_row_block *on = &c->block[k->block[side] + r / RBDI_BATCH];
-        rbdi_batch *K = (rbdi_batch *)on->K;
-        on->at = k->link[side];
-        for (int j = 0; j < 3; ++j)
-            K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
-                       *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
-                       *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
-        K[0] = K[5] * arm.y - K[4] * arm.z;
-        K[1] = K[3] * arm.z - K[5] * arm.x;
-        K[2] = K[4] * arm.x - K[3] * arm.y;
-        for (int j = 0; k->angular && j < 3; ++j)
-            K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
-                   *(const rbdi_batch *)&h->x[1][r] * axis[j].y +
-                   *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
-    }
-}
-
-/* K of a row block, and its b, on the way down the tree. */
+/* K of a batch of rows, and its b, on the way down the tree. */
 typedef struct rbdi_carried {
     rbdi_batch K[6], b;
 } rbdi_carried;
+
+/* K of rows r .. of a constraint on the link of a side, none on the world; p: where they act, world axes. */
+RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
+                                 const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
+    const int link = k->link[k->link[side] < 0 ? 1 : side];
+    const rbdi_pose X = c->w->kin[link].X;
+    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(k->link[0] >= 0));
+    const rbdi_v3 arm = rbdi_mul(X.E, rbdi_sub(p, X.r));
+    const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(X.E.xx, X.E.xy, X.E.xz)),
+                             rbdi_scale(sign, rbdi_vec(X.E.yx, X.E.yy, X.E.yz)),
+                             rbdi_scale(sign, rbdi_vec(X.E.zx, X.E.zy, X.E.zz))};
+    for (int j = 0; j < 3; ++j)
+        K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
+                   *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
+                   *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
+    K[0] = K[5] * arm.y - K[4] * arm.z;
+    K[1] = K[3] * arm.z - K[5] * arm.x;
+    K[2] = K[4] * arm.x - K[3] * arm.y;
+    for (int j = 0; k->angular && j < 3; ++j)
+        K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
+               *(const rbdi_batch *)&h->x[1][r] * axis[j].y + *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
+}
 
 /* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
 RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
@@ -1322,196 +1265,62 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     return on;
 }
 
-/* A row block goes down the tree to link `stop`, if it is on the way; -1: to the world, which accelerates. */
-static void rbdi_rows_to(const rbd_model *m, rbd_constraint_set *c, rbdi_row_block *block, int stop) {
-    const int stride = c->stride;
-    rbd_real *to = c->Y + block->row;
-    rbdi_carried on;
-    int i = block->at;
-    if (i <= stop) return;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { on.K[j] = ((const rbdi_batch *)block->K)[j]; }
-    on.b = *(const rbdi_batch *)&c->b[block->row];
+/* From link i down the tree to link `stop`; Y: of dof 0. */
+static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
+                            rbdi_carried *carried, rbd_real *Y) {
+    rbdi_carried on = *carried; /* in registers */
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
-        rbd_real *Y = to + l->iv * stride;
+        rbd_real *to = Y + l->iv * c->stride;
         if (l->kind == RBDI_BLOCK)
-            on = rbdi_rows_block(m, c->w, i, on, Y, stride);
+            on = rbdi_rows_block(m, c->w, i, on, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)Y));
+            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)to));
     }
-    if (i < 0) on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
-    RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { ((rbdi_batch *)block->K)[j] = on.K[j]; }
-    *(rbdi_batch *)&c->b[block->row] = on.b;
-    block->at = (int16_t)i;
+    *carried = on;
 }
 
-/* 1/D of the links on a path from `first` on, of those before number `at`. Returns how many are left. */
-static int rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c, int at, int first) {
-    rbdi_mask none = rbdi_less(c->give, c->give);
-    rbd_real give = c->give;
-    for (; at > 0 && c->link[at - 1] >= first; --at) {
-        const rbdi_link *l = &m->link[c->link[at - 1]];
-        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k) {
-            const rbd_real inverse = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
-            c->D_inverse[k] = inverse;
-            give = give + inverse;
-        }
+/* Y and b of rows r .. of a constraint. h, p: its axes and where it acts. */
+static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
+                           const rbdi_axes_held *h, rbdi_v3 p) {
+    rbd_real *Y = c->Y + k->row + r;
+    rbdi_carried on, two;
+    rbdi_start_rows(c, k, h, p, 0, r, on.K);
+    on.b = *(const rbdi_batch *)&c->target[k->row + r];
+    rbdi_carry_rows(m, c, k->link[0], k->ancestor, &on, Y);
+    if (k->link[1] >= 0) {
+        rbdi_start_rows(c, k, h, p, 1, r, two.K);
+        two.b = on.b;
+        rbdi_carry_rows(m, c, k->link[1], k->ancestor, &two, Y);
+        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + two.K[j];
+        on.b = two.b;
+        if (k->ancestor >= 0) rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
     }
-    c->give = give;
-    return at;
+    on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
+    *(rbdi_batch *)&c->b[k->row + r] = on.b;
 }
 
-/* W = K R^-1 of the rows first .. end - 1, which the blocks from `on` on carry, before `stop`. */
-static void rbdi_scaled_wrenches(const rbd_constraint_set *c, int first, int end, const rbdi_row_block *on,
-                                 const rbdi_row_block *stop) {
-    rbdi_clear(&c->W[6 * first], 6 * (end - first));
-    for (; on < stop; ++on)
-        for (int r = 0; r < on->rows; ++r)
-            for (int j = 0; j < 6; ++j) {
-                rbd_real *w = &c->W[6 * (on->row + r) + j];
-                *w = *w + on->K[j * RBDI_BATCH + r];
-            }
-    for (int t = first; t < end; ++t) {
-        rbd_real *w = &c->W[6 * t];
-        for (int s = first; s < t; ++s) rbdi_subtract(w, c->R[s * c->stride + t], &c->W[6 * s], 6);
-        rbdi_multiply(w, c->inverse[t], 6);
+/* 1/D of the links on a path. */
+static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int at = 0; at < c->links; ++at) {
+        const rbdi_link *l = &m->link[c->link[at]];
+        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k)
+            c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
     }
 }
 
-/* Eliminates the rows of the constraints first .. end - 1 on their common ancestor. IA and pA: what it feels
-   of its children. */
-static rbdi_mask rbdi_eliminate(rbd_constraint_set *c, int first, int end, rbdi_abi *IA, rbdi_force *pA) {
-    const rbdi_constraint *k = &c->constraint[first], *last = &c->constraint[end - 1];
-    const int low = k->row, high = last->row + last->rows;
-    rbdi_row_block *own = &c->block[k->block[0]], *stop = c->block + c->blocks,
-                   *others = end < c->n ? &c->block[last[1].block[0]] : stop;
-    rbdi_mask doubt = rbdi_less(c->give, c->give);
-    rbd_real A[6][6], P[6];
-    for (; k <= last; ++k) doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 0));
-    rbdi_scaled_wrenches(c, low, high, own, others);
-    rbdi_abi_to_array(*IA, A);
-    rbdi_store_force(P, 1, *pA);
-    for (int t = low; t < high; ++t) {
-        const rbd_real *w = &c->W[6 * t];
-        RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) {
-            P[i] = P[i] - w[i] * c->R[t * c->stride + c->rows];
-            RBDI_UNROLL_SIX for (int j = i; j < 6; ++j)
-                A[i][j] = A[i][j] + w[i] * w[j];
-        }
-    }
-    *IA = rbdi_abi_from_array(A);
-    *pA = rbdi_load_force(P, 1);
-    for (rbdi_row_block *on = others; on < stop; ++on)
-        for (int r = 0; on->at == last->ancestor && r < on->rows; ++r)
-            for (int t = low; t < high; ++t)
-                for (int j = 0; j < 6; ++j) {
-                    rbd_real *to = &on->K[j * RBDI_BATCH + r];
-                    *to = *to - c->R[t * c->stride + on->row + r] * c->W[6 * t + j];
-                }
-    return doubt;
-}
-
-/* Pass 2 where it has come to: IA and pA that link number `link` - 1 feels of its children; `at`: so many of
-   the links on a path are left. */
-typedef struct rbdi_progress {
-    rbdi_abi IA;
-    rbdi_force pA;
-    rbdi_mask doubt;
-    int link, at;
-} rbdi_progress;
-
-/* Pass 2 of the links behind `stop`. */
-static void rbdi_articulate_links(const rbd_model *m, rbd_work *w, const rbd_real *tau, int stop,
-                                  rbdi_progress *p) {
-    rbdi_aba_pass2_links(m, w, tau, stop + 1, p->link, &p->IA, &p->pA, &p->doubt);
-    p->link = stop + 1;
-}
-
-/* The row blocks from number `first` on go down to link `stop`. */
-static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, int stop, int first, rbdi_progress *p) {
-    p->at = rbdi_path_inverse(m, c, p->at, stop + 1);
-    for (int s = first; s < c->blocks; ++s) rbdi_rows_to(m, c, &c->block[s], stop);
-}
-
-/* Pass 2 with the rows, and the factor of those that are eliminated in the world. Returns whether a pivot of
-   a joint or a row is in doubt. */
-static rbdi_mask rbdi_articulate_up(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau) {
-    int first = 0;
-    rbdi_progress p;
-    p.IA = rbdi_abi_zero(), p.pA = rbdi_force0(), p.doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    p.link = m->nl, p.at = c->links;
-    for (int end; first < c->n && c->constraint[first].ancestor >= 0; first = end) {
-        const rbdi_constraint *k = &c->constraint[first];
-        for (end = first; end < c->n && c->constraint[end].ancestor == k->ancestor;) ++end;
-        rbdi_articulate_links(m, c->w, tau, k->ancestor, &p);
-        rbdi_rows_down(m, c, k->ancestor, k->block[0], &p);
-        p.doubt = rbdi_or(p.doubt, rbdi_eliminate(c, first, end, &p.IA, &p.pA));
-    }
-    rbdi_articulate_links(m, c->w, tau, -1, &p);
-    rbdi_rows_down(m, c, -1, first < c->n ? c->constraint[first].block[0] : c->blocks, &p);
-    for (; first < c->n; ++first) p.doubt = rbdi_or(p.doubt, rbdi_factor_rows(c, &c->constraint[first], 0));
-    return p.doubt;
-}
-
-/* u/D of the links on a path before link `end`, from number `at` on, once lambda of the rows that pass them
-   is known. Returns the number of the next. */
-static int rbdi_push_links(const rbd_model *m, rbd_constraint_set *c, int at, int end) {
-    for (; at < c->links && c->link[at] < end; ++at) {
+/* u/D of the links on a path, once lambda is known. */
+static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
+    for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t, c->passed[l->iv + t]);
-    }
-    return at;
-}
-
-/* lambda of the constraints first .. end - 1 from y, the acceleration of their common ancestor. */
-static void rbdi_solve_group(rbd_constraint_set *c, int first, int end, const rbdi_motion *y) {
-    const rbdi_constraint *k = &c->constraint[end - 1];
-    rbd_real Y[6];
-    rbdi_motion_to_array(*y, Y);
-    for (int t = c->constraint[first].row; k->ancestor >= 0 && t < k->row + k->rows; ++t)
-        for (int j = 0; j < 6; ++j) {
-            rbd_real *beta = &c->R[t * c->stride + c->rows];
-            *beta = *beta - c->W[6 * t + j] * Y[j];
-        }
-    for (; k >= c->constraint + first; --k) rbdi_back_substitute(c, k->row, k->row + k->rows, k->end);
-}
-
-/* Pass 3, and lambda. */
-static void rbdi_articulate_down(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
-    rbdi_motion world = rbdi_motion0(), y;
-    world.v = c->world;
-    y = world;
-    for (int link = 0, end = c->n, at = 0;;) {
-        int first = end, last;
-        while (first > 0 && c->constraint[first - 1].ancestor == link - 1) --first;
-        if (first < end) rbdi_solve_group(c, first, end, &y);
-        last = first > 0 ? c->constraint[first - 1].ancestor : m->nl - 1;
-        at = rbdi_push_links(m, c, at, last + 1);
-        y = rbdi_aba_pass3_links(m, c->w, link, last + 1, world, y, x);
-        if (first == 0) return;
-        link = last + 1, end = first;
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t);
     }
 }
 
-/* x and lambda from the joints' torques, bias wrenches and target. Returns 0, x unknown, if a pivot of a
-   joint or a row is in doubt. */
-static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, const rbd_real *tau,
-                                  rbd_real *x) {
-    c->give = rbdi_zero();
-    rbdi_clear(c->lambda, c->stride);
-    if (c->dirty) rbdi_clear_rows(m, c);
-    c->dirty = 0;
-    for (int r = 0; r < c->rows; r += RBDI_BATCH)
-        *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
-    if (rbdi_any(rbdi_articulate_up(m, c, tau))) return 0;
-    rbdi_articulate_down(m, c, x);
-    c->infeasible = c->w->singular = -1;
-    return 1;
-}
-
-/* Velocities, poses and bias wrenches of the links; gamma, J v and e start at 0. */
+/* Velocities, poses and bias wrenches of the links. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1520,28 +1329,21 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
-    c->levers = rbdi_set(RBD_C(1));
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (int at = 0; at < c->links; ++at) {
+        rbdi_kin *k = &w->kin[c->link[at]];
+        k->state.omega_dot = k->state.acc = rbdi_vec0();
+        if (!moving) k->v = rbdi_vec0(); /* not computed, not used */
+    }
 }
 
-/* gamma of a constraint, without omega_dot and acc of its links; want: also J v, e. Its row blocks begin. */
-static void rbdi_articulated_rows(rbd_constraint_set *c, const rbdi_constraint *k, int want) {
-    rbdi_axes_held h;
-    rbdi_v3 p;
-    rbdi_add_levers(c, k);
-    for (int side = 0; side < 2; ++side)
-        if (k->link[side] >= 0) {
-            rbdi_state *s = &c->w->kin[k->link[side]].state;
-            s->omega_dot = s->acc = rbdi_vec0();
-            if (!c->moving && !want) c->w->kin[k->link[side]].v = rbdi_vec0(); /* not computed, not used */
-        }
-    rbdi_set_axes(c, k, &h);
-    p = rbdi_constraint_motion(c, k, &h, want, 1);
-    if (k->link[0] >= 0) rbdi_start_rows(c, k, &h, rbdi_vec_c(k->p[0]), 0);
-    if (k->link[1] >= 0) {
-        const rbdi_kin *kin = &c->w->kin[k->link[1]];
-        rbdi_start_rows(c, k, &h, rbdi_mul(kin->X.E, rbdi_sub(p, kin->X.r)), 1);
-    }
+/* x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
+static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
+    if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
+    rbdi_back_substitute(c);
+    rbdi_push_links(m, c);
+    rbdi_aba_pass3(m, c->w, c->world, x);
+    c->infeasible = c->w->singular = -1;
+    return 1;
 }
 
 /* ==== src/constraints/calls.h ==== */
@@ -1557,120 +1359,102 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 /* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
    (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_reduce_rows(m, c, L);
-    c->give = rbdi_zero();
-    c->levers = rbdi_set(RBD_C(1));
-    for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
-    for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
     c->exchanged = 0, c->infeasible = -1;
-    rbdi_clear(c->lambda, c->stride);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 1));
-    if (rbdi_any(doubt))
+    if (rbdi_any(rbdi_factor_delta(m, c)))
         rbdi_solve_dependent(m, c, check);
     else
-        rbdi_back_substitute(c, 0, c->rows, c->rows);
+        rbdi_back_substitute(c);
     rbdi_sweep_down(m, c, L);
 }
 
-/* M = L'DL of the work's H, and x = D^-1 L^-T x. */
-static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set *c) {
-    const rbdi_mask doubt = rbdi_factor(m, c->w, c->w->H);
-    rbdi_sweep_back(m, c, c->w->H);
-    return doubt;
-}
-
-/* M x = x + J' lambda, J x = target, once the rows are set: the status, and lambda. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
-                                         int check, rbd_real *lambda) {
-    rbdi_multipliers(m, c, c->w->H, check);
-    return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
-}
-
-/* r - gamma, by Baumgarte. */
-RBDI_INLINE void rbdi_stabilise(rbd_constraint_set *c, const rbdi_constraint *k) {
+/* The accelerations that a constraint's rows shall have, r - gamma: by Baumgarte; or the change of velocity in
+   an impact, if there is a restitution. */
+static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
-        rbdi_batch x = rbdi_zero_batch() - *(const rbdi_batch *)&c->gamma[r];
-        if (k->kd > 0) x = x - *(const rbdi_batch *)&c->u[r] * k->kd;
-        if (k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
+        const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
+        rbdi_batch x = rbdi_zero_batch() - (restitution ? u : *(const rbdi_batch *)&c->gamma[r]);
+        if (restitution) x = x - u * *restitution;
+        if (!restitution && k->kd > 0) x = x - u * k->kd;
+        if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
         *(rbdi_batch *)&c->target[r] = x;
     }
 }
 
-static int rbdi_stabilisation(const rbdi_constraint *k) {
+static int rbdi_target_needs(const rbdi_constraint *k, const rbd_real *restitution) {
+    if (restitution) return RBDI_HELD_RATES;
     return (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0);
 }
 
-/* By M = L'DL. */
+/* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
+   velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is in doubt. */
+static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                               const rbd_real *restitution, rbd_real *x) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_work *w = c->w;
+    if (c->factored) return 0;
+    rbdi_articulated_start(m, c, q, v, restitution ? none : w->gravity, c->moving || restitution);
+    for (int i = 0; restitution && i < m->nl; ++i)
+        w->scratch[i].f = rbdi_force0(), w->scratch[i].c = rbdi_motion0();
+    rbdi_external(m, w, f_ext);
+    if (rbdi_any(rbdi_aba_pass2(m, w, tau))) return 0;
+    rbdi_path_inverse(m, c);
+    if (c->dirty) rbdi_clear_rows(m, c);
+    c->dirty = 0;
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_axes_held h;
+        rbdi_v3 p;
+        rbdi_set_axes(c, k, &h);
+        p = rbdi_constraint_motion(c, k, &h, rbdi_target_needs(k, restitution), 1);
+        rbdi_set_target(c, k, restitution);
+        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
+    }
+    return rbdi_articulated_solve(m, c, x);
+}
+
+/* The same by M = L'DL, for every state. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a,
-                                   rbd_real *lambda) {
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
-    rbd_status status;
     rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
-    doubt = rbdi_constrained_factor(m, c);
+    for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_sweep_back(m, c, w->H);
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
-        rbdi_stabilise(c, k);
+        rbdi_constraint_rows(m, c, k, rbdi_target_needs(k, restitution));
+        rbdi_set_target(c, k, restitution);
     }
-    status = rbdi_constrained_solve(m, c, doubt, 1, lambda);
-    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
-    return status;
+    rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
+    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
+    return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
-    if (c->factored) return 0;
-    rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
-    rbdi_external(m, c->w, f_ext);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
-        rbdi_stabilise(c, k);
-    }
-    return rbdi_articulated_solve(m, c, tau, a);
+/* By one or the other; lambda; and what the call returns. */
+static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
+    rbd_status status = RBD_OK;
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x))
+        status = rbdi_factored_fd(m, c, q, v, tau, f_ext, restitution, x);
+    return rbdi_constrained_status(m, c, status, lambda);
 }
 
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
-    if (status) return status;
-    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
-        return rbdi_factored_fd(m, c, q, v, tau, f_ext, a, lambda);
-    return rbdi_constrained_status(m, c, RBD_OK, lambda);
-}
-
-/* The motion of all links without gravity. */
-static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                     const rbd_real *v) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
-    rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-}
-
-/* The rows there. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int want) {
-    rbdi_constraint_state_at(m, c, q, v);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, want);
-}
-
-/* J v of a constraint after an impact less that before. */
-static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
-    for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
+    return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
 static int rbdi_restitution_fits(rbd_real x) {
@@ -1679,46 +1463,27 @@ static int rbdi_restitution_fits(rbd_real x) {
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
 
-static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                       const rbd_real *v, rbd_real restitution, rbd_real *impulse) {
-    rbdi_mask doubt;
-    rbd_crba_packed(m, c->w, q, c->w->H);
-    rbdi_clear(c->x, m->nv);
-    doubt = rbdi_constrained_factor(m, c);
-    rbdi_constraint_state_at(m, c, q, v);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, RBDI_HELD_RATES);
-        rbdi_rebound(c, k, restitution);
-    }
-    return rbdi_constrained_solve(m, c, doubt, 0, impulse); /* J v is in the range of J */
-}
-
-/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
-static int rbdi_articulated_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, rbd_real restitution) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    if (c->factored) return 0;
-    rbdi_articulated_start(m, c, q, v, none, 1);
-    for (int i = 0; i < m->nl; ++i) c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_articulated_rows(c, k, RBDI_HELD_RATES);
-        rbdi_rebound(c, k, restitution);
-    }
-    return rbdi_articulated_solve(m, c, c->w->zero, c->x);
-}
-
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
-    if (rbdi_articulated_impact(m, c, q, v, restitution))
-        status = rbdi_constrained_status(m, c, RBD_OK, impulse);
-    else
-        status = rbdi_factored_impact(m, c, q, v, restitution, impulse);
+    status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
     if (status) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
     return status;
+}
+
+/* The rows, and the motion of all links without gravity. */
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                    const rbd_real *v, int want) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
+    rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
+    rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_constraint_rows(m, c, k, want);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -1727,9 +1492,9 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
     if (status) return status;
     rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
     for (int r = 0; r < c->rows; ++r) {
-        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + c->at[r]];
-        if (gamma) gamma[r] = c->gamma[c->at[r]];
-        if (e) e[r] = c->e[c->at[r]];
+        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
+        if (gamma) gamma[r] = c->gamma[r];
+        if (e) e[r] = c->e[r];
     }
     return RBD_OK;
 }
@@ -1762,7 +1527,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     for (int r = 0; r < c->rows; ++r)
-        c->u[c->at[r]] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+        c->u[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
         for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
@@ -1774,7 +1539,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]] * c->u[c->at[r]];
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * c->u[r];
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
 }
@@ -1870,8 +1635,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
-        if (rbdi_any(worse))
-            c->infeasible = rbdi_row_of_caller(c, r), open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
@@ -1879,9 +1643,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }
 
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
-    for (int i = 0; c && i < c->n; ++i)
-        if (c->constraint[i].index == constraint) return rbdi_row_of_caller(c, c->constraint[i].row);
-    return -1;
+    return c && constraint >= 0 && constraint < c->n ? c->constraint[constraint].row : -1;
 }
 
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
@@ -1983,18 +1745,11 @@ static int rbdi_rows_of(const rbd_constraint *list, int n) {
     return rows;
 }
 
-/* At most so many row blocks. */
-static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
-    int blocks = 0;
-    for (int i = 0; i < n; ++i) blocks += 2 * ((rbdi_held_axes(&list[i]) + RBDI_BATCH - 1) / RBDI_BATCH);
-    return blocks;
-}
-
 RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_row_blocks_of(list, n));
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
 
 /* The link that carries a body, -1 = world. */
@@ -2079,16 +1834,6 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* A common ancestor farther from the world comes before; else the caller's order stays. */
-static void rbdi_sort_constraints(rbdi_constraint *list, int n) {
-    for (int i = 1; i < n; ++i) {
-        const rbdi_constraint k = list[i];
-        int at = i;
-        for (; at > 0 && list[at - 1].ancestor < k.ancestor; --at) list[at] = list[at - 1];
-        list[at] = k;
-    }
-}
-
 /* The last dof of the path to a link, mimic joints standing for those that they follow; -1 = none. */
 static int rbdi_tip_of(const rbd_model *m, int link) {
     int tip = -1;
@@ -2100,131 +1845,40 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
     return tip;
 }
 
-/* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
-   what both paths begin with too; articulated bodies eliminate them before: `passed`. */
+/* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
-    const int end = k->row + k->rows;
-    k->trunk = 0;
-    for (int side = 0; side < 2; ++side) {
-        k->tip[side] = (int16_t)rbdi_tip_of(m, k->link[side]);
-        for (int i = k->tip[side]; i >= 0; i = m->dof[i].lambda) {
-            rbdi_span *s = &c->span[i];
-            if (s->end == 0) s->first = k->row;
-            if (side && s->end == end) ++k->trunk;
-            s->end = (int16_t)end;
-        }
-    }
+    int32_t *reached = c->path;
+    for (int i = 0; i < m->nv; ++i) reached[i] = 0;
+    for (int side = 0; side < 2; ++side)
+        for (int i = rbdi_tip_of(m, k->link[side]); i >= 0; i = m->dof[i].lambda) ++reached[i];
     k->dofs = 0;
-    for (int side = 0; side < 2; ++side) {
-        const int least = side ? k->trunk : 0, base = k->dofs - least;
-        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= least; i = m->dof[i].lambda, ++k->dofs)
-            k->dof[base + m->dof[i].depth] = (int16_t)i;
-    }
-    for (int t = k->trunk; t < k->dofs; ++t) {
-        rbdi_span *s = &c->passed[k->dof[t]];
+    for (int i = 0; i < m->nv; ++i) {
+        rbdi_span *s = &c->span[i];
+        if (!reached[i]) continue;
         if (s->end == 0) s->first = k->row;
-        s->end = (int16_t)end;
+        s->end = (int16_t)(k->row + k->rows);
+        k->dof[k->dofs++] = (int16_t)i;
     }
 }
 
-/* Finds the rows that share a joint with each constraint's rows: from `low` on, up to `end`. */
-static void rbdi_find_coupled_rows(rbd_constraint_set *c) {
+/* Whether articulated bodies would always find rows that depend on each other: more than there are dofs, more
+   than six between two links, or more than there are dofs between them. */
+static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
-    for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
-        k->low = k->row, k->end = (int16_t)(k->row + k->rows);
-        for (int t = k->trunk; t < k->dofs; ++t)
-            if (c->passed[k->dof[t]].first < k->low) k->low = c->passed[k->dof[t]].first;
-        for (rbdi_constraint *before = c->constraint; before < k; ++before)
-            if (before->row >= k->low) before->end = k->end;
-    }
-    for (rbdi_constraint *k = c->constraint; k < stop; ++k)
-        if (k->end + 2 * RBDI_BATCH > c->rows)
-            k->end = (int16_t)c->rows; /* or the last batches would reach beta */
-}
-
-/* Rows and row blocks in the order of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraint_set *c) {
-    int row = 0;
-    c->blocks = 0;
-    for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        for (int r = 0; r < k->rows; ++r) c->at[k->row + r] = (int16_t)(row + r);
-        k->row = (int16_t)row;
-        for (int side = 0; side < 2; ++side) {
-            k->block[side] = (int16_t)c->blocks;
-            for (int r = 0; k->link[side] >= 0 && r < k->rows; r += RBDI_BATCH) {
-                rbdi_row_block *on = &c->block[c->blocks++];
-                on->row = (int16_t)(row + r);
-                on->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                on->at = k->link[side];
-            }
+    int too_many = c->rows > m->nv;
+    for (const rbdi_constraint *k = c->constraint; k < stop; ++k) {
+        int rows = 0, dofs = 0;
+        for (const rbdi_constraint *o = c->constraint; o < stop; ++o)
+            if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
+                (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+                rows += o->rows;
+        RBDI_FOR_PATHS(m, k, link, sign) {
+            (void)sign;
+            dofs += rbdi_link_dofs(m, &m->link[link]);
         }
-        row += k->rows;
+        too_many |= rows > 6 || rows > dofs;
     }
-}
-
-/* Adds up the bodies of a link: their inertia about its origin, in its axes. */
-static void rbdi_bodies_of_link(const rbd_model *m, int link, rbd_real A[6][6]) {
-    for (int i = 0; i < 36; ++i) A[i / 6][i % 6] = rbdi_zero();
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->link != link) continue;
-        const rbdi_mat E = rbdi_mat_c(u->E);
-        const rbdi_v3 p = rbdi_add(rbdi_vec_c(u->r), rbdi_mul_t(E, rbdi_vec_c(u->com)));
-        const rbdi_sym I = rbdi_sym_up(E, rbdi_sym_c(u->I));
-        const rbd_real mass = rbdi_set(u->mass), x = mass * p.x, y = mass * p.y, z = mass * p.z;
-        A[0][0] = A[0][0] + I.xx + y * p.y + z * p.z, A[1][1] = A[1][1] + I.yy + x * p.x + z * p.z;
-        A[2][2] = A[2][2] + I.zz + x * p.x + y * p.y, A[0][1] = A[0][1] + I.xy - x * p.y;
-        A[0][2] = A[0][2] + I.xz - x * p.z, A[1][2] = A[1][2] + I.yz - y * p.z;
-        A[0][4] = A[0][4] - z, A[0][5] = A[0][5] + y, A[1][3] = A[1][3] + z;
-        A[1][5] = A[1][5] - x, A[2][3] = A[2][3] - y, A[2][4] = A[2][4] + x;
-        for (int i = 3; i < 6; ++i) A[i][i] = A[i][i] + mass;
-    }
-}
-
-/* Whether the pivots of a link's joint are above doubt by the link's own inertia: what hangs on it only
-   adds. */
-static int rbdi_own_pivots_clear(const rbd_model *m, int i) {
-    const rbdi_link *l = &m->link[i];
-    const int n = rbdi_link_dofs(m, l), first = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first : 0;
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    rbd_real A[6][6], H[6][6];
-    rbdi_bodies_of_link(m, i, A);
-    for (int j = 0; j < n; ++j)
-        for (int k = j; k < n; ++k) H[j][k] = A[first + j][first + k];
-    if (l->kind != RBDI_BLOCK) H[0][0] = A[2][2] * (l->rho * l->rho) + A[5][5] * (l->kappa * l->kappa);
-    for (int k = 0; k < n; ++k) H[k][k] = H[k][k] + m->dof[l->iv + k].armature;
-    for (int k = n - 1; k >= 0; --k) {
-        const rbd_real inverse = rbdi_pivot_inverse(H[k][k], m->dof[l->iv + k].scale, &doubt);
-        for (int i1 = 0; i1 < k; ++i1)
-            for (int j = i1; j < k; ++j) H[i1][j] = H[i1][j] - H[i1][k] * H[j][k] * inverse;
-    }
-    return !rbdi_any(doubt);
-}
-
-/* Whether rows may be eliminated on a link. From there on they add to the pivots of its joint and those
-   before it, which then no longer tell whether M is regular. So the links' own inertia must. */
-static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
-    for (; link >= 0; link = m->link[link].parent)
-        if (!rbdi_own_pivots_clear(m, link)) return 0;
-    return 1;
-}
-
-/* Whether the rows between the two links of a constraint must depend on each other. */
-static int rbdi_too_many_rows(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    int rows = 0;
-    for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
-        if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
-            (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
-            rows += o->rows;
-    return rows > 6 || rows > k->dofs - k->trunk;
-}
-
-/* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
-static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
-    int needs = m->nmimic > 0 || c->rows > m->nv;
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
-    return needs;
+    return too_many;
 }
 
 /* Checks the arguments of rbd_constraint_set_init. */
@@ -2249,24 +1903,19 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
     rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
     rbd_real *x;
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
-    c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
-    c->link = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 1) + (size_t)rows) * sizeof(int16_t)));
-    c->at = c->link + nv;
-    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
-    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
-    c->passed = c->span + nv;
+    c->link = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * ((size_t)n + 1) * sizeof(int16_t)));
+    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->link + (i + 1) * nv;
+    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(rbdi_span)));
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
-    c->W = (rbd_real *)rbdi_take(&p, 6 * rows, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
     c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
     x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
@@ -2288,25 +1937,18 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     status = rbdi_check_list(m, w, list, n, constraints ? memory : NULL, size, report);
     if (constraints) *constraints = NULL;
     if (status) return status;
-    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), rbdi_row_blocks_of(list, n), memory);
+    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->infeasible = -1, c->exchanged = 0, c->dirty = 1;
+    c->w = w, c->infeasible = -1, c->dirty = 1, c->exchanged = c->moving = c->links = 0;
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
-        c->constraint[i].index = (int16_t)i;
+        rbdi_reach_dofs(m, c, &c->constraint[i]);
+        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    rbdi_sort_constraints(c->constraint, n);
-    rbdi_number_rows(c);
-    for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
-    for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
-    c->links = 0;
     for (int i = 0; i < m->nl && !m->nmimic; ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    rbdi_find_coupled_rows(c);
-    c->moving = 0;
-    for (int i = 0; i < n; ++i)
-        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
-    c->factored = rbdi_needs_factor(m, c);
+    c->factored = m->nmimic > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;
 }
@@ -2636,19 +2278,6 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const 
     rbdi_delta_solve_columns(c, sigma, n);
 }
 
-/* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
-static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int r = 0; r < c->rows; ++r) {
-        int from = c->at[r];
-        while (from < r) from = c->at[from];
-        for (int k = 0; from != r && k < n; ++k) {
-            const rbd_real x = X[r * n + k];
-            X[r * n + k] = X[from * n + k];
-            X[from * n + k] = x;
-        }
-    }
-}
-
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                                    const rbd_real *tau, const rbd_real *f_ext,
@@ -2666,7 +2295,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, NULL, d->a);
+    solved = rbdi_constrained_status(m, c, solved, to.lambda);
     if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
@@ -2686,7 +2316,6 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
             (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
             (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
         }
-        rbdi_caller_order(c, of_lambda[x], nv);
     }
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;

@@ -103,14 +103,14 @@ extern "C" {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the squares of the rows that pass a link together. The factor of M costs the squares of the paths as
-   well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
+   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the paths
+   as well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
    that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8118     17009
-       articulated bodies    18785     27405
+       rbd_aba                8119     17163
+       articulated bodies    18090     27207
        factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and

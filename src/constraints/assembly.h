@@ -93,8 +93,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
-        if (rbdi_any(worse))
-            c->infeasible = rbdi_row_of_caller(c, r), open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
@@ -102,9 +101,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }
 
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint) {
-    for (int i = 0; c && i < c->n; ++i)
-        if (c->constraint[i].index == constraint) return rbdi_row_of_caller(c, c->constraint[i].row);
-    return -1;
+    return c && constraint >= 0 && constraint < c->n ? c->constraint[constraint].row : -1;
 }
 
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {

@@ -16,120 +16,102 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 /* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
    (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_reduce_rows(m, c, L);
-    c->give = rbdi_zero();
-    c->levers = rbdi_set(RBD_C(1));
-    for (int k = 0; k < c->n; ++k) rbdi_add_levers(c, &c->constraint[k]);
-    for (int k = 0; k < m->nv; ++k) c->give = c->give + c->D_inverse[k];
     c->exchanged = 0, c->infeasible = -1;
-    rbdi_clear(c->lambda, c->stride);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        doubt = rbdi_or(doubt, rbdi_factor_rows(c, k, 1));
-    if (rbdi_any(doubt))
+    if (rbdi_any(rbdi_factor_delta(m, c)))
         rbdi_solve_dependent(m, c, check);
     else
-        rbdi_back_substitute(c, 0, c->rows, c->rows);
+        rbdi_back_substitute(c);
     rbdi_sweep_down(m, c, L);
 }
 
-/* M = L'DL of the work's H, and x = D^-1 L^-T x. */
-static rbdi_mask rbdi_constrained_factor(const rbd_model *m, rbd_constraint_set *c) {
-    const rbdi_mask doubt = rbdi_factor(m, c->w, c->w->H);
-    rbdi_sweep_back(m, c, c->w->H);
-    return doubt;
-}
-
-/* M x = x + J' lambda, J x = target, once the rows are set: the status, and lambda. */
-static rbd_status rbdi_constrained_solve(const rbd_model *m, rbd_constraint_set *c, rbdi_mask doubt,
-                                         int check, rbd_real *lambda) {
-    rbdi_multipliers(m, c, c->w->H, check);
-    return rbdi_constrained_status(m, c, rbdi_status_of(m, c->w, doubt, c->x, m->nv), lambda);
-}
-
-/* r - gamma, by Baumgarte. */
-RBDI_INLINE void rbdi_stabilise(rbd_constraint_set *c, const rbdi_constraint *k) {
+/* The accelerations that a constraint's rows shall have, r - gamma: by Baumgarte; or the change of velocity in
+   an impact, if there is a restitution. */
+static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
-        rbdi_batch x = rbdi_zero_batch() - *(const rbdi_batch *)&c->gamma[r];
-        if (k->kd > 0) x = x - *(const rbdi_batch *)&c->u[r] * k->kd;
-        if (k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
+        const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
+        rbdi_batch x = rbdi_zero_batch() - (restitution ? u : *(const rbdi_batch *)&c->gamma[r]);
+        if (restitution) x = x - u * *restitution;
+        if (!restitution && k->kd > 0) x = x - u * k->kd;
+        if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
         *(rbdi_batch *)&c->target[r] = x;
     }
 }
 
-static int rbdi_stabilisation(const rbdi_constraint *k) {
+static int rbdi_target_needs(const rbdi_constraint *k, const rbd_real *restitution) {
+    if (restitution) return RBDI_HELD_RATES;
     return (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0);
 }
 
-/* By M = L'DL. */
+/* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
+   velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is in doubt. */
+static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                               const rbd_real *restitution, rbd_real *x) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_work *w = c->w;
+    if (c->factored) return 0;
+    rbdi_articulated_start(m, c, q, v, restitution ? none : w->gravity, c->moving || restitution);
+    for (int i = 0; restitution && i < m->nl; ++i)
+        w->scratch[i].f = rbdi_force0(), w->scratch[i].c = rbdi_motion0();
+    rbdi_external(m, w, f_ext);
+    if (rbdi_any(rbdi_aba_pass2(m, w, tau))) return 0;
+    rbdi_path_inverse(m, c);
+    if (c->dirty) rbdi_clear_rows(m, c);
+    c->dirty = 0;
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_axes_held h;
+        rbdi_v3 p;
+        rbdi_set_axes(c, k, &h);
+        p = rbdi_constraint_motion(c, k, &h, rbdi_target_needs(k, restitution), 1);
+        rbdi_set_target(c, k, restitution);
+        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
+    }
+    return rbdi_articulated_solve(m, c, x);
+}
+
+/* The same by M = L'DL, for every state. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a,
-                                   rbd_real *lambda) {
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
-    rbd_status status;
     rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int k = 0; k < m->nv; ++k) c->x[k] = tau[k] - w->bias[k];
-    doubt = rbdi_constrained_factor(m, c);
+    for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_sweep_back(m, c, w->H);
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, rbdi_stabilisation(k));
-        rbdi_stabilise(c, k);
+        rbdi_constraint_rows(m, c, k, rbdi_target_needs(k, restitution));
+        rbdi_set_target(c, k, restitution);
     }
-    status = rbdi_constrained_solve(m, c, doubt, 1, lambda);
-    for (int k = 0; k < m->nv; ++k) a[k] = c->x[k];
-    return status;
+    rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
+    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
+    return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* By articulated bodies. Returns 0, a untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
-    if (c->factored) return 0;
-    rbdi_articulated_start(m, c, q, v, c->w->gravity, c->moving);
-    rbdi_external(m, c->w, f_ext);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_articulated_rows(c, k, rbdi_stabilisation(k));
-        rbdi_stabilise(c, k);
-    }
-    return rbdi_articulated_solve(m, c, tau, a);
+/* By one or the other; lambda; and what the call returns. */
+static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
+    rbd_status status = RBD_OK;
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x))
+        status = rbdi_factored_fd(m, c, q, v, tau, f_ext, restitution, x);
+    return rbdi_constrained_status(m, c, status, lambda);
 }
 
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
-    if (status) return status;
-    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, a))
-        return rbdi_factored_fd(m, c, q, v, tau, f_ext, a, lambda);
-    return rbdi_constrained_status(m, c, RBD_OK, lambda);
-}
-
-/* The motion of all links without gravity. */
-static void rbdi_constraint_state_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                     const rbd_real *v) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
-    rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-}
-
-/* The rows there. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int want) {
-    rbdi_constraint_state_at(m, c, q, v);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, want);
-}
-
-/* J v of a constraint after an impact less that before. */
-static void rbdi_rebound(rbd_constraint_set *c, const rbdi_constraint *k, rbd_real restitution) {
-    for (int r = k->row; r < k->row + k->rows; ++r) c->target[r] = -(c->u[r] + restitution * c->u[r]);
+    return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
 static int rbdi_restitution_fits(rbd_real x) {
@@ -138,46 +120,27 @@ static int rbdi_restitution_fits(rbd_real x) {
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
 
-static rbd_status rbdi_factored_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                       const rbd_real *v, rbd_real restitution, rbd_real *impulse) {
-    rbdi_mask doubt;
-    rbd_crba_packed(m, c->w, q, c->w->H);
-    rbdi_clear(c->x, m->nv);
-    doubt = rbdi_constrained_factor(m, c);
-    rbdi_constraint_state_at(m, c, q, v);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, RBDI_HELD_RATES);
-        rbdi_rebound(c, k, restitution);
-    }
-    return rbdi_constrained_solve(m, c, doubt, 0, impulse); /* J v is in the range of J */
-}
-
-/* By articulated bodies. Returns 0, c->x unknown, if a pivot is in doubt. */
-static int rbdi_articulated_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, rbd_real restitution) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    if (c->factored) return 0;
-    rbdi_articulated_start(m, c, q, v, none, 1);
-    for (int i = 0; i < m->nl; ++i) c->w->scratch[i].f = rbdi_force0(), c->w->scratch[i].c = rbdi_motion0();
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_articulated_rows(c, k, RBDI_HELD_RATES);
-        rbdi_rebound(c, k, restitution);
-    }
-    return rbdi_articulated_solve(m, c, c->w->zero, c->x);
-}
-
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
-    if (rbdi_articulated_impact(m, c, q, v, restitution))
-        status = rbdi_constrained_status(m, c, RBD_OK, impulse);
-    else
-        status = rbdi_factored_impact(m, c, q, v, restitution, impulse);
+    status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
     if (status) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
     return status;
+}
+
+/* The rows, and the motion of all links without gravity. */
+static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                    const rbd_real *v, int want) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
+    rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
+    rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_constraint_rows(m, c, k, want);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -186,9 +149,9 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
     if (status) return status;
     rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
     for (int r = 0; r < c->rows; ++r) {
-        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + c->at[r]];
-        if (gamma) gamma[r] = c->gamma[c->at[r]];
-        if (e) e[r] = c->e[c->at[r]];
+        for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
+        if (gamma) gamma[r] = c->gamma[r];
+        if (e) e[r] = c->e[r];
     }
     return RBD_OK;
 }

@@ -254,19 +254,6 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const 
     rbdi_delta_solve_columns(c, sigma, n);
 }
 
-/* Rows of n as the caller has them, by exchanges: from where it went, if a row was exchanged before. */
-static void rbdi_caller_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int r = 0; r < c->rows; ++r) {
-        int from = c->at[r];
-        while (from < r) from = c->at[from];
-        for (int k = 0; from != r && k < n; ++k) {
-            const rbd_real x = X[r * n + k];
-            X[r * n + k] = X[from * n + k];
-            X[from * n + k] = x;
-        }
-    }
-}
-
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                                    const rbd_real *tau, const rbd_real *f_ext,
@@ -284,7 +271,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
-    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, d->a, to.lambda);
+    solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, NULL, d->a);
+    solved = rbdi_constrained_status(m, c, solved, to.lambda);
     if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
@@ -304,7 +292,6 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
             (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
             (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
         }
-        rbdi_caller_order(c, of_lambda[x], nv);
     }
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;

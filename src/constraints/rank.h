@@ -106,7 +106,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
 
 /* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
-    const rbd_real noise = rbdi_row_noise(c) * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
+    const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
     for (int k = 0; k < nv; ++k) {
@@ -184,28 +184,6 @@ static void rbdi_bound_demand(rbd_constraint_set *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
-/* The row of the caller's that stands at `at`. */
-static int rbdi_row_of_caller(const rbd_constraint_set *c, int at) {
-    int r = 0;
-    while (c->at[r] != at) ++r;
-    return r;
-}
-
-/* Notes the row that stands at t if the targets have a component along its null vector n. */
-static void rbdi_check_row(rbd_constraint_set *c, int t, const rbd_real *n) {
-    rbd_real bound = rbdi_zero();
-    rbdi_mask bad;
-    for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-    bad = rbdi_and(rbdi_dropped(c, t), rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))));
-    if (!rbdi_any(bad)) return;
-    for (int r = 0; r < c->rows; ++r) c->share[r] = rbdi_set(RBD_C(r));
-    rbdi_to_order(c, c->share, 1, 1, 0);
-    for (int r = 0; r < c->rows; ++r)
-        if (rbdi_any(rbdi_and(bad, rbdi_is_index(c->share[t], r))) &&
-            (c->infeasible < 0 || rbdi_row_of_caller(c, r) < c->infeasible))
-            c->infeasible = rbdi_row_of_caller(c, r);
-}
-
 /* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
 static void rbdi_null_space(const rbd_constraint_set *c) {
     rbd_real *n = c->square, *before = c->share;
@@ -230,14 +208,22 @@ static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
     }
 }
 
-/* Notes the first row that contradicts others. */
+/* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
+   along the null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
+    rbd_real *n = c->square, *bad = c->share;
+    const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_bound_demand(c);
     for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_load_null(c, t, c->square);
-        rbdi_check_row(c, t, c->square);
+        rbd_real bound = rbdi_zero();
+        rbdi_load_null(c, t, n);
+        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
+        bad[t] =
+            rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
     }
+    rbdi_from_order(c, bad, 1, 1, 0);
+    for (int r = c->rows - 1; r >= 0; --r)
+        if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
 /* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
@@ -256,20 +242,16 @@ static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int 
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
             *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
     }
-    rbdi_back_substitute(c, 0, c->rows, c->rows);
+    rbdi_back_substitute(c);
     rbdi_project_rows(c, c->lambda);
     rbdi_from_order(c, c->lambda, 1, 1, 0);
 }
 
-RBDI_INLINE void rbdi_to_caller(const int16_t *at, const rbd_real *x, rbd_real *out, int rows) {
-    for (int r = 0; r < rows; ++r) out[r] = x[at[r]];
-}
-
-/* lambda in the caller's order; what a call returns, status of the pivots being known. */
+/* lambda; what a call returns, status of the pivots being known. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
-    if (lambda) rbdi_to_caller(c->at, c->lambda, lambda, c->rows);
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }

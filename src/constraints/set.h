@@ -1,9 +1,8 @@
 #ifndef RBDI_CONSTRAINTS_SET_H
 #define RBDI_CONSTRAINTS_SET_H
-#include "dynamics/crba.h"
 #include "model/text.h"
 #include "model/wide.h"
-#include "constraints/layout.h"
+#include "constraints/rows.h"
 
 /* ---- set code [set code] ---- */
 
@@ -92,18 +91,11 @@ static int rbdi_rows_of(const rbd_constraint *list, int n) {
     return rows;
 }
 
-/* At most so many row blocks. */
-static int rbdi_row_blocks_of(const rbd_constraint *list, int n) {
-    int blocks = 0;
-    for (int i = 0; i < n; ++i) blocks += 2 * ((rbdi_held_axes(&list[i]) + RBDI_BATCH - 1) / RBDI_BATCH);
-    return blocks;
-}
-
 RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
     rows = rbdi_rows_of(list, n);
-    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows), rbdi_row_blocks_of(list, n));
+    return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
 
 /* The link that carries a body, -1 = world. */
@@ -188,16 +180,6 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* A common ancestor farther from the world comes before; else the caller's order stays. */
-static void rbdi_sort_constraints(rbdi_constraint *list, int n) {
-    for (int i = 1; i < n; ++i) {
-        const rbdi_constraint k = list[i];
-        int at = i;
-        for (; at > 0 && list[at - 1].ancestor < k.ancestor; --at) list[at] = list[at - 1];
-        list[at] = k;
-    }
-}
-
 /* The last dof of the path to a link, mimic joints standing for those that they follow; -1 = none. */
 static int rbdi_tip_of(const rbd_model *m, int link) {
     int tip = -1;
@@ -209,131 +191,40 @@ static int rbdi_tip_of(const rbd_model *m, int link) {
     return tip;
 }
 
-/* The rows of a constraint reach the dofs of the paths to its bodies. With M's factor those of L^-T J' reach
-   what both paths begin with too; articulated bodies eliminate them before: `passed`. */
+/* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
-    const int end = k->row + k->rows;
-    k->trunk = 0;
-    for (int side = 0; side < 2; ++side) {
-        k->tip[side] = (int16_t)rbdi_tip_of(m, k->link[side]);
-        for (int i = k->tip[side]; i >= 0; i = m->dof[i].lambda) {
-            rbdi_span *s = &c->span[i];
-            if (s->end == 0) s->first = k->row;
-            if (side && s->end == end) ++k->trunk;
-            s->end = (int16_t)end;
-        }
-    }
+    int32_t *reached = c->path;
+    for (int i = 0; i < m->nv; ++i) reached[i] = 0;
+    for (int side = 0; side < 2; ++side)
+        for (int i = rbdi_tip_of(m, k->link[side]); i >= 0; i = m->dof[i].lambda) ++reached[i];
     k->dofs = 0;
-    for (int side = 0; side < 2; ++side) {
-        const int least = side ? k->trunk : 0, base = k->dofs - least;
-        for (int i = k->tip[side]; i >= 0 && m->dof[i].depth >= least; i = m->dof[i].lambda, ++k->dofs)
-            k->dof[base + m->dof[i].depth] = (int16_t)i;
-    }
-    for (int t = k->trunk; t < k->dofs; ++t) {
-        rbdi_span *s = &c->passed[k->dof[t]];
+    for (int i = 0; i < m->nv; ++i) {
+        rbdi_span *s = &c->span[i];
+        if (!reached[i]) continue;
         if (s->end == 0) s->first = k->row;
-        s->end = (int16_t)end;
+        s->end = (int16_t)(k->row + k->rows);
+        k->dof[k->dofs++] = (int16_t)i;
     }
 }
 
-/* Finds the rows that share a joint with each constraint's rows: from `low` on, up to `end`. */
-static void rbdi_find_coupled_rows(rbd_constraint_set *c) {
+/* Whether articulated bodies would always find rows that depend on each other: more than there are dofs, more
+   than six between two links, or more than there are dofs between them. */
+static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
-    for (rbdi_constraint *k = c->constraint; k < stop; ++k) {
-        k->low = k->row, k->end = (int16_t)(k->row + k->rows);
-        for (int t = k->trunk; t < k->dofs; ++t)
-            if (c->passed[k->dof[t]].first < k->low) k->low = c->passed[k->dof[t]].first;
-        for (rbdi_constraint *before = c->constraint; before < k; ++before)
-            if (before->row >= k->low) before->end = k->end;
-    }
-    for (rbdi_constraint *k = c->constraint; k < stop; ++k)
-        if (k->end + 2 * RBDI_BATCH > c->rows)
-            k->end = (int16_t)c->rows; /* or the last batches would reach beta */
-}
-
-/* Rows and row blocks in the order of the sorted constraints. */
-static void rbdi_number_rows(rbd_constraint_set *c) {
-    int row = 0;
-    c->blocks = 0;
-    for (rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        for (int r = 0; r < k->rows; ++r) c->at[k->row + r] = (int16_t)(row + r);
-        k->row = (int16_t)row;
-        for (int side = 0; side < 2; ++side) {
-            k->block[side] = (int16_t)c->blocks;
-            for (int r = 0; k->link[side] >= 0 && r < k->rows; r += RBDI_BATCH) {
-                rbdi_row_block *on = &c->block[c->blocks++];
-                on->row = (int16_t)(row + r);
-                on->rows = (int16_t)(k->rows - r < RBDI_BATCH ? k->rows - r : RBDI_BATCH);
-                on->at = k->link[side];
-            }
+    int too_many = c->rows > m->nv;
+    for (const rbdi_constraint *k = c->constraint; k < stop; ++k) {
+        int rows = 0, dofs = 0;
+        for (const rbdi_constraint *o = c->constraint; o < stop; ++o)
+            if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
+                (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+                rows += o->rows;
+        RBDI_FOR_PATHS(m, k, link, sign) {
+            (void)sign;
+            dofs += rbdi_link_dofs(m, &m->link[link]);
         }
-        row += k->rows;
+        too_many |= rows > 6 || rows > dofs;
     }
-}
-
-/* Adds up the bodies of a link: their inertia about its origin, in its axes. */
-static void rbdi_bodies_of_link(const rbd_model *m, int link, rbd_real A[6][6]) {
-    for (int i = 0; i < 36; ++i) A[i / 6][i % 6] = rbdi_zero();
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->link != link) continue;
-        const rbdi_mat E = rbdi_mat_c(u->E);
-        const rbdi_v3 p = rbdi_add(rbdi_vec_c(u->r), rbdi_mul_t(E, rbdi_vec_c(u->com)));
-        const rbdi_sym I = rbdi_sym_up(E, rbdi_sym_c(u->I));
-        const rbd_real mass = rbdi_set(u->mass), x = mass * p.x, y = mass * p.y, z = mass * p.z;
-        A[0][0] = A[0][0] + I.xx + y * p.y + z * p.z, A[1][1] = A[1][1] + I.yy + x * p.x + z * p.z;
-        A[2][2] = A[2][2] + I.zz + x * p.x + y * p.y, A[0][1] = A[0][1] + I.xy - x * p.y;
-        A[0][2] = A[0][2] + I.xz - x * p.z, A[1][2] = A[1][2] + I.yz - y * p.z;
-        A[0][4] = A[0][4] - z, A[0][5] = A[0][5] + y, A[1][3] = A[1][3] + z;
-        A[1][5] = A[1][5] - x, A[2][3] = A[2][3] - y, A[2][4] = A[2][4] + x;
-        for (int i = 3; i < 6; ++i) A[i][i] = A[i][i] + mass;
-    }
-}
-
-/* Whether the pivots of a link's joint are above doubt by the link's own inertia: what hangs on it only
-   adds. */
-static int rbdi_own_pivots_clear(const rbd_model *m, int i) {
-    const rbdi_link *l = &m->link[i];
-    const int n = rbdi_link_dofs(m, l), first = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first : 0;
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
-    rbd_real A[6][6], H[6][6];
-    rbdi_bodies_of_link(m, i, A);
-    for (int j = 0; j < n; ++j)
-        for (int k = j; k < n; ++k) H[j][k] = A[first + j][first + k];
-    if (l->kind != RBDI_BLOCK) H[0][0] = A[2][2] * (l->rho * l->rho) + A[5][5] * (l->kappa * l->kappa);
-    for (int k = 0; k < n; ++k) H[k][k] = H[k][k] + m->dof[l->iv + k].armature;
-    for (int k = n - 1; k >= 0; --k) {
-        const rbd_real inverse = rbdi_pivot_inverse(H[k][k], m->dof[l->iv + k].scale, &doubt);
-        for (int i1 = 0; i1 < k; ++i1)
-            for (int j = i1; j < k; ++j) H[i1][j] = H[i1][j] - H[i1][k] * H[j][k] * inverse;
-    }
-    return !rbdi_any(doubt);
-}
-
-/* Whether rows may be eliminated on a link. From there on they add to the pivots of its joint and those
-   before it, which then no longer tell whether M is regular. So the links' own inertia must. */
-static int rbdi_may_eliminate_at(const rbd_model *m, int link) {
-    for (; link >= 0; link = m->link[link].parent)
-        if (!rbdi_own_pivots_clear(m, link)) return 0;
-    return 1;
-}
-
-/* Whether the rows between the two links of a constraint must depend on each other. */
-static int rbdi_too_many_rows(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    int rows = 0;
-    for (const rbdi_constraint *o = c->constraint; o < c->constraint + c->n; ++o)
-        if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
-            (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
-            rows += o->rows;
-    return rows > 6 || rows > k->dofs - k->trunk;
-}
-
-/* Whether articulated bodies could not tell, or would always find rows that depend on each other. */
-static int rbdi_needs_factor(const rbd_model *m, const rbd_constraint_set *c) {
-    int needs = m->nmimic > 0 || c->rows > m->nv;
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        needs |= rbdi_too_many_rows(c, k) || !rbdi_may_eliminate_at(m, k->ancestor);
-    return needs;
+    return too_many;
 }
 
 /* Checks the arguments of rbd_constraint_set_init. */
@@ -358,24 +249,19 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, int blocks, void *memory) {
+static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
     rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
     rbd_real *x;
     c->n = n, c->rows = rows, c->stride = stride;
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
-    c->block = (rbdi_row_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)blocks * sizeof(rbdi_row_block)));
-    c->link = (int16_t *)rbdi_take(
-        &p, 1, RBDI_ROUND(((size_t)nv * ((size_t)n + 1) + (size_t)rows) * sizeof(int16_t)));
-    c->at = c->link + nv;
-    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->at + rows + i * nv;
-    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND(2 * (size_t)nv * sizeof(rbdi_span)));
-    c->passed = c->span + nv;
+    c->link = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * ((size_t)n + 1) * sizeof(int16_t)));
+    for (int i = 0; i < n; ++i) c->constraint[i].dof = c->link + (i + 1) * nv;
+    c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(rbdi_span)));
     c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
-    c->W = (rbd_real *)rbdi_take(&p, 6 * rows, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
     c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
     x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
@@ -397,25 +283,18 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     status = rbdi_check_list(m, w, list, n, constraints ? memory : NULL, size, report);
     if (constraints) *constraints = NULL;
     if (status) return status;
-    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), rbdi_row_blocks_of(list, n), memory);
+    c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->infeasible = -1, c->exchanged = 0, c->dirty = 1;
+    c->w = w, c->infeasible = -1, c->dirty = 1, c->exchanged = c->moving = c->links = 0;
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
-        c->constraint[i].index = (int16_t)i;
+        rbdi_reach_dofs(m, c, &c->constraint[i]);
+        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    rbdi_sort_constraints(c->constraint, n);
-    rbdi_number_rows(c);
-    for (int k = 0; k < 2 * m->nv; ++k) c->span[k].first = c->span[k].end = 0; /* and passed */
-    for (int i = 0; i < n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
-    c->links = 0;
     for (int i = 0; i < m->nl && !m->nmimic; ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    rbdi_find_coupled_rows(c);
-    c->moving = 0;
-    for (int i = 0; i < n; ++i)
-        c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
-    c->factored = rbdi_needs_factor(m, c);
+    c->factored = m->nmimic > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;
 }

@@ -38,8 +38,9 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
         }
 }
 
-/* Y'lambda / D of dof k, whose rows are s. */
-RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_span s) {
+/* Y'lambda / D of dof k. */
+RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
+    const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
     for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
@@ -51,7 +52,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k, rbdi_spa
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
-        rbd_real x = c->x[k] + rbdi_rows_push(c, k, c->span[k]);
+        rbd_real x = c->x[k] + rbdi_rows_push(c, k);
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda)
             x = x - l[t] * c->x[i];
         c->x[k] = x;

@@ -29,7 +29,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     for (int r = 0; r < c->rows; ++r)
-        c->u[c->at[r]] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+        c->u[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
         for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
@@ -41,7 +41,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[c->at[r]] * c->u[c->at[r]];
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * c->u[r];
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
 }

@@ -19,7 +19,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
-    rbdi_aba_pass3(m, w, a);
+    rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
 
