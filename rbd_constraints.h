@@ -342,6 +342,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 #define RBDI_CONSTRAINTS_LAYOUT
 
 /* ==== src/constraints/layout.h ==== */
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES */
+
 /* ---- layout [layout] ---- */
 
 /* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */
@@ -498,6 +500,9 @@ RBDI_CODE_BEGIN
 #define RBDI_CLOSING_STEPS 3
 
 /* ==== src/constraints/kinematics.h ==== */
+/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_of, rbdi_station_with,
+   RBDI_HELD_ERRORS */
+
 /* ---- kinematics [kinematics] ---- */
 
 /* A point fixed in a link, world axes: its place, angular velocity, velocity, and their rates. */
@@ -639,6 +644,8 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_con
 }
 
 /* ==== src/constraints/rows.h ==== */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state */
+
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
@@ -1101,6 +1108,8 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 }
 
 /* ==== src/constraints/solution.h ==== */
+/* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
+
 /* ---- solution [solution] ----
    By the factor of M: what comes before and behind [factor] or [rank]. */
 
@@ -1347,6 +1356,8 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd
 }
 
 /* ==== src/constraints/calls.h ==== */
+/* Interface: rbdi_check_constraints */
+
 /* ---- call code [call code] ---- */
 
 static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
@@ -1658,6 +1669,9 @@ RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->infeasible : -1; }
 
 /* ==== src/constraints/set.h ==== */
+/* Interface: rbdi_check_constraint, rbdi_constraint_of, rbdi_frame_along, rbdi_lay_constraints,
+   rbdi_place_constraint, rbdi_place_frame, rbdi_reach_dofs, rbdi_row_stride, rbdi_rows_of */
+
 /* ---- set code [set code] ---- */
 
 static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,

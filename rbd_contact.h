@@ -1,31 +1,49 @@
-/* rbd_contact.h - contacts that push only and slip, on rbd_constraints.h.
+/* rbd_contact.h - contacts that push only and slip: a time step of a simulation, on rbd_constraints.h.
    Made by src/amalgamate.py from src/rbd_contact.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Impulses of contacts with friction by the exact laws of Signorini and Coulomb at the level of velocities.
-   Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file.
+   Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
+   impulses by the exact laws of Signorini and Coulomb, and moves the robot. Implemented by the same
+   RBD_IMPLEMENTATION as rbd.h, in the same file. A box of which two corners may touch the ground:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_contact.h"
+
+       const rbd_contact corners[2] = {
+           {.body1 = 0, .body2 = -1, .point = {0.2, 0.1, -0.1}, .friction = 0.5},
+           {.body1 = 0, .body2 = -1, .point = {0.2, -0.1, -0.1}, .friction = 0.5}};
+       size_t size = rbd_contact_set_size(m, 2, NULL, 0, NULL);
+       rbd_contact_set *c;
+       rbd_contact_set_init(m, w, corners, 2, NULL, 0, NULL, malloc(size), size, &c, NULL);
+       for (int i = 0; i < 1000; i++)
+           rbd_contact_step(m, c, q, v, tau, NULL, NULL, 1e-3, q, v);
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [solver]
+     [solver] [set] [step]
      --- stop here if you only use it ---
-     [tolerances] [layout] [one contact] [laws] [newton] [solver code]
+     [layout] [tolerances] [one contact] [laws] [newton] [solver code]
+     [set code] [contact rows] [biases] [step code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
-     laws         normal: p_n >= 0, u_n >= 0, p_n u_n = 0; friction: |p_t| <= mu p_n, and where a contact slips
-                  u_t = -alpha p_t, alpha > 0, |p_t| = mu p_n. Stewart and Trinkle (1996), Anitescu and Potra
-                  (1997), here with the round cone. Of a bounded row: lower <= p <= upper; u > 0 only at the
-                  lower bound, u < 0 only at the upper one
+     gap          distance of point or ball from the plane, m; below 0 in penetration
+     laws         normal: p_n >= 0, u_n >= 0, p_n u_n = 0; friction: |p_t| <= mu p_n, and where a contact
+                  slips u_t = -alpha p_t, alpha > 0, |p_t| = mu p_n. Stewart and Trinkle (1996), Anitescu and
+                  Potra (1997), here with the round cone. Of a bounded row: lower <= p <= upper; u > 0 only
+                  at the lower bound, u < 0 only at the upper one
 
-   [configuration] That of rbd.h, without RBD_NO_CHOLESKY, RBD_LANES and RBD_REAL_CUSTOM: the solver branches on
-     its data.
+   [configuration] That of rbd.h, without RBD_NO_CHOLESKY, RBD_LANES and RBD_REAL_CUSTOM: the solver branches
+     on its data.
 
    [limits]
-     No rolling and torsional friction. Convergence of the solver is not proven, nor is the solution unique where
-     friction is large; the residual says what was reached.
+     Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
+     rolling and torsional friction, no derivatives of the step. Convergence of the solver is not proven, nor
+     is the solution unique where friction is large; the residual says what was reached. Rebounds of several
+     contacts with friction follow Newton's law, which may gain energy in known examples; without restitution
+     a contact only takes energy.
 */
 #include "rbd_constraints.h"
 
@@ -43,6 +61,14 @@ extern "C" {
 /* ==== src/api/contact.h ==== */
 #define rbd_contact_solve_size RBDI_SYMBOL(rbd_contact_solve_size)
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
+#define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
+#define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
+#define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
+#define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
+#define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
+#define rbd_contact_reset RBDI_SYMBOL(rbd_contact_reset)
+#define rbd_contact_get RBDI_SYMBOL(rbd_contact_get)
+#define rbd_contact_last RBDI_SYMBOL(rbd_contact_last)
 
 typedef enum rbd_contact_state {
     RBD_APART, /* not a row of the problem: too far away, or nothing that it touches can move */
@@ -75,16 +101,108 @@ typedef struct rbd_contact_solution {
 /* Bytes of memory that rbd_contact_solve needs for such a problem. */
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
 
-/* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is finite
-   and within cones and bounds in any case, if M^-1, b and the bounds are finite.
+/* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is
+   finite and within cones and bounds in any case.
    memory     size bytes of any alignment, scratch
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of iterations
-   below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p is 0. */
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of
+   iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
+
+/* ---- set [set] ---- */
+
+/* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
+   every field but the bodies. */
+typedef struct rbd_contact {
+    const char *name; /* for findings; NULL = nameless */
+    int body1, body2; /* index in the description, -1 = world */
+    double point[3];  /* link axes of body 1, m */
+    double radius;    /* m; 0 = a point */
+    double normal
+        [3]; /* of the plane, link axes of body 2, towards body 1; need not be of unit length; all 0 = z */
+    double height;      /* of the plane along the unit normal, m */
+    double friction;    /* mu */
+    double restitution; /* 0 (does not rebound) to 1 */
+    double stiffness,
+        damping; /* N/m, N s/m: p/dt = -(stiffness gap + damping d gap/dt); stiffness 0 = rigid */
+} rbd_contact;
+
+/* 0 is the default in brackets. */
+typedef struct rbd_contact_options {
+    double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
+    double slop;   /* penetration that is left, m [1e-5] */
+    double correction;  /* share of the rest that a step takes back [0.2] */
+    double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
+    double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
+    int iterations;     /* at most [40] */
+    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
+    int joint_damping;  /* not 0: the description's damping, implicitly */
+} rbd_contact_options;
+
+typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
+
+/* Checks contacts and prepares them in the caller's memory, for this model and work, which the calls use.
+   list      n contacts, not needed later but for their names
+   held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
+             have no meaning here; errors of position are taken back as penetration is. May be NULL
+   options   NULL: all defaults
+   memory    size bytes of any alignment; rbd_contact_set_size is exact
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
+   report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
+   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
+   sentence. */
+RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
+                                         const rbd_constraint *held, int n_held,
+                                         const rbd_contact_options *options, void *memory, size_t size,
+                                         rbd_contact_set **c, rbd_report *report);
+
+/* Bytes that rbd_contact_set_init needs for these; 0 if a number is out of range. */
+RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
+                                     const rbd_contact_options *options);
+
+/* ---- step [step] ----
+   q: nq, v, tau, damping: nv, f_ext: nb x 6 or NULL. An output may be the same array as the input of its
+   name.
+   damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
+              the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not above 0; _SINGULAR, _NAN as rbd_constrained_fd: then q_next is
+   q and v_next or a is 0. A solution above the tolerance is no error: rbd_contact_last. */
+
+/* One time step dt, semi-implicit: velocities first, by
+
+       M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
+
+   then q_next by nu, and v_next in its axes as rbd_step has it. The biases: contacts that are apart may just
+   touch at the end, stiff ones give way, rebounds are those of the velocity before. Penetration is taken back
+   in the positions only, by a second solution on the same Delta, so that it gives no velocity. */
+RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                     const rbd_real *damping, rbd_real dt, rbd_real *q_next,
+                                     rbd_real *v_next);
+
+/* Its acceleration alone: rbd_step with a gives its v_next, and q_next where nothing penetrates. */
+RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *damping, rbd_real dt, rbd_real *a);
+
+/* Another plane under contact i from the next step on, as rbd_contact has it: the tangent plane of terrain.
+   Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
+RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
+                                      double height);
+
+/* Forgets the last impulses, with which a step begins: after a jump of the state. */
+RBDI_API void rbd_contact_reset(rbd_contact_set *c);
+
+/* What contact i did in the last step: its state, RBD_APART without such a contact. gap: before the step, m;
+   force: p/dt on body 1, world axes. Each may be NULL. */
+RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
+
+/* Residual and iterations of the last step; all 0 without a set or a step. */
+RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 /* ==== src/rbd_contact.h ==== */
 #if defined __cplusplus && !defined RBD_STATIC
@@ -202,6 +320,55 @@ typedef struct rbdi_contact_solver {
      sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * (6 + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
+/* A contact of a set. */
+typedef struct rbdi_contact {
+    rbdi_c3 point; /* link axes */
+    rbd_const radius, friction, restitution, stiffness, damping;
+    rbd_real gap, approach; /* m; u_n before the step, m/s */
+    rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
+    rbd_real force[3];      /* the same over dt, world axes */
+    int body2;
+    int row; /* of the step, -1 = none */
+    rbd_contact_state state;
+} rbdi_contact;
+
+/* A row of one degree of freedom: a limit of its joint or its dry friction. */
+typedef struct rbdi_dof_row {
+    int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
+    rbd_const lower, upper;  /* limits; of dry friction what it can hold */
+    rbd_real distance, side; /* to the nearer limit, and the row's sign there */
+    rbd_real impulse;        /* of the last step */
+    int row;                 /* of the step, -1 = none */
+} rbdi_dof_row;
+
+/* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
+   of each contact that is near, those that are held, those of single dofs. */
+struct rbd_contact_set {
+    rbd_constraint_set *rows;
+    rbd_contact_options options;
+    int n, held, dof_rows;        /* contacts; constraints behind them; rows of dofs at most */
+    int most;                     /* rows at most */
+    rbdi_contact *contact;        /* n */
+    rbdi_dof_row *dof_row;        /* dof_rows */
+    rbd_real *held_impulse;       /* rows of what is held */
+    rbd_real *friction;           /* of the step's contacts */
+    rbd_real *lower, *upper;      /* of its other rows */
+    rbd_real *b;                  /* most: u without impulses, with the bias */
+    rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
+    rbd_real *x;                  /* nv: D^-1 L^-T dt (tau - c) */
+    rbd_real last_dt;             /* of the last step, 0 = none */
+    rbdi_contact_solver solver;
+};
+
+/* Bytes for n contacts and, at most, `bounded` other rows; `held` of them are of so many constraints. */
+#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, held, bounded, stride) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
+     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
+     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + (size_t)(held) + 2 * (size_t)(bounded) + \
+                                    RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+     RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
+     RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
 
@@ -224,6 +391,7 @@ RBDI_CODE_BEGIN
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
+#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: limits that are nearer are rows */
 
 #define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
@@ -240,15 +408,15 @@ RBDI_CODE_BEGIN
    impulse, D = [A c; c' d].
 
      w_n >= 0             p = 0: it opens
-     slip                 u_n = 0 and u_t = -alpha p_t, so that with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
+     slip                 u_n = 0 and u_t = -alpha p_t: with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
 
-       (S + alpha) p_t = -s,   p_n = p0 - (c/d)'p_t,   |p_t(alpha)| = mu p_n(alpha),   alpha > 0               (1)
+       (S + alpha) p_t = -s,   p_n = p0 - (c/d)'p_t,   |p_t(alpha)| = mu p_n(alpha),   alpha > 0         (1)
 
      stick                the same with alpha = 0, where p is within the cone
 
    Along the eigenvectors of S p_t is two divisions. g(alpha) = |p_t| - mu p_n is above 0 at 0 where stick was
-   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: there is
-   always a root between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
+   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: a root
+   is always between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
    eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong coupling there may be more
    roots (Painleve): each obeys the laws, and the bracket decides which one comes out. */
 
@@ -378,8 +546,8 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
      slips    else                    p = z_n (mu e + n), e = z_t/|z_t|
      bounded                          p = z, or the bound that z is behind
 
-   The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that slips
-   |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
+   The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
+   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -476,7 +644,7 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     s->solution.residual = worst;
 }
 
-/* Puts p into cones and bounds, where iterations leave it outside by the tolerance. Returns whether p changed. */
+/* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -504,17 +672,17 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
      opens    p = 0                 no unknown
      sticks   u = 0                 three unknowns
      slips    u_n = 0,  t'u + alpha t'p = 0,  alpha = (1 - kappa) d / kappa;  dp = (mu e + n) dp_n + t ds
-     bounded  u = 0                 one, none at a bound                                                        (2)
+     bounded  u = 0                 one, none at a bound                                                  (2)
 
    The second equation of a slip is the linearised direction: friction turns as u turns. With the columns S
    and the rows T of (2)
 
-     G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                          (3)
+     G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                    (3)
 
-   `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the diagonal
-   a step wanders through its null space and the states never settle. It acts on the increments, not on p, so
-   the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric: Gauss with
-   row pivots. */
+   `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the
+   diagonal a step wanders through its null space and the states never settle. It acts on the increments, not
+   on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
+   Gauss with row pivots. */
 
 /* Unknown number n of row `first` and, of a contact, the two behind it. */
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
@@ -577,7 +745,7 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
     }
 }
 
-/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if there is none. */
+/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     rbd_real *own = &s->G[k * (n + 1)], *best = own;
     for (rbd_real *g = own; g < &s->G[n * (n + 1)]; g += n + 1)
@@ -607,8 +775,8 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along e,
-   and rows that are at a bound there; u belongs to p. */
+/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along
+   e, and rows that are at a bound there; u belongs to p. */
 RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
@@ -810,6 +978,591 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;
+}
+
+/* ==== src/contact/set.h ==== */
+/* ---- set code [set code] ---- */
+
+/* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
+static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *k, int body2, const double normal[3],
+                             double height) {
+    double R[9], origin[3], up[3] = {0, 0, 1};
+    for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
+    rbdi_frame_along(up, R);
+    for (int j = 0; j < 3; ++j) origin[j] = height * R[3 * j + 2];
+    k->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, k->R[1], &k->p[1]);
+    for (int i = 0; i < 3; ++i)
+        for (int r = 0; r < 3; ++r) k->held[i][r] = k->R[1][3 * i + r];
+}
+
+/* A contact as a constraint that holds three linear axes. */
+static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
+    rbd_constraint k = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
+    k.name = a->name;
+    return k;
+}
+
+static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
+    const double values[6] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping, 0};
+    const char *const names[6] = {"radius", "friction", "restitution", "stiffness", "damping", NULL};
+    const rbd_constraint k = rbdi_constraint_of_contact(a);
+    const rbd_status status = rbdi_check_constraint(m, &k, i, report);
+    if (status) {
+        if (status == RBD_ERR_POSITION) report->error.field = "point";
+        return status;
+    }
+    if (!rbdi_finite(a->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, a->name, "normal");
+    if (!rbdi_finite(&a->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, a->name, "height");
+    for (int j = 0; j < 5; ++j)
+        if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
+            return rbdi_refuse(report, RBD_ERR_RANGE, i, a->name, names[j]);
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
+    const double values[5] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance};
+    const char *const names[5] = {"margin", "slop", "correction", "bounce", "tolerance"};
+    for (int j = 0; j < 5; ++j)
+        if (!rbdi_finite_positive(&values[j], 1))
+            return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
+    if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
+    return RBD_OK;
+}
+
+static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    rbd_contact_options o = given ? *given : none;
+    if (!(o.margin > 0)) o.margin = 0.005;
+    if (!(o.slop > 0)) o.slop = 1e-5;
+    if (!(o.correction > 0)) o.correction = 0.2;
+    if (!(o.bounce > 0)) o.bounce = 0.05;
+    return o;
+}
+
+/* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
+static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+    int n = 0;
+    for (int b = 0; o->joint_limits && b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
+        if (row) {
+            row[n].dof = u->iv, row[n].iq = u->iq, row[n].lower = u->lower, row[n].upper = u->upper;
+        }
+        ++n;
+    }
+    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+        if (!(m->dof[k].friction > 0)) continue;
+        if (row) {
+            row[n].dof = (int16_t)k, row[n].iq = -1;
+            row[n].upper = m->dof[k].friction, row[n].lower = -row[n].upper;
+        }
+        ++n;
+    }
+    return n;
+}
+
+static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held) {
+    return n >= 0 && n_held >= 0 && n <= RBD_MAX_CONSTRAINTS && n_held <= RBD_MAX_CONSTRAINTS - n &&
+           (held || n_held == 0);
+}
+
+RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
+                                     const rbd_contact_options *options) {
+    const rbd_contact_options o = rbdi_contact_defaults(options);
+    int rows, bounded;
+    if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
+    rows = rbdi_rows_of(held, n_held);
+    bounded = rows + rbdi_list_dof_rows(m, &o, NULL);
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(3 * n + bounded));
+}
+
+static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
+                                          int n, const rbd_constraint *held, int n_held,
+                                          const rbd_contact_options *options, rbd_report *report) {
+    rbd_status status = RBD_OK;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (options) status = rbdi_check_options(options, report);
+    for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
+    for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);
+    return status;
+}
+
+/* Cuts the arrays of a set off the memory. */
+static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows, int dof_rows,
+                                          void *memory) {
+    const int bounded = held_rows + dof_rows;
+    unsigned char *p = rbdi_aligned(memory);
+    rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
+    rbd_real *x;
+    c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
+    c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
+    x = (rbd_real *)rbdi_take(
+        &p, 1, RBDI_ROUND(sizeof(rbd_real) * (size_t)(n + held_rows + 2 * bounded + c->most + 4 * m->nv)));
+    c->friction = x, c->held_impulse = x + n, c->lower = c->held_impulse + held_rows;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->start = c->b + c->most;
+    c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
+    rbdi_lay_solver(&c->solver, n, bounded, p);
+    p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
+    return c;
+}
+
+static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
+    const rbd_constraint as = rbdi_constraint_of_contact(a);
+    rbdi_constraint *k = &c->rows->constraint[i];
+    rbdi_contact *to = &c->contact[i];
+    rbdi_place_constraint(m, &as, 3 * i, k);
+    rbdi_place_plane(m, k, a->body2, a->normal, a->height);
+    to->body2 = a->body2;
+    to->point = k->p[0];
+    to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
+    to->restitution = RBD_C(a->restitution);
+    to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
+}
+
+/* The dofs of each constraint's paths, and the links on them. */
+static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
+    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
+    for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
+    s->links = 0;
+    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+        if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
+}
+
+RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
+    if (!c) return;
+    c->last_dt = rbdi_zero();
+    c->solver.solution.residual = rbdi_zero();
+    c->solver.solution.sweeps = c->solver.solution.newton_steps = 0;
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
+        a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
+    }
+    for (int i = 0; i < c->dof_rows; ++i) c->dof_row[i].impulse = rbdi_zero();
+    rbdi_clear(c->held_impulse, (int)(c->lower - c->held_impulse));
+}
+
+RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
+                                         const rbd_constraint *held, int n_held,
+                                         const rbd_contact_options *options, void *memory, size_t size,
+                                         rbd_contact_set **contacts, rbd_report *report) {
+    rbd_report own;
+    rbd_contact_set *c;
+    rbd_contact_options o;
+    rbd_status status;
+    int row = 3 * n;
+    if (!report) report = &own;
+    if (contacts) *contacts = NULL;
+    status = rbdi_check_contact_list(m, w, list, n, held, n_held, options, report);
+    if (status) return status;
+    if (!contacts || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (size < rbd_contact_set_size(m, n, held, n_held, options))
+        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    o = rbdi_contact_defaults(options);
+    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), rbdi_list_dof_rows(m, &o, NULL), memory);
+    c->options = o;
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
+    c->rows->w = w, c->rows->infeasible = -1;
+    for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
+    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows)
+        rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+    rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_reach_contacts(m, c->rows);
+    rbd_contact_reset(c);
+    *contacts = c;
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
+                                      double height) {
+    if (!m || !c || !normal) return RBD_ERR_NULL;
+    if (i < 0 || i >= c->n) return RBD_ERR_INDEX;
+    if (!rbdi_finite(normal, 3)) return RBD_ERR_AXIS;
+    if (!rbdi_finite(&height, 1)) return RBD_ERR_POSITION;
+    rbdi_place_plane(m, &c->rows->constraint[i], c->contact[i].body2, normal, height);
+    return RBD_OK;
+}
+
+/* ==== src/contact/rows.h ==== */
+/* ---- contact rows [contact rows] ----
+   The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
+   of [packed matrix], with Y = L^-T J' and x = D^-1 L^-T dt (tau - c):
+
+       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' x,   nu = v + L^-1 (x + D^-1 Y p)                           (4)
+
+   where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
+   place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
+   gap does not. */
+
+/* World axes of the normal of constraint k. */
+RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *k) {
+    const rbdi_v3 n = rbdi_vec(rbdi_set(k->held[0][2]), rbdi_set(k->held[1][2]), rbdi_set(k->held[2][2]));
+    return k->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[k->link[1]].X.E, n);
+}
+
+/* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
+    const rbdi_v3 n = rbdi_contact_normal(s, k);
+    rbdi_station one, two;
+    k->p[0] = a->point;
+    one = rbdi_station_of(s, k, 0, 1);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1, 1).p)) - a->radius;
+    if (a->radius > 0) {
+        const rbdi_v3 x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
+        k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
+        k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
+        k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
+        one = rbdi_station_of(s, k, 0, 1);
+    }
+    two = rbdi_station_with(s, k->link[1], one.p, 1);
+    a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
+}
+
+/* Whether something at this distance may be reached within two steps, or is nearer than the margin. */
+RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
+    return distance <= margin || distance + 2 * dt * rate <= 0;
+}
+
+/* The row of a limit that is near, or of dry friction; -1 if it is none. */
+static int rbdi_dof_row_at(rbdi_dof_row *a, int row, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+    rbd_real below, above;
+    a->row = row, a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
+    if (a->iq < 0) return 1;
+    below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
+    if (above < below) a->side = -a->side;
+    a->distance = above < below ? above : below;
+    if (rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT))) return 1;
+    a->row = -1;
+    return 0;
+}
+
+/* Adds n rows from number `row` on to those that a dof has entries in. */
+RBDI_INLINE void rbdi_widen_span(rbdi_span *span, int row, int n) {
+    if (span->end == 0) span->first = (int16_t)row;
+    span->end = (int16_t)(row + n);
+}
+
+static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
+    k->row = (int16_t)row;
+    for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
+}
+
+/* Which rows the step has; returns the number of contacts among them. */
+static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
+                          rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    int row = 0, contacts;
+    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        rbdi_contact_gap(s, &s->constraint[i], a);
+        a->row = -1, a->state = RBD_APART;
+        if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
+        a->row = row;
+        c->friction[row / 3] = rbdi_set(a->friction);
+        rbdi_open_rows(s, &s->constraint[i], row);
+        row += 3;
+    }
+    contacts = row / 3;
+    for (int i = c->n; i < c->n + c->held; row += s->constraint[i++].rows)
+        rbdi_open_rows(s, &s->constraint[i], row);
+    for (int i = 0; i < c->dof_rows; ++i) {
+        rbdi_dof_row *a = &c->dof_row[i];
+        if (!rbdi_dof_row_at(a, row, q, v, dt)) continue;
+        for (int k = a->dof; k >= 0; k = m->dof[k].lambda) rbdi_widen_span(&s->span[k], row, 1);
+        ++row;
+    }
+    s->rows = row, s->stride = rbdi_row_stride(row);
+    return contacts;
+}
+
+/* Y = J', and target = -J v of the velocity c->start. */
+static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
+    rbd_constraint_set *s = c->rows;
+    rbdi_clear(s->Y, m->nv * s->stride);
+    rbdi_clear(s->target, s->stride);
+    rbdi_clear(s->gamma, s->stride);
+    rbdi_clear(s->e, s->stride);
+    for (int i = 0; i < c->n; ++i)
+        if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
+    for (int i = c->n; i < c->n + c->held; ++i)
+        rbdi_constraint_rows(m, s, &s->constraint[i], RBDI_HELD_ERRORS);
+    for (int i = 0; i < c->dof_rows; ++i)
+        if (c->dof_row[i].row >= 0)
+            s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_span span = s->span[k];
+        rbdi_subtract(&s->target[span.first], c->start[k], &s->Y[k * s->stride + span.first],
+                      span.end - span.first);
+    }
+}
+
+/* Delta of (4), both triangles, in s->R: rows x rows. */
+static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
+    const int n = s->rows;
+    rbd_real *delta = s->R;
+    rbdi_clear(delta, n * n);
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *y = &s->Y[k * s->stride];
+        for (int r = s->span[k].first; r < s->span[k].end; ++r)
+            rbdi_subtract(&delta[r * n + r], -(y[r] * s->D_inverse[k]), &y[r], s->span[k].end - r);
+    }
+    for (int r = 1; r < n; ++r)
+        for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
+}
+
+/* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the
+   contacts; what stiffness adds to Delta. */
+static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    const rbd_real share = c->last_dt > 0 ? dt / c->last_dt : rbdi_zero();
+    const int held = (int)(c->lower - c->held_impulse);
+    rbdi_clear(s->lambda, s->stride);
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row < 0) continue;
+        for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
+        if (a->stiffness > 0 && a->gap <= 0) {
+            rbd_real *d = &s->R[(a->row + 2) * (s->rows + 1)];
+            *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+        }
+    }
+    for (int i = 0; i < held; ++i) {
+        s->lambda[3 * contacts + i] = c->held_impulse[i] * share;
+        c->upper[i] = rbdi_set(RBDI_UNBOUNDED), c->lower[i] = -c->upper[i];
+    }
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *a = &c->dof_row[i];
+        const int r = a->row - 3 * contacts;
+        if (a->row < 0) continue;
+        s->lambda[a->row] = a->impulse * share;
+        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
+        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
+    }
+}
+
+/* ---- biases [biases] ----
+   The bias is added to u_n, so that 0 <= p_n, u_n >= 0 is the law in each case:
+
+     apart      gap / dt: it may just touch at the end
+     rigid      0; deeper than the slop, for positions, a share of the depth over dt
+     stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
+                and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
+     rebounds   for velocities, restitution times the approach */
+
+enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
+
+/* What takes a penetration back, m/s; gap is below 0 where it is deep. */
+RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
+    const rbd_real deep = gap + RBD_C(c->options.slop);
+    return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();
+}
+
+/* Whether a contact that pushed rebounds. */
+RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
+    return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
+}
+
+static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
+    if (purpose == RBDI_FOR_VELOCITIES && rbdi_rebounds(c, a)) return a->approach * a->restitution;
+    if (a->gap > 0) return a->gap / dt;
+    if (a->stiffness > 0) return a->stiffness * a->gap / (dt * a->stiffness + a->damping);
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction(c, a->gap, dt) : rbdi_zero();
+}
+
+/* Of a held row with the error e. */
+RBDI_INLINE rbd_real rbdi_held_bias(const rbd_contact_set *c, rbd_real e, rbd_real dt) {
+    return e > 0 ? -rbdi_correction(c, -e, dt) : rbdi_correction(c, e, dt);
+}
+
+/* c->b, from J nu_0 = -s->b. */
+static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
+    const rbd_constraint_set *s = c->rows;
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row >= 0) c->b[a->row + 2] = c->b[a->row + 2] + rbdi_contact_bias(c, a, dt, purpose);
+    }
+    for (int i = c->n; i < c->n + c->held && purpose == RBDI_FOR_POSITIONS; ++i)
+        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
+            c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *a = &c->dof_row[i];
+        if (a->row < 0 || a->iq < 0) continue;
+        if (a->distance > 0)
+            c->b[a->row] = c->b[a->row] + a->distance / dt;
+        else if (purpose == RBDI_FOR_POSITIONS)
+            c->b[a->row] = c->b[a->row] + rbdi_correction(c, a->distance, dt);
+    }
+}
+
+/* Whether positions and velocities have different biases. */
+static int rbdi_needs_velocities(const rbd_contact_set *c, rbd_real dt) {
+    const rbd_constraint_set *s = c->rows;
+    int differ = 0;
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row < 0) continue;
+        differ |= rbdi_rebounds(c, a) || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
+    }
+    for (int i = c->n; i < c->n + c->held; ++i)
+        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
+            differ |= rbdi_correction(c, -rbdi_abs(s->e[r]), dt) < 0;
+    for (int i = 0; i < c->dof_rows; ++i)
+        differ |= c->dof_row[i].row >= 0 && rbdi_correction(c, c->dof_row[i].distance, dt) < 0;
+    return differ;
+}
+
+/* ==== src/contact/step.h ==== */
+/* ---- step code [step code] ---- */
+
+/* The state, w->H = L'DL of M + dt damping, and c->x = D^-1 L^-T dt (tau - c - damping v). */
+static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                    const rbd_real *damping, rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    rbd_work *w = s->w;
+    rbdi_mask doubt;
+    rbd_crba_packed(m, w, q, w->H);
+    rbdi_constraint_state(m, s, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_glide(u, &v[u->iv], dt, &c->start[u->iv]);
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
+        rbd_real d = damping ? damping[k] : rbdi_zero();
+        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        *diagonal = *diagonal + dt * d;
+        s->x[k] = dt * (tau[k] - w->bias[k] - d * c->start[k]);
+    }
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_sweep_back(m, s, w->H);
+    return rbdi_status_of(m, w, doubt, s->x, m->nv);
+}
+
+/* nu from the impulses: (4). */
+static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
+    rbd_constraint_set *s = c->rows;
+    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[k];
+    rbdi_sweep_down(m, s, s->w->H);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
+}
+
+/* Keeps impulses, states and forces. */
+static void rbdi_keep_impulses(rbd_contact_set *c, int contacts, rbd_real dt) {
+    const rbd_constraint_set *s = c->rows;
+    c->last_dt = dt;
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        rbdi_axes_held h;
+        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
+        if (a->row < 0) continue;
+        a->state = c->solver.law[a->row / 3].state;
+        rbdi_set_axes(s, &s->constraint[i], &h);
+        for (int r = 0; r < 3; ++r) {
+            a->impulse[r] = s->lambda[a->row + r];
+            for (int j = 0; j < 3; ++j) a->force[j] = a->force[j] + h.x[3 + j][r] * a->impulse[r] / dt;
+        }
+    }
+    for (rbd_real *p = c->held_impulse; p < c->lower; ++p)
+        *p = s->lambda[3 * contacts + (int)(p - c->held_impulse)];
+    for (int i = 0; i < c->dof_rows; ++i)
+        c->dof_row[i].impulse = c->dof_row[i].row < 0 ? rbdi_zero() : s->lambda[c->dof_row[i].row];
+}
+
+/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. */
+static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                        const rbd_real *damping, rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    rbd_contact_problem given;
+    const rbd_status status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping, dt);
+    if (status) return status;
+    given.contacts = rbdi_list_rows(m, c, q, v, dt);
+    given.bounded = s->rows - 3 * given.contacts;
+    rbdi_write_rows(m, c);
+    rbdi_reduce_rows(m, s, s->w->H);
+    rbdi_write_delta(m, s);
+    rbdi_begin_rows(c, given.contacts, dt);
+    rbdi_write_biases(c, dt, RBDI_FOR_POSITIONS);
+    for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
+    given.delta = s->R, given.b = c->b, given.friction = c->friction;
+    given.lower = c->lower, given.upper = c->upper;
+    given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
+    rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_contact_iterate(&c->solver);
+    rbdi_contact_respond(m, c, c->moved);
+    if (rbdi_needs_velocities(c, dt)) {
+        const rbd_contact_solution first = c->solver.solution;
+        rbdi_write_biases(c, dt, RBDI_FOR_VELOCITIES);
+        rbdi_contact_iterate(&c->solver);
+        rbdi_contact_respond(m, c, c->nu);
+        c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
+        c->solver.solution.sweeps += first.sweeps;
+        c->solver.solution.newton_steps += first.newton_steps;
+    } else {
+        for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
+    }
+    rbdi_keep_impulses(c, given.contacts, dt);
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
+    const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
+    if (status) return status;
+    return dt > 0 && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
+}
+
+RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                     const rbd_real *damping, rbd_real dt, rbd_real *q_next,
+                                     rbd_real *v_next) {
+    rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
+    if (status) return status;
+    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
+    for (int b = 0; b < m->nb && !status; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv == 0) continue;
+        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
+    }
+    if (!status) return RBD_OK;
+    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
+    rbdi_clear(v_next, m->nv);
+    return status;
+}
+
+RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *damping, rbd_real dt, rbd_real *a) {
+    rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
+    if (status) return status;
+    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
+    for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
+    return status;
+}
+
+RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap,
+                                           rbd_real force[3]) {
+    const int there = c && i >= 0 && i < c->n;
+    if (gap) *gap = there ? c->contact[i].gap : rbdi_zero();
+    for (int j = 0; force && j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
+    return there ? c->contact[i].state : RBD_APART;
+}
+
+RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c) {
+    const rbd_contact_solution none = {0, 0, 0};
+    return c ? c->solver.solution : none;
 }
 
 /* ==== src/rbd_contact.h ==== */

@@ -1,30 +1,48 @@
-/* rbd_contact.h - contacts that push only and slip, on rbd_constraints.h.
+/* rbd_contact.h - contacts that push only and slip: a time step of a simulation, on rbd_constraints.h.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Impulses of contacts with friction by the exact laws of Signorini and Coulomb at the level of velocities.
-   Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file.
+   Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
+   impulses by the exact laws of Signorini and Coulomb, and moves the robot. Implemented by the same
+   RBD_IMPLEMENTATION as rbd.h, in the same file. A box of which two corners may touch the ground:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_contact.h"
+
+       const rbd_contact corners[2] = {
+           {.body1 = 0, .body2 = -1, .point = {0.2, 0.1, -0.1}, .friction = 0.5},
+           {.body1 = 0, .body2 = -1, .point = {0.2, -0.1, -0.1}, .friction = 0.5}};
+       size_t size = rbd_contact_set_size(m, 2, NULL, 0, NULL);
+       rbd_contact_set *c;
+       rbd_contact_set_init(m, w, corners, 2, NULL, 0, NULL, malloc(size), size, &c, NULL);
+       for (int i = 0; i < 1000; i++)
+           rbd_contact_step(m, c, q, v, tau, NULL, NULL, 1e-3, q, v);
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [solver]
+     [solver] [set] [step]
      --- stop here if you only use it ---
-     [tolerances] [layout] [one contact] [laws] [newton] [solver code]
+     [layout] [tolerances] [one contact] [laws] [newton] [solver code]
+     [set code] [contact rows] [biases] [step code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
-     laws         normal: p_n >= 0, u_n >= 0, p_n u_n = 0; friction: |p_t| <= mu p_n, and where a contact slips
-                  u_t = -alpha p_t, alpha > 0, |p_t| = mu p_n. Stewart and Trinkle (1996), Anitescu and Potra
-                  (1997), here with the round cone. Of a bounded row: lower <= p <= upper; u > 0 only at the
-                  lower bound, u < 0 only at the upper one
+     gap          distance of point or ball from the plane, m; below 0 in penetration
+     laws         normal: p_n >= 0, u_n >= 0, p_n u_n = 0; friction: |p_t| <= mu p_n, and where a contact
+                  slips u_t = -alpha p_t, alpha > 0, |p_t| = mu p_n. Stewart and Trinkle (1996), Anitescu and
+                  Potra (1997), here with the round cone. Of a bounded row: lower <= p <= upper; u > 0 only
+                  at the lower bound, u < 0 only at the upper one
 
-   [configuration] That of rbd.h, without RBD_NO_CHOLESKY, RBD_LANES and RBD_REAL_CUSTOM: the solver branches on
-     its data.
+   [configuration] That of rbd.h, without RBD_NO_CHOLESKY, RBD_LANES and RBD_REAL_CUSTOM: the solver branches
+     on its data.
 
    [limits]
-     No rolling and torsional friction. Convergence of the solver is not proven, nor is the solution unique where
-     friction is large; the residual says what was reached.
+     Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
+     rolling and torsional friction, no derivatives of the step. Convergence of the solver is not proven, nor
+     is the solution unique where friction is large; the residual says what was reached. Rebounds of several
+     contacts with friction follow Newton's law, which may gain energy in known examples; without restitution
+     a contact only takes energy.
 */
 #include "rbd_constraints.h"
 
@@ -72,6 +90,9 @@ RBDI_CODE_BEGIN
 #include "contact/laws.h"
 #include "contact/newton.h"
 #include "contact/solver.h"
+#include "contact/set.h"
+#include "contact/rows.h"
+#include "contact/step.h"
 
 RBDI_CODE_END
 

@@ -441,6 +441,12 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_integrate(r.m, NULL, v, 1, q), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_integrate(r.m, q, NULL, 1, q), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_integrate(r.m, q, v, 1, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(NULL, q, v, v, 1, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(r.m, NULL, v, v, 1, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(r.m, q, NULL, v, 1, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(r.m, q, v, NULL, 1, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(r.m, q, v, v, 1, NULL, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_step(r.m, q, v, v, 1, q, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_difference(NULL, q, q, v), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_difference(r.m, NULL, q, v), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_difference(r.m, q, NULL, v), RBD_ERR_NULL);
@@ -450,6 +456,58 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_random(r.m, &seed, NULL), RBD_ERR_NULL);
     robot_free(&r);
 }
+END_TEST
+
+/* ---- rbd_step ---- */
+
+/* A body that turns about its centre of mass, without forces: its velocity in the world stays at any dt. */
+START_TEST(step_of_a_free_body_is_exact) {
+    for (int planar = 0; planar < 2; planar++) {
+        const rbd_body body[1] = {{.parent = -1,
+                                   .type = planar ? RBD_PLANAR : RBD_FLOATING,
+                                   .mass = 2,
+                                   .inertia = {0.1, 0, 0, 0.1, 0, 0.1}}};
+        robot r = BUILD(body);
+        const double none[3] = {0, 0, 0}, dt = 0.05, v0[6] = {3, -2, 4, 1, 2, -1}, zero[6] = {0};
+        double q[7], v[6], a[6], velocity[6], at_first[6], p[3];
+        rbd_set_gravity(r.w, none);
+        rbd_neutral(r.m, q);
+        memcpy(v, v0, sizeof v);
+        rbd_kinematics(r.m, r.w, q, v, NULL);
+        rbd_point_velocity(r.m, r.w, 0, none, RBD_WORLD_AXES, at_first);
+        for (int n = 1; n <= 100; n++) {
+            ck_assert_int_eq(rbd_aba(r.m, r.w, q, v, zero, NULL, a), RBD_OK);
+            ck_assert_int_eq(rbd_step(r.m, q, v, a, dt, q, v), RBD_OK);
+            rbd_kinematics(r.m, r.w, q, v, NULL);
+            rbd_point_velocity(r.m, r.w, 0, none, RBD_WORLD_AXES, velocity);
+            rbd_point_position(r.m, r.w, 0, none, p);
+            for (int j = 0; j < 6; j++) ck_assert_double_eq_tol(velocity[j], at_first[j], 1e-11);
+            for (int j = 0; j < 3; j++) ck_assert_double_eq_tol(p[j], n * dt * at_first[3 + j], 1e-11);
+        }
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* To first order it is v + dt a and rbd_integrate; where no joint has body axes, exactly. */
+static void check_step(const robot *r, const state *s, int number) {
+    const double sizes[2] = {1e-7, 0.1};
+    int plain = 1;
+    for (int b = 0; b < r->nb; b++) {
+        const rbd_joint_type type = r->bodies[b].type;
+        plain &= type != RBD_FLOATING && type != RBD_PLANAR && type != RBD_SPHERICAL;
+    }
+    for (int i = 0; i < 2; i++) {
+        double v[MAX_V], q[MAX_Q], v_next[MAX_V], q_next[MAX_Q];
+        if (i == 1 && !plain) continue;
+        for (int k = 0; k < r->nv; k++) v[k] = s->v[k] + sizes[i] * s->a[k];
+        RUN(rbd_integrate(r->m, s->q, v, sizes[i], q));
+        RUN(rbd_step(r->m, s->q, s->v, s->a, sizes[i], q_next, v_next));
+        expect_close("step", r, number, q_next, q, r->nq, 1e-11);
+        expect_close("step, v", r, number, v_next, v, r->nv, plain ? 1e-11 : 1e-5);
+    }
+}
+START_TEST(step_is_first_order) { for_random_trees(50, check_step); }
 END_TEST
 
 Suite *manifold_suite(void) {
@@ -473,6 +531,8 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, zero_quaternions_and_angles_are_the_identity);
     tcase_add_test(c, random_orientations_are_uniform);
     tcase_add_test(c, random_is_repeatable_from_any_seed);
+    tcase_add_test(c, step_of_a_free_body_is_exact);
+    tcase_add_test(c, step_is_first_order);
     tcase_add_test(c, null_arguments_are_refused);
     suite_add_tcase(suite, c);
     return suite;

@@ -412,6 +412,7 @@ q             nq       configuration: rad, m, quaternions (x, y, z, w)
 q0            nq       configuration
 q1            nq       configuration
 q_next        nq       configuration
+v_next        nv       velocity
 q_near        nq       configuration
 rates         nq       dq/dt, of quaternions and (cos, sin) too
 v             nv       velocity: rad/s, m/s; of a free base (omega; v) in body axes
@@ -1671,6 +1672,11 @@ class Model(_Owner):
     def integrate(self, q, v, dt):
         """q moved by the tangent step v dt: exponentials in body axes for spherical, planar and floating
         joints, addition for the others."""
+
+    @_c("", "q_next v_next")
+    def step(self, q, v, a, dt):
+        """One step of semi-implicit Euler from the accelerations a of forward dynamics: v + dt a, then q moved by
+        it, in the axes of the step's beginning. A body on which no force acts keeps its momentum."""
 
     @_c("", "d")
     def difference(self, q0, q1):

@@ -685,6 +685,19 @@ class Model:
             q_next       nq        configuration
         Axes before these count states, and are broadcast: one call of C for each state."""
 
+    def step(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, dt: ArrayLike) -> step_results:
+        """One step of semi-implicit Euler from the accelerations a of forward dynamics: v + dt a, then q moved by
+        it, in the axes of the step's beginning. A body on which no force acts keeps its momentum.
+
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            a            nv        acceleration dv/dt: rad/s^2, m/s^2
+            dt                     s
+        gives
+            q_next       nq        configuration
+            v_next       nv        velocity
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
     def difference(self, q0: ArrayLike, q1: ArrayLike) -> Array:
         """The tangent step d for which integrate(q0, d, 1) is q1, the shortest rotation.
 
@@ -1326,6 +1339,11 @@ class com_results(NamedTuple):
 class momentum_results(NamedTuple):
     h: Array
     h_dot: Array
+
+
+class step_results(NamedTuple):
+    q_next: Array
+    v_next: Array
 
 
 class momentum_matrix_results(NamedTuple):

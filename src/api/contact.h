@@ -1,10 +1,17 @@
 #ifndef RBDI_API_CONTACT_H
 #define RBDI_API_CONTACT_H
-#include "api/symbols.h"
-#include "api/status.h"
+#include "api/constraints.h"
 
 #define rbd_contact_solve_size RBDI_SYMBOL(rbd_contact_solve_size)
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
+#define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
+#define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
+#define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
+#define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
+#define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
+#define rbd_contact_reset RBDI_SYMBOL(rbd_contact_reset)
+#define rbd_contact_get RBDI_SYMBOL(rbd_contact_get)
+#define rbd_contact_last RBDI_SYMBOL(rbd_contact_last)
 
 typedef enum rbd_contact_state {
     RBD_APART, /* not a row of the problem: too far away, or nothing that it touches can move */
@@ -37,15 +44,107 @@ typedef struct rbd_contact_solution {
 /* Bytes of memory that rbd_contact_solve needs for such a problem. */
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
 
-/* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is finite
-   and within cones and bounds in any case, if M^-1, b and the bounds are finite.
+/* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is
+   finite and within cones and bounds in any case.
    memory     size bytes of any alignment, scratch
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of iterations
-   below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p is 0. */
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of
+   iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
+
+/* ---- set [set] ---- */
+
+/* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
+   every field but the bodies. */
+typedef struct rbd_contact {
+    const char *name; /* for findings; NULL = nameless */
+    int body1, body2; /* index in the description, -1 = world */
+    double point[3];  /* link axes of body 1, m */
+    double radius;    /* m; 0 = a point */
+    double normal
+        [3]; /* of the plane, link axes of body 2, towards body 1; need not be of unit length; all 0 = z */
+    double height;      /* of the plane along the unit normal, m */
+    double friction;    /* mu */
+    double restitution; /* 0 (does not rebound) to 1 */
+    double stiffness,
+        damping; /* N/m, N s/m: p/dt = -(stiffness gap + damping d gap/dt); stiffness 0 = rigid */
+} rbd_contact;
+
+/* 0 is the default in brackets. */
+typedef struct rbd_contact_options {
+    double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
+    double slop;   /* penetration that is left, m [1e-5] */
+    double correction;  /* share of the rest that a step takes back [0.2] */
+    double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
+    double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
+    int iterations;     /* at most [40] */
+    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
+    int joint_damping;  /* not 0: the description's damping, implicitly */
+} rbd_contact_options;
+
+typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
+
+/* Checks contacts and prepares them in the caller's memory, for this model and work, which the calls use.
+   list      n contacts, not needed later but for their names
+   held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
+             have no meaning here; errors of position are taken back as penetration is. May be NULL
+   options   NULL: all defaults
+   memory    size bytes of any alignment; rbd_contact_set_size is exact
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
+   report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
+   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
+   sentence. */
+RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
+                                         const rbd_constraint *held, int n_held,
+                                         const rbd_contact_options *options, void *memory, size_t size,
+                                         rbd_contact_set **c, rbd_report *report);
+
+/* Bytes that rbd_contact_set_init needs for these; 0 if a number is out of range. */
+RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
+                                     const rbd_contact_options *options);
+
+/* ---- step [step] ----
+   q: nq, v, tau, damping: nv, f_ext: nb x 6 or NULL. An output may be the same array as the input of its
+   name.
+   damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
+              the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not above 0; _SINGULAR, _NAN as rbd_constrained_fd: then q_next is
+   q and v_next or a is 0. A solution above the tolerance is no error: rbd_contact_last. */
+
+/* One time step dt, semi-implicit: velocities first, by
+
+       M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
+
+   then q_next by nu, and v_next in its axes as rbd_step has it. The biases: contacts that are apart may just
+   touch at the end, stiff ones give way, rebounds are those of the velocity before. Penetration is taken back
+   in the positions only, by a second solution on the same Delta, so that it gives no velocity. */
+RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                     const rbd_real *damping, rbd_real dt, rbd_real *q_next,
+                                     rbd_real *v_next);
+
+/* Its acceleration alone: rbd_step with a gives its v_next, and q_next where nothing penetrates. */
+RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *damping, rbd_real dt, rbd_real *a);
+
+/* Another plane under contact i from the next step on, as rbd_contact has it: the tangent plane of terrain.
+   Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
+RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
+                                      double height);
+
+/* Forgets the last impulses, with which a step begins: after a jump of the state. */
+RBDI_API void rbd_contact_reset(rbd_contact_set *c);
+
+/* What contact i did in the last step: its state, RBD_APART without such a contact. gap: before the step, m;
+   force: p/dt on body 1, world axes. Each may be NULL. */
+RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
+
+/* Residual and iterations of the last step; all 0 without a set or a step. */
+RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 #endif

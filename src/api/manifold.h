@@ -15,6 +15,14 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                   rbd_real *q_next);
 
+/* One step of semi-implicit Euler from the accelerations a of forward dynamics: nu = v + dt a, then q moved
+   by nu. Floating, planar and spherical joints, whose velocities have body axes, make it in the axes of the
+   step's beginning: the origin has its classical acceleration and goes straight on, and v_next is nu in the
+   axes of the end. So a free body keeps its linear momentum, and a ball that rolls its energy, at any dt;
+   v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
+RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
+                             rbd_real dt, rbd_real *q_next, rbd_real *v_next);
+
 /* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 

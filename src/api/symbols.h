@@ -61,6 +61,7 @@
 #define rbd_momentum RBDI_SYMBOL(rbd_momentum)
 #define rbd_neutral RBDI_SYMBOL(rbd_neutral)
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
+#define rbd_step RBDI_SYMBOL(rbd_step)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
 #define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)

@@ -4,6 +4,8 @@
 #include "constraints/rank.h"
 #include "constraints/articulated.h"
 
+/* Interface: rbdi_check_constraints */
+
 /* ---- call code [call code] ---- */
 
 static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {

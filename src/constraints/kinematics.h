@@ -3,6 +3,9 @@
 #include "motion/kinematics.h"
 #include "constraints/layout.h"
 
+/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_of, rbdi_station_with,
+   RBDI_HELD_ERRORS */
+
 /* ---- kinematics [kinematics] ---- */
 
 /* A point fixed in a link, world axes: its place, angular velocity, velocity, and their rates. */

@@ -3,6 +3,8 @@
 #include "model/work.h"
 #include "api/constraints.h"
 
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES */
+
 /* ---- layout [layout] ---- */
 
 /* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */

@@ -3,6 +3,8 @@
 #include "dynamics/crba.h"
 #include "constraints/kinematics.h"
 
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state */
+
 /* ---- rows [rows] ---- */
 
 /* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */

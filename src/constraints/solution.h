@@ -3,6 +3,8 @@
 #include "base/simd.h"
 #include "constraints/layout.h"
 
+/* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
+
 /* ---- solution [solution] ----
    By the factor of M: what comes before and behind [factor] or [rank]. */
 

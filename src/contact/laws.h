@@ -12,8 +12,8 @@
      slips    else                    p = z_n (mu e + n), e = z_t/|z_t|
      bounded                          p = z, or the bound that z is behind
 
-   The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that slips
-   |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
+   The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
+   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -110,7 +110,7 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     s->solution.residual = worst;
 }
 
-/* Puts p into cones and bounds, where iterations leave it outside by the tolerance. Returns whether p changed. */
+/* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {

@@ -1,6 +1,6 @@
 #ifndef RBDI_CONTACT_LAYOUT_H
 #define RBDI_CONTACT_LAYOUT_H
-#include "base/types.h"
+#include "constraints/layout.h"
 #include "api/contact.h"
 
 /* ---- layout [layout] ---- */
@@ -46,5 +46,54 @@ typedef struct rbdi_contact_solver {
      RBDI_ROUND(RBDI_CONTACT_ROWS(contacts, bounded) * sizeof(rbdi_contact_unknown)) + \
      sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * (6 + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
+
+/* A contact of a set. */
+typedef struct rbdi_contact {
+    rbdi_c3 point; /* link axes */
+    rbd_const radius, friction, restitution, stiffness, damping;
+    rbd_real gap, approach; /* m; u_n before the step, m/s */
+    rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
+    rbd_real force[3];      /* the same over dt, world axes */
+    int body2;
+    int row; /* of the step, -1 = none */
+    rbd_contact_state state;
+} rbdi_contact;
+
+/* A row of one degree of freedom: a limit of its joint or its dry friction. */
+typedef struct rbdi_dof_row {
+    int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
+    rbd_const lower, upper;  /* limits; of dry friction what it can hold */
+    rbd_real distance, side; /* to the nearer limit, and the row's sign there */
+    rbd_real impulse;        /* of the last step */
+    int row;                 /* of the step, -1 = none */
+} rbdi_dof_row;
+
+/* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
+   of each contact that is near, those that are held, those of single dofs. */
+struct rbd_contact_set {
+    rbd_constraint_set *rows;
+    rbd_contact_options options;
+    int n, held, dof_rows;        /* contacts; constraints behind them; rows of dofs at most */
+    int most;                     /* rows at most */
+    rbdi_contact *contact;        /* n */
+    rbdi_dof_row *dof_row;        /* dof_rows */
+    rbd_real *held_impulse;       /* rows of what is held */
+    rbd_real *friction;           /* of the step's contacts */
+    rbd_real *lower, *upper;      /* of its other rows */
+    rbd_real *b;                  /* most: u without impulses, with the bias */
+    rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
+    rbd_real *x;                  /* nv: D^-1 L^-T dt (tau - c) */
+    rbd_real last_dt;             /* of the last step, 0 = none */
+    rbdi_contact_solver solver;
+};
+
+/* Bytes for n contacts and, at most, `bounded` other rows; `held` of them are of so many constraints. */
+#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, held, bounded, stride) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
+     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
+     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + (size_t)(held) + 2 * (size_t)(bounded) + \
+                                    RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+     RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
+     RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
 #endif

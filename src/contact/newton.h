@@ -8,17 +8,17 @@
      opens    p = 0                 no unknown
      sticks   u = 0                 three unknowns
      slips    u_n = 0,  t'u + alpha t'p = 0,  alpha = (1 - kappa) d / kappa;  dp = (mu e + n) dp_n + t ds
-     bounded  u = 0                 one, none at a bound                                                        (2)
+     bounded  u = 0                 one, none at a bound                                                  (2)
 
    The second equation of a slip is the linearised direction: friction turns as u turns. With the columns S
    and the rows T of (2)
 
-     G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                          (3)
+     G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                    (3)
 
-   `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the diagonal
-   a step wanders through its null space and the states never settle. It acts on the increments, not on p, so
-   the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric: Gauss with
-   row pivots. */
+   `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the
+   diagonal a step wanders through its null space and the states never settle. It acts on the increments, not
+   on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
+   Gauss with row pivots. */
 
 /* Unknown number n of row `first` and, of a contact, the two behind it. */
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
@@ -81,7 +81,7 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
     }
 }
 
-/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if there is none. */
+/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     rbd_real *own = &s->G[k * (n + 1)], *best = own;
     for (rbd_real *g = own; g < &s->G[n * (n + 1)]; g += n + 1)
@@ -111,8 +111,8 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along e,
-   and rows that are at a bound there; u belongs to p. */
+/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along
+   e, and rows that are at a bound there; u belongs to p. */
 RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];

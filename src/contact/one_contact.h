@@ -9,15 +9,15 @@
    impulse, D = [A c; c' d].
 
      w_n >= 0             p = 0: it opens
-     slip                 u_n = 0 and u_t = -alpha p_t, so that with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
+     slip                 u_n = 0 and u_t = -alpha p_t: with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
 
-       (S + alpha) p_t = -s,   p_n = p0 - (c/d)'p_t,   |p_t(alpha)| = mu p_n(alpha),   alpha > 0               (1)
+       (S + alpha) p_t = -s,   p_n = p0 - (c/d)'p_t,   |p_t(alpha)| = mu p_n(alpha),   alpha > 0         (1)
 
      stick                the same with alpha = 0, where p is within the cone
 
    Along the eigenvectors of S p_t is two divisions. g(alpha) = |p_t| - mu p_n is above 0 at 0 where stick was
-   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: there is
-   always a root between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
+   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: a root
+   is always between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
    eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong coupling there may be more
    roots (Painleve): each obeys the laws, and the bracket decides which one comes out. */
 

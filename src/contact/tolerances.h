@@ -15,6 +15,7 @@
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
+#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: limits that are nearer are rows */
 
 #define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */

@@ -4,7 +4,7 @@
 #include "model/layout.h"
 #include "algebra/rotations.h"
 
-/* Interface: rbdi_difference_joint */
+/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_move_straight, rbdi_turn_velocity */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -47,6 +47,68 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
     default:
         for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
         break;
+    }
+}
+
+/* The step of rbd_step in three parts, of one joint. First v after dt without a, in the axes of the
+   beginning: linear velocities in body axes gain dt omega x v, the others stay. */
+static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+    for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
+    if (u->type == RBD_FLOATING) {
+        const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
+        const rbdi_v3 gain = rbdi_cross(rbdi_vec(v[0], v[1], v[2]), linear);
+        rbdi_store(rbdi_add(linear, rbdi_scale(dt, gain)), nu + 3);
+    } else if (u->type == RBD_PLANAR) {
+        nu[1] = v[1] - dt * v[0] * v[2], nu[2] = v[2] + dt * v[0] * v[1];
+    }
+}
+
+/* q moved by nu dt, whose axes stay: origins of floating and planar joints move straight. */
+static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
+                               rbd_real *q_next) {
+    rbd_real d[6], c, s, x, y;
+    rbdi_v3 turn, shift;
+    for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
+    if (u->type == RBD_FLOATING) {
+        turn = rbdi_vec(d[0], d[1], d[2]);
+        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_vec(d[3], d[4], d[5]));
+        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), shift), q_next);
+        rbdi_quaternion_step(q + 3, rbdi_exp_of(turn), turn, q_next + 3);
+    } else if (u->type == RBD_PLANAR) {
+        rbdi_sincos(q[2], &s, &c);
+        x = c * d[1] - s * d[2], y = s * d[1] + c * d[2];
+        q_next[0] = q[0] + x, q_next[1] = q[1] + y, q_next[2] = q[2] + d[0];
+    } else {
+        rbdi_step_joint(u, q, d, q_next);
+    }
+}
+
+/* x turned by -turn: x - A turn x x + B turn x (turn x x). */
+static rbdi_v3 rbdi_turn_back(rbdi_v3 turn, rbdi_v3 x) {
+    const rbdi_exp e = rbdi_exp_of(turn);
+    const rbdi_v3 across = rbdi_cross(turn, x);
+    const rbdi_v3 inward = rbdi_cross(turn, across);
+    x = rbdi_sub(x, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
+    return rbdi_add(x, rbdi_scale(e.B, inward));
+}
+
+/* nu in the axes of the end, which have turned by those of moved dt. v_next may be nu. */
+static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
+                               rbd_real *v_next) {
+    const int planar = u->type == RBD_PLANAR;
+    rbdi_v3 turn, x;
+    if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
+        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_vec(moved[0], moved[1], moved[2]);
+        turn = rbdi_scale(dt, turn);
+        for (int k = planar; k < u->nv; k += 3) {
+            x = rbdi_vec(nu[k], nu[k + 1], planar ? rbdi_zero() : nu[k + 2]);
+            x = rbdi_turn_back(turn, x);
+            v_next[k] = x.x, v_next[k + 1] = x.y;
+            if (!planar) v_next[k + 2] = x.z;
+        }
+        if (planar) v_next[0] = nu[0];
+    } else {
+        for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
     }
 }
 
@@ -179,6 +241,21 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
         if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
+                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real nu[6];
+        if (u->nv == 0) continue;
+        rbdi_glide(u, &v[u->iv], dt, nu);
+        for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
+        rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
     }
     return RBD_OK;
 }

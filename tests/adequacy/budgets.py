@@ -23,7 +23,8 @@ BEFORE = "a28df37"  # the commit before the rooms
 NAME = re.compile(r"\b(?:rbdi?|RBDI?)_\w+")
 COMPILED = HEADERS[:4]  # rbd_spatial.h is inline functions
 CALLS = ["rbd_rnea", "rbd_crba", "rbd_aba", "rbd_fd_cholesky", "rbd_minverse", "rbd_kinematics", "rbd_model_build",
-         "rbd_id_derivatives", "rbd_fd_derivatives", "rbd_constrained_fd", "rbd_constrained_fd_derivatives", "rbd_contact_solve"]
+         "rbd_id_derivatives", "rbd_fd_derivatives", "rbd_constrained_fd", "rbd_constrained_fd_derivatives", "rbd_contact_solve",
+         "rbd_contact_step"]
 
 
 class Code:

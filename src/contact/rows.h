@@ -1,0 +1,237 @@
+#ifndef RBDI_CONTACT_ROWS_H
+#define RBDI_CONTACT_ROWS_H
+#include "dynamics/packed.h"
+#include "constraints/set.h"
+#include "contact/layout.h"
+#include "contact/tolerances.h"
+
+/* ---- contact rows [contact rows] ----
+   The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
+   of [packed matrix], with Y = L^-T J' and x = D^-1 L^-T dt (tau - c):
+
+       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' x,   nu = v + L^-1 (x + D^-1 Y p)                           (4)
+
+   where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
+   place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
+   gap does not. */
+
+/* World axes of the normal of constraint k. */
+RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *k) {
+    const rbdi_v3 n = rbdi_vec(rbdi_set(k->held[0][2]), rbdi_set(k->held[1][2]), rbdi_set(k->held[2][2]));
+    return k->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[k->link[1]].X.E, n);
+}
+
+/* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
+    const rbdi_v3 n = rbdi_contact_normal(s, k);
+    rbdi_station one, two;
+    k->p[0] = a->point;
+    one = rbdi_station_of(s, k, 0, 1);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1, 1).p)) - a->radius;
+    if (a->radius > 0) {
+        const rbdi_v3 x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
+        k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
+        k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
+        k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
+        one = rbdi_station_of(s, k, 0, 1);
+    }
+    two = rbdi_station_with(s, k->link[1], one.p, 1);
+    a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
+}
+
+/* Whether something at this distance may be reached within two steps, or is nearer than the margin. */
+RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
+    return distance <= margin || distance + 2 * dt * rate <= 0;
+}
+
+/* The row of a limit that is near, or of dry friction; -1 if it is none. */
+static int rbdi_dof_row_at(rbdi_dof_row *a, int row, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+    rbd_real below, above;
+    a->row = row, a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
+    if (a->iq < 0) return 1;
+    below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
+    if (above < below) a->side = -a->side;
+    a->distance = above < below ? above : below;
+    if (rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT))) return 1;
+    a->row = -1;
+    return 0;
+}
+
+/* Adds n rows from number `row` on to those that a dof has entries in. */
+RBDI_INLINE void rbdi_widen_span(rbdi_span *span, int row, int n) {
+    if (span->end == 0) span->first = (int16_t)row;
+    span->end = (int16_t)(row + n);
+}
+
+static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
+    k->row = (int16_t)row;
+    for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
+}
+
+/* Which rows the step has; returns the number of contacts among them. */
+static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
+                          rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    int row = 0, contacts;
+    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        rbdi_contact_gap(s, &s->constraint[i], a);
+        a->row = -1, a->state = RBD_APART;
+        if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
+        a->row = row;
+        c->friction[row / 3] = rbdi_set(a->friction);
+        rbdi_open_rows(s, &s->constraint[i], row);
+        row += 3;
+    }
+    contacts = row / 3;
+    for (int i = c->n; i < c->n + c->held; row += s->constraint[i++].rows)
+        rbdi_open_rows(s, &s->constraint[i], row);
+    for (int i = 0; i < c->dof_rows; ++i) {
+        rbdi_dof_row *a = &c->dof_row[i];
+        if (!rbdi_dof_row_at(a, row, q, v, dt)) continue;
+        for (int k = a->dof; k >= 0; k = m->dof[k].lambda) rbdi_widen_span(&s->span[k], row, 1);
+        ++row;
+    }
+    s->rows = row, s->stride = rbdi_row_stride(row);
+    return contacts;
+}
+
+/* Y = J', and target = -J v of the velocity c->start. */
+static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
+    rbd_constraint_set *s = c->rows;
+    rbdi_clear(s->Y, m->nv * s->stride);
+    rbdi_clear(s->target, s->stride);
+    rbdi_clear(s->gamma, s->stride);
+    rbdi_clear(s->e, s->stride);
+    for (int i = 0; i < c->n; ++i)
+        if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
+    for (int i = c->n; i < c->n + c->held; ++i)
+        rbdi_constraint_rows(m, s, &s->constraint[i], RBDI_HELD_ERRORS);
+    for (int i = 0; i < c->dof_rows; ++i)
+        if (c->dof_row[i].row >= 0)
+            s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_span span = s->span[k];
+        rbdi_subtract(&s->target[span.first], c->start[k], &s->Y[k * s->stride + span.first],
+                      span.end - span.first);
+    }
+}
+
+/* Delta of (4), both triangles, in s->R: rows x rows. */
+static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
+    const int n = s->rows;
+    rbd_real *delta = s->R;
+    rbdi_clear(delta, n * n);
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real *y = &s->Y[k * s->stride];
+        for (int r = s->span[k].first; r < s->span[k].end; ++r)
+            rbdi_subtract(&delta[r * n + r], -(y[r] * s->D_inverse[k]), &y[r], s->span[k].end - r);
+    }
+    for (int r = 1; r < n; ++r)
+        for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
+}
+
+/* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the
+   contacts; what stiffness adds to Delta. */
+static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
+    rbd_constraint_set *s = c->rows;
+    const rbd_real share = c->last_dt > 0 ? dt / c->last_dt : rbdi_zero();
+    const int held = (int)(c->lower - c->held_impulse);
+    rbdi_clear(s->lambda, s->stride);
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row < 0) continue;
+        for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
+        if (a->stiffness > 0 && a->gap <= 0) {
+            rbd_real *d = &s->R[(a->row + 2) * (s->rows + 1)];
+            *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+        }
+    }
+    for (int i = 0; i < held; ++i) {
+        s->lambda[3 * contacts + i] = c->held_impulse[i] * share;
+        c->upper[i] = rbdi_set(RBDI_UNBOUNDED), c->lower[i] = -c->upper[i];
+    }
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *a = &c->dof_row[i];
+        const int r = a->row - 3 * contacts;
+        if (a->row < 0) continue;
+        s->lambda[a->row] = a->impulse * share;
+        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
+        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
+    }
+}
+
+/* ---- biases [biases] ----
+   The bias is added to u_n, so that 0 <= p_n, u_n >= 0 is the law in each case:
+
+     apart      gap / dt: it may just touch at the end
+     rigid      0; deeper than the slop, for positions, a share of the depth over dt
+     stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
+                and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
+     rebounds   for velocities, restitution times the approach */
+
+enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
+
+/* What takes a penetration back, m/s; gap is below 0 where it is deep. */
+RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
+    const rbd_real deep = gap + RBD_C(c->options.slop);
+    return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();
+}
+
+/* Whether a contact that pushed rebounds. */
+RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
+    return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
+}
+
+static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
+    if (purpose == RBDI_FOR_VELOCITIES && rbdi_rebounds(c, a)) return a->approach * a->restitution;
+    if (a->gap > 0) return a->gap / dt;
+    if (a->stiffness > 0) return a->stiffness * a->gap / (dt * a->stiffness + a->damping);
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction(c, a->gap, dt) : rbdi_zero();
+}
+
+/* Of a held row with the error e. */
+RBDI_INLINE rbd_real rbdi_held_bias(const rbd_contact_set *c, rbd_real e, rbd_real dt) {
+    return e > 0 ? -rbdi_correction(c, -e, dt) : rbdi_correction(c, e, dt);
+}
+
+/* c->b, from J nu_0 = -s->b. */
+static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
+    const rbd_constraint_set *s = c->rows;
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row >= 0) c->b[a->row + 2] = c->b[a->row + 2] + rbdi_contact_bias(c, a, dt, purpose);
+    }
+    for (int i = c->n; i < c->n + c->held && purpose == RBDI_FOR_POSITIONS; ++i)
+        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
+            c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *a = &c->dof_row[i];
+        if (a->row < 0 || a->iq < 0) continue;
+        if (a->distance > 0)
+            c->b[a->row] = c->b[a->row] + a->distance / dt;
+        else if (purpose == RBDI_FOR_POSITIONS)
+            c->b[a->row] = c->b[a->row] + rbdi_correction(c, a->distance, dt);
+    }
+}
+
+/* Whether positions and velocities have different biases. */
+static int rbdi_needs_velocities(const rbd_contact_set *c, rbd_real dt) {
+    const rbd_constraint_set *s = c->rows;
+    int differ = 0;
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *a = &c->contact[i];
+        if (a->row < 0) continue;
+        differ |= rbdi_rebounds(c, a) || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
+    }
+    for (int i = c->n; i < c->n + c->held; ++i)
+        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
+            differ |= rbdi_correction(c, -rbdi_abs(s->e[r]), dt) < 0;
+    for (int i = 0; i < c->dof_rows; ++i)
+        differ |= c->dof_row[i].row >= 0 && rbdi_correction(c, c->dof_row[i].distance, dt) < 0;
+    return differ;
+}
+
+#endif

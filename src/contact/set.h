@@ -1,0 +1,214 @@
+#ifndef RBDI_CONTACT_SET_H
+#define RBDI_CONTACT_SET_H
+#include "constraints/set.h"
+#include "contact/solver.h"
+
+/* ---- set code [set code] ---- */
+
+/* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
+static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *k, int body2, const double normal[3],
+                             double height) {
+    double R[9], origin[3], up[3] = {0, 0, 1};
+    for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
+    rbdi_frame_along(up, R);
+    for (int j = 0; j < 3; ++j) origin[j] = height * R[3 * j + 2];
+    k->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, k->R[1], &k->p[1]);
+    for (int i = 0; i < 3; ++i)
+        for (int r = 0; r < 3; ++r) k->held[i][r] = k->R[1][3 * i + r];
+}
+
+/* A contact as a constraint that holds three linear axes. */
+static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
+    rbd_constraint k = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
+    k.name = a->name;
+    return k;
+}
+
+static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
+    const double values[6] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping, 0};
+    const char *const names[6] = {"radius", "friction", "restitution", "stiffness", "damping", NULL};
+    const rbd_constraint k = rbdi_constraint_of_contact(a);
+    const rbd_status status = rbdi_check_constraint(m, &k, i, report);
+    if (status) {
+        if (status == RBD_ERR_POSITION) report->error.field = "point";
+        return status;
+    }
+    if (!rbdi_finite(a->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, a->name, "normal");
+    if (!rbdi_finite(&a->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, a->name, "height");
+    for (int j = 0; j < 5; ++j)
+        if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
+            return rbdi_refuse(report, RBD_ERR_RANGE, i, a->name, names[j]);
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
+    const double values[5] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance};
+    const char *const names[5] = {"margin", "slop", "correction", "bounce", "tolerance"};
+    for (int j = 0; j < 5; ++j)
+        if (!rbdi_finite_positive(&values[j], 1))
+            return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
+    if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
+    return RBD_OK;
+}
+
+static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    rbd_contact_options o = given ? *given : none;
+    if (!(o.margin > 0)) o.margin = 0.005;
+    if (!(o.slop > 0)) o.slop = 1e-5;
+    if (!(o.correction > 0)) o.correction = 0.2;
+    if (!(o.bounce > 0)) o.bounce = 0.05;
+    return o;
+}
+
+/* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
+static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+    int n = 0;
+    for (int b = 0; o->joint_limits && b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
+        if (row) {
+            row[n].dof = u->iv, row[n].iq = u->iq, row[n].lower = u->lower, row[n].upper = u->upper;
+        }
+        ++n;
+    }
+    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+        if (!(m->dof[k].friction > 0)) continue;
+        if (row) {
+            row[n].dof = (int16_t)k, row[n].iq = -1;
+            row[n].upper = m->dof[k].friction, row[n].lower = -row[n].upper;
+        }
+        ++n;
+    }
+    return n;
+}
+
+static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held) {
+    return n >= 0 && n_held >= 0 && n <= RBD_MAX_CONSTRAINTS && n_held <= RBD_MAX_CONSTRAINTS - n &&
+           (held || n_held == 0);
+}
+
+RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
+                                     const rbd_contact_options *options) {
+    const rbd_contact_options o = rbdi_contact_defaults(options);
+    int rows, bounded;
+    if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
+    rows = rbdi_rows_of(held, n_held);
+    bounded = rows + rbdi_list_dof_rows(m, &o, NULL);
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(3 * n + bounded));
+}
+
+static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
+                                          int n, const rbd_constraint *held, int n_held,
+                                          const rbd_contact_options *options, rbd_report *report) {
+    rbd_status status = RBD_OK;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (options) status = rbdi_check_options(options, report);
+    for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
+    for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);
+    return status;
+}
+
+/* Cuts the arrays of a set off the memory. */
+static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows, int dof_rows,
+                                          void *memory) {
+    const int bounded = held_rows + dof_rows;
+    unsigned char *p = rbdi_aligned(memory);
+    rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
+    rbd_real *x;
+    c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
+    c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
+    x = (rbd_real *)rbdi_take(
+        &p, 1, RBDI_ROUND(sizeof(rbd_real) * (size_t)(n + held_rows + 2 * bounded + c->most + 4 * m->nv)));
+    c->friction = x, c->held_impulse = x + n, c->lower = c->held_impulse + held_rows;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->start = c->b + c->most;
+    c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
+    rbdi_lay_solver(&c->solver, n, bounded, p);
+    p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
+    return c;
+}
+
+static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
+    const rbd_constraint as = rbdi_constraint_of_contact(a);
+    rbdi_constraint *k = &c->rows->constraint[i];
+    rbdi_contact *to = &c->contact[i];
+    rbdi_place_constraint(m, &as, 3 * i, k);
+    rbdi_place_plane(m, k, a->body2, a->normal, a->height);
+    to->body2 = a->body2;
+    to->point = k->p[0];
+    to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
+    to->restitution = RBD_C(a->restitution);
+    to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
+}
+
+/* The dofs of each constraint's paths, and the links on them. */
+static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
+    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
+    for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
+    s->links = 0;
+    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+        if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
+}
+
+RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
+    if (!c) return;
+    c->last_dt = rbdi_zero();
+    c->solver.solution.residual = rbdi_zero();
+    c->solver.solution.sweeps = c->solver.solution.newton_steps = 0;
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
+        a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
+    }
+    for (int i = 0; i < c->dof_rows; ++i) c->dof_row[i].impulse = rbdi_zero();
+    rbdi_clear(c->held_impulse, (int)(c->lower - c->held_impulse));
+}
+
+RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
+                                         const rbd_constraint *held, int n_held,
+                                         const rbd_contact_options *options, void *memory, size_t size,
+                                         rbd_contact_set **contacts, rbd_report *report) {
+    rbd_report own;
+    rbd_contact_set *c;
+    rbd_contact_options o;
+    rbd_status status;
+    int row = 3 * n;
+    if (!report) report = &own;
+    if (contacts) *contacts = NULL;
+    status = rbdi_check_contact_list(m, w, list, n, held, n_held, options, report);
+    if (status) return status;
+    if (!contacts || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (size < rbd_contact_set_size(m, n, held, n_held, options))
+        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    o = rbdi_contact_defaults(options);
+    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), rbdi_list_dof_rows(m, &o, NULL), memory);
+    c->options = o;
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
+    c->rows->w = w, c->rows->infeasible = -1;
+    for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
+    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows)
+        rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+    rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_reach_contacts(m, c->rows);
+    rbd_contact_reset(c);
+    *contacts = c;
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
+                                      double height) {
+    if (!m || !c || !normal) return RBD_ERR_NULL;
+    if (i < 0 || i >= c->n) return RBD_ERR_INDEX;
+    if (!rbdi_finite(normal, 3)) return RBD_ERR_AXIS;
+    if (!rbdi_finite(&height, 1)) return RBD_ERR_POSITION;
+    rbdi_place_plane(m, &c->rows->constraint[i], c->contact[i].body2, normal, height);
+    return RBD_OK;
+}
+
+#endif

@@ -1,0 +1,773 @@
+/* test_contact_step.c - rbd_contact.h: steps of scenes with known answers, and of robots. */
+#include <math.h>
+#include <string.h>
+
+#include "rbd_contact.h"
+
+#include "suites.h"
+#include "support.h"
+
+#include "models/atlas.h"
+#include "models/hyq.h"
+
+enum { MOST = 24 };
+
+/* ---- scenes ---- */
+
+/* A robot, its contacts, and the state that steps take it through. */
+typedef struct scene {
+    robot r;
+    rbd_contact list[MOST];
+    rbd_constraint held[4];
+    int n, n_held;
+    rbd_contact_options options;
+    rbd_contact_set *c;
+    void *memory;
+    double q[MAX_Q], v[MAX_V], tau[MAX_V], damping[MAX_V], h, t;
+    double worst; /* residual */
+} scene;
+
+static void open_scene(scene *s, const char *name, const rbd_body *bodies, int nb, double h) {
+    memset(s, 0, sizeof *s);
+    s->r = robot_build(name, bodies, nb);
+    s->options.tolerance = 1e-8, s->options.iterations = 200;
+    s->h = h;
+    rbd_neutral(s->r.m, s->q);
+}
+
+static rbd_contact *add_contact(scene *s, int body1, int body2, double x, double y, double z) {
+    rbd_contact *a = &s->list[s->n++];
+    ck_assert_int_le(s->n, MOST);
+    a->body1 = body1, a->body2 = body2, a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
+    return a;
+}
+
+/* Four corners of a rectangle at height z of a body, over a plane of body 2. */
+static void add_corners(scene *s, int body1, int body2, double lx, double ly, double z, double height) {
+    for (int i = 0; i < 4; i++)
+        add_contact(s, body1, body2, i & 1 ? lx / 2 : -lx / 2, i & 2 ? ly / 2 : -ly / 2, z)->height = height;
+}
+
+static void begin_scene(scene *s) {
+    const size_t size = rbd_contact_set_size(s->r.m, s->n, s->held, s->n_held, &s->options);
+    rbd_report report;
+    char text[200];
+    s->memory = memset(malloc(size), 0xff, size); /* NaN: what was never written shows */
+    ck_assert_msg(rbd_contact_set_init(s->r.m, s->r.w, s->list, s->n, s->held, s->n_held, &s->options,
+                                       s->memory, size, &s->c, &report) == RBD_OK,
+                  "%s: %s", s->r.name, rbd_constraint_finding_text(&report.error, text, sizeof text));
+}
+
+static void close_scene(scene *s) {
+    free(s->memory);
+    robot_free(&s->r);
+}
+
+static void step(scene *s) {
+    const rbd_status status =
+        rbd_contact_step(s->r.m, s->c, s->q, s->v, s->tau, NULL, s->damping, s->h, s->q, s->v);
+    ck_assert_msg(status == RBD_OK, "%s: %s", s->r.name, rbd_status_string(status));
+    s->worst = fmax(s->worst, rbd_contact_last(s->c).residual);
+    s->t += s->h;
+}
+
+static void run(scene *s, double seconds) {
+    for (int n = (int)(seconds / s->h + 0.5); n > 0; n--) step(s);
+}
+
+static double energy(const scene *s, double *kinetic) {
+    double K, U;
+    ck_assert_int_eq(rbd_kinematics(s->r.m, s->r.w, s->q, s->v, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_energy(s->r.m, s->r.w, &K, &U), RBD_OK);
+    if (kinetic) *kinetic = K;
+    return K + U;
+}
+
+static rbd_body box(double lx, double ly, double lz, double mass) {
+    rbd_body b = {.parent = -1, .type = RBD_FLOATING, .mass = mass};
+    b.inertia[0] = mass * (ly * ly + lz * lz) / 12, b.inertia[3] = mass * (lx * lx + lz * lz) / 12;
+    b.inertia[5] = mass * (lx * lx + ly * ly) / 12;
+    return b;
+}
+
+static rbd_body ball(double mass, double inertia) {
+    rbd_body b = {.parent = -1, .type = RBD_FLOATING, .mass = mass};
+    b.inertia[0] = b.inertia[3] = b.inertia[5] = inertia;
+    return b;
+}
+
+static const double steps[3] = {5e-4, 1e-3, 1e-2};
+
+/* ---- a block on a slope ---- */
+
+/* Gravity is turned instead of the ground; the block is turned about the normal by yaw. Returns the speed
+   downhill after a second. */
+static double slide(double slope, double yaw, double mu, double h) {
+    const rbd_body block = box(0.4, 0.3, 0.2, 3);
+    const double gravity[3] = {9.81 * sin(slope), 0, -9.81 * cos(slope)};
+    scene s;
+    double speed;
+    open_scene(&s, "block", &block, 1, h);
+    add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+    for (int i = 0; i < 4; i++) s.list[i].friction = mu;
+    begin_scene(&s);
+    rbd_set_gravity(s.r.w, gravity);
+    s.q[2] = 0.1, s.q[5] = sin(yaw / 2), s.q[6] = cos(yaw / 2);
+    run(&s, 1);
+    speed = s.v[3] * cos(yaw) - s.v[4] * sin(yaw);
+    ck_assert_double_eq_tol(s.v[3] * sin(yaw) + s.v[4] * cos(yaw), 0, 1e-8);
+    ck_assert_double_eq_tol(s.q[2], 0.1, 1e-6);
+    ck_assert_double_le(s.worst, 1e-8);
+    close_scene(&s);
+    return speed;
+}
+
+START_TEST(block_sticks_and_slides) {
+    const double degrees = M_PI / 180;
+    for (int k = 0; k < 3; k++)
+        for (int turned = 0; turned < 2; turned++) {
+            const double h = steps[k], yaw = turned ? 0.7 : 0;
+            ck_assert_double_eq_tol(slide(26 * degrees, yaw, 0.5, h), 0, 1e-9);
+            ck_assert_double_eq_tol(slide(27 * degrees, yaw, 0.5, h), 0.083259801, 2e-8);
+            ck_assert_double_eq_tol(slide(40 * degrees, yaw, 0.5, h), 2.548298458, 2e-9);
+            ck_assert_double_eq_tol(slide(30 * degrees, yaw, 0, h), 4.905, 1e-9);
+        }
+    ck_assert_double_eq_tol(slide(50 * degrees, 0, 1e6, 1e-3), 0, 1e-8);
+}
+END_TEST
+
+/* ---- a ball ---- */
+
+START_TEST(ball_rolls_without_gain) {
+    const double v0 = 2, mu = 0.3, radius = 0.1;
+    for (int k = 0; k < 3; k++) {
+        const rbd_body body = ball(2, 0.4 * 2 * radius * radius);
+        scene s;
+        double before, rolls = 0, velocity[6];
+        open_scene(&s, "ball", &body, 1, steps[k]);
+        add_contact(&s, 0, -1, 0, 0, 0)->radius = radius;
+        s.list[0].friction = mu;
+        begin_scene(&s);
+        s.q[2] = radius, s.v[3] = v0;
+        before = energy(&s, NULL);
+        while (s.t < 1 - s.h / 2) {
+            step(&s);
+            rbd_kinematics(s.r.m, s.r.w, s.q, s.v, NULL);
+            rbd_point_velocity(s.r.m, s.r.w, 0, NULL, RBD_WORLD_AXES, velocity);
+            if (!(rolls > 0) && fabs(velocity[3] - radius * velocity[1]) < 1e-6) rolls = s.t;
+        }
+        ck_assert_double_eq_tol(velocity[3], 5. / 7 * v0, 1e-9);
+        ck_assert_double_eq_tol(radius * velocity[1], 5. / 7 * v0, 1e-9);
+        ck_assert_double_eq_tol(s.q[2], radius, 1e-12);
+        ck_assert_double_eq_tol(energy(&s, NULL) - before, -v0 * v0 * 2 / 7, 1e-8);
+        ck_assert_double_ge(rolls, 2 * v0 / (7 * mu * 9.81) - 1e-12);
+        ck_assert_double_le(rolls, 2 * v0 / (7 * mu * 9.81) + 2 * s.h);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+START_TEST(ball_sinks_by_its_stiffness) {
+    const rbd_body body = ball(3, 0.012);
+    scene s;
+    double force[3], gap;
+    open_scene(&s, "ball", &body, 1, 2e-3);
+    add_contact(&s, 0, -1, 0, 0, 0)->radius = 0.1;
+    s.list[0].stiffness = 1e4, s.list[0].damping = 100;
+    begin_scene(&s);
+    s.q[2] = 0.12;
+    run(&s, 2);
+    ck_assert_double_eq_tol(0.1 - s.q[2], 3 * 9.81 / 1e4, 1e-9);
+    ck_assert_int_eq(rbd_contact_get(s.c, 0, &gap, force), RBD_STICKS);
+    ck_assert_double_eq_tol(force[2], 3 * 9.81, 1e-6);
+    ck_assert_double_eq_tol(gap, -3 * 9.81 / 1e4, 1e-9);
+    close_scene(&s);
+}
+END_TEST
+
+START_TEST(ball_rebounds_to_a_quarter) {
+    const double expected[3] = {0.24887, 0.24832, 0.22661};
+    for (int k = 0; k < 3; k++) {
+        const rbd_body body = ball(3, 0.012);
+        scene s;
+        double top = 0;
+        int touched = 0;
+        open_scene(&s, "ball", &body, 1, steps[k]);
+        add_contact(&s, 0, -1, 0, 0, 0)->radius = 0.1;
+        s.list[0].restitution = 0.5, s.options.bounce = 0.25;
+        begin_scene(&s);
+        s.q[2] = 1.1;
+        while (s.t < 0.9) {
+            step(&s);
+            touched |= rbd_contact_get(s.c, 0, NULL, NULL) > RBD_OPENS;
+            if (touched) top = fmax(top, s.q[2] - 0.1);
+        }
+        ck_assert_double_eq_tol(top, expected[k], 1e-5); /* 1/4 as h goes to 0 */
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* ---- one joint ---- */
+
+static rbd_body rod(void) {
+    rbd_body b = box(1, 0.01, 0.01, 1);
+    b.type = RBD_REVOLUTE, b.axis[1] = 1, b.com[0] = 0.5;
+    return b;
+}
+
+START_TEST(rod_lies_on_its_limit) {
+    for (int upper = 0; upper < 2; upper++)
+        for (int k = 0; k < 3; k++) {
+            rbd_body body = rod();
+            scene s;
+            double deepest = 0, a;
+            if (!upper) body.axis[1] = -1;
+            body.lower = upper ? -2 : -0.5, body.upper = upper ? 0.5 : 2;
+            open_scene(&s, "rod", &body, 1, steps[k]);
+            s.options.joint_limits = 1;
+            begin_scene(&s);
+            s.q[0] = upper ? -1 : 1;
+            while (s.t < 2) step(&s), deepest = fmax(deepest, upper ? s.q[0] - 0.5 : -0.5 - s.q[0]);
+            ck_assert_double_le(deepest, 1e-12);
+            ck_assert_double_eq_tol(fabs(s.q[0]), 0.5, 1e-12);
+            ck_assert_double_eq_tol(s.v[0], 0, 1e-12);
+            /* the limit's torque is what gravity's is */
+            ck_assert_int_eq(rbd_rnea(s.r.m, s.r.w, s.q, s.v, s.damping, NULL, &a), RBD_OK);
+            ck_assert_double_eq_tol(fabs(a), 4.304542466, 1e-9);
+            ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, &a), RBD_OK);
+            ck_assert_double_eq_tol(a, 0, 1e-9);
+            close_scene(&s);
+        }
+}
+END_TEST
+
+START_TEST(dry_friction_holds_and_brakes) {
+    for (int k = 0; k < 3; k++) {
+        rbd_body body = rod();
+        scene s;
+        double stopped = 0;
+        body.friction[0] = 9.81 * 0.5 * cos(1.2) * 1.001;
+        open_scene(&s, "rod", &body, 1, steps[k]);
+        s.options.joint_friction = 1;
+        begin_scene(&s);
+        s.q[0] = 1.2;
+        run(&s, 2);
+        ck_assert_double_eq_tol(s.q[0], 1.2, 1e-12);
+        close_scene(&s);
+        body.com[0] = 0, body.friction[0] = 0.5;
+        open_scene(&s, "disc", &body, 1, steps[k]);
+        s.options.joint_friction = 1;
+        begin_scene(&s);
+        s.v[0] = 6;
+        while (s.t < 2) {
+            step(&s);
+            if (!(stopped > 0) && fabs(s.v[0]) < 1e-12) stopped = s.t;
+        }
+        ck_assert_double_eq_tol(stopped, 6 * body.inertia[3] / 0.5, s.h + 1e-12);
+        ck_assert_double_eq_tol(s.v[0], 0, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* tau - d v at the end of each step: v falls by 1 + h d / I a step. */
+START_TEST(damping_is_implicit) {
+    for (int described = 0; described < 2; described++) {
+        rbd_body body = rod();
+        scene s;
+        body.com[0] = 0;
+        if (described) body.damping[0] = 30;
+        open_scene(&s, "disc", &body, 1, 1e-2);
+        s.options.joint_damping = described;
+        begin_scene(&s);
+        s.damping[0] = described ? 0 : 30, s.v[0] = 6;
+        step(&s);
+        ck_assert_double_eq_tol(s.v[0], 6 / (1 + 1e-2 * 30 / body.inertia[3]), 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* ---- several bodies ---- */
+
+START_TEST(thrown_box_comes_to_rest) {
+    for (int k = 0; k < 2; k++) {
+        const rbd_body body = box(0.4, 0.3, 0.2, 3);
+        scene s;
+        double before, gain = 0, deepest = 0, kinetic, gap;
+        open_scene(&s, "box", &body, 1, steps[k]);
+        add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+        add_corners(&s, 0, -1, 0.4, 0.3, 0.1, 0);
+        begin_scene(&s);
+        s.q[2] = 1, s.v[0] = 3, s.v[1] = 5, s.v[2] = 2, s.v[3] = 2;
+        before = energy(&s, NULL);
+        while (s.t < 4) {
+            double now;
+            int touches = 0;
+            step(&s);
+            now = energy(&s, &kinetic);
+            for (int i = 0; i < 8; i++) {
+                touches |= rbd_contact_get(s.c, i, &gap, NULL) > RBD_OPENS;
+                deepest = fmin(deepest, gap);
+            }
+            if (touches) gain = fmax(gain, now - before);
+            before = now;
+        }
+        ck_assert_double_eq_tol(before, 2.943, 1e-3);
+        ck_assert_double_le(kinetic, 1e-20);
+        ck_assert_double_le(gain, 1e-9);
+        ck_assert_double_ge(deepest, -1e-4);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* 1, 1 and 100 kg: 36 rows of rank 18. Contacts between bodies. */
+START_TEST(stack_carries_its_weight) {
+    const rbd_body body[3] = {box(0.2, 0.2, 0.2, 1), box(0.2, 0.2, 0.2, 1), box(0.2, 0.2, 0.2, 100)};
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        double sum = 0, force[3];
+        int iterations = 0;
+        open_scene(&s, "stack", body, 3, k ? 5e-3 : 1e-3);
+        for (int i = 0; i < 3; i++)
+            add_corners(&s, i, i - 1, 0.2, 0.2, -0.1, i ? 0.1 : 0), s.q[7 * i + 2] = 0.1 + 0.2 * i;
+        begin_scene(&s);
+        while (s.t < 1) {
+            step(&s);
+            iterations += rbd_contact_last(s.c).sweeps + rbd_contact_last(s.c).newton_steps;
+        }
+        for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, force), sum += force[2];
+        ck_assert_double_eq_tol(sum / (102 * 9.81), 1, 1e-6);
+        ck_assert_double_le(s.worst, 1e-8);
+        ck_assert_double_le(iterations * s.h, 2.5);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+START_TEST(painleves_rod_jams) {
+    const double slope = M_PI / 3;
+    for (int k = 0; k < 2; k++)
+        for (int strong = 0; strong < 2; strong++) {
+            const rbd_body body = box(1, 0.01, 0.01, 1);
+            scene s;
+            double before, impulse = 0, force[3];
+            open_scene(&s, "rod", &body, 1, k ? 1e-2 : 1e-3);
+            add_contact(&s, 0, -1, 0.5, 0, 0)->friction = strong ? 3 : 1.5;
+            begin_scene(&s);
+            s.q[4] = sin(slope / 2), s.q[6] = cos(slope / 2), s.q[2] = 0.5 * sin(slope);
+            s.v[3] = cos(slope), s.v[5] = sin(slope);
+            before = energy(&s, NULL);
+            while (s.t < 0.2) {
+                double now;
+                step(&s);
+                now = energy(&s, NULL);
+                ck_assert_double_le(now - before, 1e-12);
+                before = now;
+                rbd_contact_get(s.c, 0, NULL, force);
+                impulse = fmax(impulse, force[2] * s.h);
+            }
+            ck_assert_double_le(s.worst, 1e-8);
+            ck_assert_double_ge(impulse, 0.32);
+            ck_assert_double_le(impulse, 0.41);
+            close_scene(&s);
+        }
+}
+END_TEST
+
+/* A loop, held together with contacts: two rods on hinges, joined at their ends, on a box that slides. */
+START_TEST(held_constraints_stay_closed) {
+    rbd_body body[3] = {box(0.4, 0.3, 0.2, 3), rod(), rod()};
+    scene s;
+    const double end[3] = {1, 0, 0};
+    double p[2][3], worst = 0;
+    body[1].parent = body[2].parent = 0, body[2].position[0] = 0.3;
+    open_scene(&s, "loop", body, 3, 1e-3);
+    add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+    s.held[s.n_held++] = rbd_ball_loop(1, end, 2, end);
+    s.held[0].axes[4] = 0; /* the plane of the rods holds y */
+    begin_scene(&s);
+    s.q[2] = 0.1, s.q[7] = -acos(0.15), s.q[8] = -(M_PI - acos(0.15));
+    s.v[3] = 1;
+    while (s.t < 0.5) {
+        step(&s);
+        rbd_kinematics(s.r.m, s.r.w, s.q, s.v, NULL);
+        for (int i = 0; i < 2; i++) rbd_point_position(s.r.m, s.r.w, 1 + i, end, p[i]);
+        for (int j = 0; j < 3; j++) worst = fmax(worst, fabs(p[0][j] - p[1][j]));
+    }
+    ck_assert_double_le(worst, 1e-4);
+    ck_assert_double_le(s.worst, 1e-7);
+    ck_assert_double_eq_tol(s.q[2], 0.1, 1e-4);
+    close_scene(&s);
+}
+END_TEST
+
+/* ---- robots ---- */
+
+static const double hyq_stance[12] = {0, 0, 0, 0, 0.7, 0.7, -0.7, -0.7, -1.4, -1.4, 1.4, 1.4};
+
+static void open_hyq(scene *s, double h, double drop) {
+    double p[3];
+    open_scene(s, "hyq", hyq_bodies, HYQ_NB, h);
+    for (int k = 0; k < 4; k++) add_contact(s, HYQ_BODY_LF_LOWERLEG + k, -1, 0.33, 0, 0)->friction = 0.7;
+    begin_scene(s);
+    for (int k = 0; k < 12; k++) s->q[7 + k] = hyq_stance[k], s->damping[6 + k] = 8 + h * 300;
+    rbd_kinematics(s->r.m, s->r.w, s->q, NULL, NULL);
+    rbd_point_position(s->r.m, s->r.w, HYQ_BODY_LF_LOWERLEG, s->list[0].point, p);
+    s->q[2] = drop - p[2];
+}
+
+/* A trot of 2 Hz: diagonal legs lift in turns. */
+static void hyq_controller(scene *s, int trots) {
+    for (int k = 0; k < 12; k++) {
+        const int leg = k % 4, pair = leg == 0 || leg == 3;
+        const double side = leg < 2 ? 1 : -1, phase = 4 * M_PI * s->t + (pair ? 0 : M_PI);
+        double wanted = hyq_stance[k];
+        if (trots && k >= 8) wanted -= 0.5 * side * fmax(sin(phase), 0);
+        if (trots && k >= 4 && k < 8) wanted += 0.25 * side * fmax(sin(phase), 0) - 0.1 * cos(phase);
+        s->tau[6 + k] = 300 * (wanted - s->q[7 + k]);
+    }
+}
+
+/* Violations of the laws that show from outside. */
+static void check_contacts(const scene *s) {
+    for (int i = 0; i < s->n; i++) {
+        double gap, f[3];
+        const rbd_contact_state state = rbd_contact_get(s->c, i, &gap, f);
+        ck_assert_double_ge(gap, -2e-5);
+        ck_assert_double_ge(f[2], 0);
+        ck_assert_double_le(hypot(f[0], f[1]), s->list[i].friction * f[2] * (1 + 1e-14) + 1e-300);
+        if (state <= RBD_OPENS) ck_assert_double_eq(f[2], 0);
+    }
+}
+
+START_TEST(hyq_drops_stands_and_trots) {
+    for (int k = 0; k < 3; k++)
+        for (int trots = 0; trots < 2; trots++) {
+            scene s;
+            double sum = 0, f[3];
+            int newton = 0;
+            open_hyq(&s, steps[k], trots ? 0 : 0.05);
+            while (s.t < 2) {
+                hyq_controller(&s, trots);
+                step(&s);
+                check_contacts(&s);
+                newton += rbd_contact_last(s.c).newton_steps;
+            }
+            ck_assert_double_le(s.worst, 1e-8);
+            ck_assert_double_le(newton * s.h, 2 * 2);
+            ck_assert_double_ge(s.q[2], 0.4);
+            for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
+            if (!trots) ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 1);
+            close_scene(&s);
+        }
+}
+END_TEST
+
+/* On flat feet, four points each: 24 rows of rank 12. */
+START_TEST(atlas_stands) {
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        double wanted[MAX_Q], p[3], f[3], sum = 0;
+        int q_of[MAX_V];
+        const int bend[6] = {ATLAS_DOF_L_LEG_HPY, ATLAS_DOF_R_LEG_HPY, ATLAS_DOF_L_LEG_KNY,
+                             ATLAS_DOF_R_LEG_KNY, ATLAS_DOF_L_LEG_AKY, ATLAS_DOF_R_LEG_AKY};
+        open_scene(&s, "atlas", atlas_bodies, ATLAS_NB, steps[k]);
+        for (int b = 0; b < s.r.nb; b++) {
+            rbd_joint_info joint;
+            rbd_joint(s.r.m, b, &joint);
+            if (joint.nv == 1) q_of[joint.iv] = joint.iq;
+        }
+        const int foot[2] = {rbd_body_index(s.r.m, "l_foot"), rbd_body_index(s.r.m, "r_foot")};
+        for (int i = 0; i < 8; i++)
+            add_contact(&s, foot[i / 4], -1, i & 1 ? 0.17 : -0.08, i & 2 ? 0.06 : -0.06, -0.08)->friction =
+                0.8;
+        begin_scene(&s);
+        for (int i = 0; i < 6; i++) s.q[q_of[bend[i]]] = i / 2 == 1 ? 0.8 : -0.4;
+        for (int i = 0; i < 20; i++) { /* the centre of mass comes over the feet */
+            const double middle[3] = {0.045, 0, -0.08};
+            double com[3];
+            rbd_kinematics(s.r.m, s.r.w, s.q, NULL, NULL);
+            rbd_com(s.r.m, s.r.w, com, NULL, NULL);
+            rbd_point_position(s.r.m, s.r.w, foot[0], middle, p);
+            for (int j = 0; j < 2; j++)
+                s.q[q_of[bend[j]]] -= com[0] - p[0], s.q[q_of[bend[4 + j]]] += com[0] - p[0];
+        }
+        rbd_kinematics(s.r.m, s.r.w, s.q, NULL, NULL);
+        rbd_point_position(s.r.m, s.r.w, foot[0], s.list[0].point, p);
+        s.q[2] -= p[2];
+        memcpy(wanted, s.q, sizeof wanted);
+        for (int i = 6; i < s.r.nv; i++) s.damping[i] = 100 + s.h * 5000;
+        while (s.t < 1) {
+            for (int i = 6; i < s.r.nv; i++) s.tau[i] = 5000 * (wanted[q_of[i]] - s.q[q_of[i]]);
+            step(&s);
+            check_contacts(&s);
+        }
+        ck_assert_double_le(s.worst, 1e-8);
+        ck_assert_double_eq_tol(s.q[2], wanted[2], 0.02);
+        for (int i = 0; i < 8; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
+        ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 0.02 * rbd_mass(s.r.m) * 9.81);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* ---- the calls ---- */
+
+/* rbd_contact_fd and rbd_step are rbd_contact_step where nothing penetrates; and u = J v of the end obeys the
+   laws: the gap afterwards is not below 0. */
+START_TEST(acceleration_and_step_agree) {
+    scene s;
+    double a[MAX_V], q[MAX_Q], v[MAX_V];
+    open_hyq(&s, 1e-3, 0.002);
+    for (int n = 0; n < 200; n++) {
+        hyq_controller(&s, 1);
+        rbd_contact_reset(s.c);
+        ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, s.damping, s.h, a), RBD_OK);
+        ck_assert_int_eq(rbd_step(s.r.m, s.q, s.v, a, s.h, q, v), RBD_OK);
+        rbd_contact_reset(s.c);
+        step(&s);
+        for (int k = 0; k < s.r.nv; k++) ck_assert_double_eq_tol(s.v[k], v[k], 1e-10);
+        for (int k = 0; k < s.r.nq; k++) ck_assert_double_eq_tol(s.q[k], q[k], 1e-7); /* the slop */
+    }
+    close_scene(&s);
+}
+END_TEST
+
+/* Without contacts it is forward dynamics: external wrenches, mimic joints and all. */
+static void check_free(const robot *r, const state *s, int number) {
+    double a[MAX_V], expected[MAX_V];
+    const size_t size = rbd_contact_set_size(r->m, 0, NULL, 0, NULL);
+    void *memory = malloc(size);
+    rbd_contact_set *c;
+    RUN(rbd_contact_set_init(r->m, r->w, NULL, 0, NULL, 0, NULL, memory, size, &c, NULL));
+    const rbd_status status = rbd_fd_cholesky(r->m, r->w, s->q, s->v, s->tau, s->f_ext, expected);
+    ck_assert_int_eq(rbd_contact_fd(r->m, c, s->q, s->v, s->tau, s->f_ext, NULL, 1, a), status);
+    expect_close("without contacts", r, number, a, expected, r->nv, 1e-9);
+    free(memory);
+}
+START_TEST(empty_set_is_forward_dynamics) { for_random_trees(40, check_free); }
+END_TEST
+
+/* A wedge under a point mass, and a terrain that rises: the plane is that of the last call. */
+START_TEST(planes_may_change) {
+    const rbd_body body = ball(1, 0.01);
+    const double slope[3] = {-0.3, 0, 3}, none[3] = {0, 0, 0};
+    scene s;
+    double gap, force[3];
+    open_scene(&s, "ball", &body, 1, 1e-3);
+    add_contact(&s, 0, -1, 0, 0, 0)->radius = 0.1;
+    begin_scene(&s);
+    s.q[2] = 0.1 + 0.05;
+    run(&s, 0.5);
+    ck_assert_double_eq_tol(s.q[2], 0.1, 1e-4);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, none, -0.2), RBD_OK);
+    step(&s);
+    ck_assert_int_eq(rbd_contact_get(s.c, 0, &gap, force), RBD_APART);
+    ck_assert_double_eq_tol(gap, 0.2, 1e-4);
+    ck_assert_double_eq(largest(force, 3), 0);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, slope, 0.0), RBD_OK);
+    s.q[0] = 0, s.q[2] = 0.2, s.v[0] = s.v[1] = s.v[2] = s.v[3] = s.v[4] = s.v[5] = 0;
+    rbd_contact_reset(s.c);
+    run(&s, 0.5);
+    rbd_contact_get(s.c, 0, &gap, force); /* it rolls down, to -x: 5/7 g sin */
+    ck_assert_double_eq_tol(gap, 0, 2e-5);
+    ck_assert_double_le(s.q[0], -0.01);
+    ck_assert_int_eq(rbd_contact_plane(NULL, s.c, 0, slope, 0), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, NULL, 0, slope, 0), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, NULL, 0), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 1, slope, 0), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, -1, slope, 0), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, slope, NAN), RBD_ERR_POSITION);
+    const double bad[3] = {0, INFINITY, 0};
+    ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, bad, 0), RBD_ERR_AXIS);
+    close_scene(&s);
+}
+END_TEST
+
+/* The world's point over a plane of the body, which falls away; each corner twice; points at one place. */
+START_TEST(odd_sets_of_contacts) {
+    const double slope = 40 * M_PI / 180, gravity[3] = {9.81 * sin(slope), 0, -9.81 * cos(slope)};
+    for (int kind = 0; kind < 4; kind++) {
+        const rbd_body block = box(0.4, 0.3, 0.2, kind == 3 ? 1e-6 : 3);
+        scene s;
+        open_scene(&s, "block", &block, 1, 1e-3);
+        add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+        if (kind == 1) add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+        if (kind == 2) add_contact(&s, -1, 0, 0, 0, 3)->height = 0.2;
+        begin_scene(&s);
+        rbd_set_gravity(s.r.w, gravity);
+        s.q[2] = 0.1;
+        run(&s, 1);
+        ck_assert_double_eq_tol(s.v[3], 2.548298458, 1e-8);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+START_TEST(same_bits_on_each_run) {
+    double first[MAX_Q] = {0};
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        open_hyq(&s, 1e-3, 0.01);
+        while (s.t < 0.3) hyq_controller(&s, 1), step(&s);
+        if (k == 0) memcpy(first, s.q, sizeof first);
+        ck_assert_mem_eq(first, s.q, sizeof(double) * (size_t)s.r.nq);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* What is wrong is told by its name. */
+static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, rbd_status status,
+                   const char *field) {
+    unsigned char memory[20000];
+    rbd_contact_set *c = (rbd_contact_set *)memory;
+    rbd_report report;
+    ck_assert_int_eq(rbd_contact_set_init(r->m, r->w, &a, 1, NULL, 0, o, memory, sizeof memory, &c, &report),
+                     status);
+    ck_assert_ptr_null(c);
+    ck_assert_int_eq(report.error.status, status);
+    ck_assert_str_eq(report.error.field, field);
+    ck_assert_int_eq(report.error.body, o ? -1 : 0);
+}
+
+START_TEST(bad_sets_are_refused_by_name) {
+    const rbd_body body = box(1, 1, 1, 1);
+    const robot r = robot_build("box", &body, 1);
+    const rbd_contact good = {.body1 = 0, .body2 = -1};
+    rbd_contact a;
+#define BAD(change, status, name) a = good, a.change, refuse(&r, a, NULL, status, name)
+    BAD(body1 = 1, RBD_ERR_INDEX, "body1");
+    BAD(body2 = 1, RBD_ERR_INDEX, "body2");
+    BAD(body2 = 0, RBD_ERR_INDEX, "body2");
+    BAD(body1 = -1, RBD_ERR_INDEX, "body1");
+    BAD(point[1] = NAN, RBD_ERR_POSITION, "point");
+    BAD(normal[2] = INFINITY, RBD_ERR_AXIS, "normal");
+    BAD(height = NAN, RBD_ERR_POSITION, "height");
+    BAD(radius = -1, RBD_ERR_RANGE, "radius");
+    BAD(friction = NAN, RBD_ERR_RANGE, "friction");
+    BAD(restitution = 1.1, RBD_ERR_RANGE, "restitution");
+    BAD(stiffness = -1, RBD_ERR_RANGE, "stiffness");
+    BAD(damping = INFINITY, RBD_ERR_RANGE, "damping");
+#undef BAD
+    rbd_contact_options o;
+#define BAD(change, name) memset(&o, 0, sizeof o), o.change, refuse(&r, good, &o, RBD_ERR_RANGE, name)
+    BAD(margin = -1, "margin");
+    BAD(slop = NAN, "slop");
+    BAD(correction = -1, "correction");
+    BAD(bounce = INFINITY, "bounce");
+    BAD(tolerance = -1, "tolerance");
+    BAD(iterations = -1, "iterations");
+#undef BAD
+    robot other = r;
+    robot_free(&other);
+}
+END_TEST
+
+START_TEST(bad_calls_are_refused) {
+    const rbd_body bodies[2] = {box(1, 1, 1, 1), rod()};
+    robot r = robot_build("box", bodies, 1), other = robot_build("boxes", bodies, 2);
+    const rbd_contact list[1] = {{.body1 = 0, .body2 = -1, .point = {0, 0, 0}}};
+    const rbd_constraint held[1] = {rbd_point_contact(5, NULL, NULL)};
+    const size_t size = rbd_contact_set_size(r.m, 1, NULL, 0, NULL);
+    double q[7] = {0, 0, 1, 0, 0, 0, 1}, v[6] = {0}, a[6];
+    void *memory = malloc(size);
+    rbd_contact_set *c;
+    rbd_report report;
+    ck_assert_uint_eq(rbd_contact_set_size(NULL, 1, NULL, 0, NULL), 0);
+    ck_assert_uint_eq(rbd_contact_set_size(r.m, -1, NULL, 0, NULL), 0);
+    ck_assert_uint_eq(rbd_contact_set_size(r.m, 1, NULL, 1, NULL), 0);
+    ck_assert_uint_eq(rbd_contact_set_size(r.m, RBD_MAX_CONSTRAINTS, held, 1, NULL), 0);
+#define INIT(m, w, list, n, held, n_held, memory, size, c) \
+    rbd_contact_set_init(m, w, list, n, held, n_held, NULL, memory, size, c, &report)
+    ck_assert_int_eq(INIT(NULL, r.w, list, 1, NULL, 0, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, NULL, list, 1, NULL, 0, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, NULL, 1, NULL, 0, memory, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, NULL, size, &c), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, memory, size, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(INIT(r.m, r.w, list, -1, NULL, 0, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 1, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_int_eq(INIT(r.m, other.w, list, 1, NULL, 0, memory, size, &c), RBD_ERR_WORK);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, memory, size - 1, &c), RBD_ERR_MEMORY);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, held, 1, memory, size, &c), RBD_ERR_INDEX);
+    ck_assert_int_eq(report.error.body, 1);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, memory, size, &c), RBD_OK);
+#undef INIT
+#define STEP(m, c, q, v, dt, a) rbd_contact_fd(m, c, q, v, v, NULL, NULL, dt, a)
+    ck_assert_int_eq(STEP(NULL, c, q, v, 1e-3, a), RBD_ERR_NULL);
+    ck_assert_int_eq(STEP(r.m, NULL, q, v, 1e-3, a), RBD_ERR_NULL);
+    ck_assert_int_eq(STEP(r.m, c, NULL, v, 1e-3, a), RBD_ERR_NULL);
+    ck_assert_int_eq(STEP(r.m, c, q, NULL, 1e-3, a), RBD_ERR_NULL);
+    ck_assert_int_eq(STEP(r.m, c, q, v, 1e-3, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(STEP(other.m, c, q, v, 1e-3, a), RBD_ERR_WORK);
+    ck_assert_int_eq(STEP(r.m, c, q, v, 0, a), RBD_ERR_RANGE);
+    ck_assert_int_eq(STEP(r.m, c, q, v, NAN, a), RBD_ERR_RANGE);
+    ck_assert_int_eq(STEP(r.m, c, q, v, INFINITY, a), RBD_ERR_RANGE);
+    ck_assert_int_eq(STEP(r.m, c, q, v, 1e-3, a), RBD_OK);
+#undef STEP
+    ck_assert_int_eq(rbd_contact_step(r.m, c, q, v, v, NULL, NULL, 1e-3, NULL, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_step(r.m, c, q, v, v, NULL, NULL, 1e-3, q, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_get(c, 1, &a[0], a + 1), RBD_APART);
+    ck_assert_int_eq(rbd_contact_get(NULL, 0, NULL, NULL), RBD_APART);
+    ck_assert_int_eq(rbd_contact_last(NULL).sweeps, 0);
+    rbd_contact_reset(NULL);
+    free(memory);
+    robot_free(&r), robot_free(&other);
+}
+END_TEST
+
+START_TEST(singular_states_are_errors) {
+    rbd_body body[2] = {rod(), rod()};
+    scene s;
+    body[1].parent = 0, body[1].position[0] = 1;
+    open_scene(&s, "rods", body, 2, 1e-3);
+    add_contact(&s, 1, -1, 1, 0, 0);
+    begin_scene(&s);
+    s.q[1] = NAN, s.v[0] = s.v[1] = 1;
+    ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_ERR_NAN);
+    ck_assert_double_eq(largest(s.v, 2), 0);
+    ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.v), RBD_ERR_NAN);
+    ck_assert_double_eq(largest(s.v, 2), 0);
+    close_scene(&s);
+    body[1].position[0] = 0, body[1].com[0] = 0, body[1].mass = 0; /* no inertia about the second axis */
+    memset(body[1].inertia, 0, sizeof body[1].inertia);
+    body[1].armature[0] = 1e-300;
+    open_scene(&s, "nothing", body, 2, 1e-3);
+    begin_scene(&s);
+    ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v),
+                     rbd_aba(s.r.m, s.r.w, s.q, s.v, s.tau, NULL, s.damping));
+    close_scene(&s);
+}
+END_TEST
+
+Suite *contact_step_suite(void) {
+    Suite *suite = suite_create("contact_step");
+    TCase *c = tcase_create("contact_step");
+    tcase_set_timeout(c, 60);
+    tcase_add_test(c, block_sticks_and_slides);
+    tcase_add_test(c, ball_rolls_without_gain);
+    tcase_add_test(c, ball_sinks_by_its_stiffness);
+    tcase_add_test(c, ball_rebounds_to_a_quarter);
+    tcase_add_test(c, rod_lies_on_its_limit);
+    tcase_add_test(c, dry_friction_holds_and_brakes);
+    tcase_add_test(c, damping_is_implicit);
+    tcase_add_test(c, thrown_box_comes_to_rest);
+    tcase_add_test(c, stack_carries_its_weight);
+    tcase_add_test(c, painleves_rod_jams);
+    tcase_add_test(c, held_constraints_stay_closed);
+    tcase_add_test(c, hyq_drops_stands_and_trots);
+    tcase_add_test(c, atlas_stands);
+    tcase_add_test(c, acceleration_and_step_agree);
+    tcase_add_test(c, empty_set_is_forward_dynamics);
+    tcase_add_test(c, planes_may_change);
+    tcase_add_test(c, odd_sets_of_contacts);
+    tcase_add_test(c, same_bits_on_each_run);
+    tcase_add_test(c, bad_sets_are_refused_by_name);
+    tcase_add_test(c, bad_calls_are_refused);
+    tcase_add_test(c, singular_states_are_errors);
+    suite_add_tcase(suite, c);
+    return suite;
+}
