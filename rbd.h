@@ -330,6 +330,7 @@ extern "C" {
 /* ==== src/api/types.h ==== */
 #if defined RBD_BATCH_IMPLEMENTATION && defined RBD_NO_CHOLESKY
 #error "rbd: the batch calls need RBD_NO_CHOLESKY undefined"
+#undef RBD_NO_CHOLESKY
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
@@ -565,6 +566,10 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
                             const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 #ifndef RBD_NO_CHOLESKY
+/* Forward dynamics by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
    wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
    Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
@@ -573,15 +578,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
 RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                const unsigned char *given, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
-#endif
 
-#ifndef RBD_NO_CHOLESKY
-/* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
-RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
-#endif
-
-#ifndef RBD_NO_CHOLESKY
 /* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
    mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
@@ -600,9 +597,7 @@ RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rb
    is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
 RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
                                             const rbd_real *b, rbd_real *x);
-#endif
 
-#ifndef RBD_NO_CHOLESKY
 /* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
    M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
@@ -840,11 +835,8 @@ RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n,
 RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                 const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                                 RBD_REAL *a);
-
-#ifndef RBD_NO_CHOLESKY
 RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              RBD_REAL *Minv); /* n x nv x nv */
-#endif
 
 /* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
    n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */
@@ -5639,8 +5631,10 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 
 #define RBDI_TEXT(sentence) sentence
 
-/* ==== src/model/describe.h ==== */
+/* ==== src/rbd.h ==== */
 #ifndef RBD_NO_BUILD
+
+/* ==== src/model/describe.h ==== */
 static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
@@ -5658,9 +5652,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     for (int k = 0; k < 3; ++k) X.r[k] += (rbdi_wide)l->d * X.E[6 + k];
     return X;
 }
-#endif
 
-#ifndef RBD_NO_BUILD
 /* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
@@ -5722,7 +5714,6 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     }
     return RBD_OK;
 }
-#endif
 
 /* ==== src/model/check.h ==== */
 /* ---- model build [model build] ----
@@ -5734,8 +5725,6 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
      6        rbdi_build_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
      7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
-
-#ifndef RBD_NO_BUILD
 
 /* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
@@ -5985,11 +5974,7 @@ static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
-#endif /* RBD_NO_BUILD */
-
 /* ==== src/model/links.h ==== */
-#ifndef RBD_NO_BUILD
-
 /* Axis of the k-th link of a joint, unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
@@ -6258,11 +6243,7 @@ static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
-#endif /* RBD_NO_BUILD */
-
 /* ==== src/model/regroup.h ==== */
-#ifndef RBD_NO_BUILD
-
 /* Whether a joint moves points by more than their turn. */
 static int rbdi_build_slides(const rbdi_build_link *l) {
     return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
@@ -6322,11 +6303,7 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_add_moments(&links[l->parent], T, r, Sigma, h, m);
 }
 
-#endif /* RBD_NO_BUILD */
-
 /* ==== src/model/emit.h ==== */
-#ifndef RBD_NO_BUILD
-
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 c;
     c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
@@ -6627,11 +6604,7 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_shape(m, m->shape);
 }
 
-#endif /* RBD_NO_BUILD */
-
 /* ==== src/model/build.h ==== */
-#ifndef RBD_NO_BUILD
-
 /* Cuts the model and the build's own scratch off the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
     const rbdi_counts n = b->n;
@@ -6682,11 +6655,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
     return RBD_OK;
 }
 
-#endif /* RBD_NO_BUILD */
-
 /* ==== src/model/payload.h ==== */
-#ifndef RBD_NO_BUILD
-
 /* -- a payload -- */
 
 /* Own inertia of a body with a payload: masses, moments about the common centre c. */
@@ -6828,6 +6797,7 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
     return RBD_OK;
 }
 
+/* ==== src/rbd.h ==== */
 #endif /* RBD_NO_BUILD */
 
 /* ==== src/batch/batch.h ==== */
@@ -7149,7 +7119,6 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b
     return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
@@ -7157,7 +7126,6 @@ RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, i
                                              RBD_REAL *Minv) {
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
-#endif
 
 typedef struct rbdi_lane_point {
     int body;

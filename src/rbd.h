@@ -263,6 +263,8 @@ RBDI_CODE_BEGIN
 RBDI_CODE_END
 
 #include "model/wide.h"
+
+#ifndef RBD_NO_BUILD
 #include "model/describe.h"
 #include "model/check.h"
 #include "model/links.h"
@@ -270,6 +272,8 @@ RBDI_CODE_END
 #include "model/emit.h"
 #include "model/build.h"
 #include "model/payload.h"
+#endif /* RBD_NO_BUILD */
+
 #include "batch/batch.h"
 
 #endif /* RBD_IMPLEMENTATION */

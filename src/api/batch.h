@@ -59,11 +59,8 @@ RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n,
 RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                 const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                                 RBD_REAL *a);
-
-#ifndef RBD_NO_CHOLESKY
 RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              RBD_REAL *Minv); /* n x nv x nv */
-#endif
 
 /* rbd_kinematics and then rbd_jacobian, rbd_momentum, with the same body and point in all states. jacobian is
    n x 6 x nv; h and h_dot are n x 6, and each may be NULL. */

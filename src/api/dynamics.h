@@ -55,6 +55,10 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
                             const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
 #ifndef RBD_NO_CHOLESKY
+/* Forward dynamics by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
+RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
+
 /* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
    wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
    Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
@@ -63,15 +67,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
 RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                const unsigned char *given, rbd_real *a, rbd_real *tau, const rbd_real *f_ext);
-#endif
 
-#ifndef RBD_NO_CHOLESKY
-/* The same by mass matrix, bias and branch-sparse L'DL, RBDA ch. 6. Also RBD_ERR_SINGULAR. */
-RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                    const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
-#endif
-
-#ifndef RBD_NO_CHOLESKY
 /* Factors M = L' D L keeping the tree's zeros, RBDA section 6.5.
    mass_matrix   nv x nv, of this model's sparsity (as from rbd_crba; only the lower triangle is read)
    factor        packed like rbd_crba_packed: L below the diagonal, 1/D on it; rbd_packed_size(m) entries
@@ -90,9 +86,7 @@ RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rb
    is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
 RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
                                             const rbd_real *b, rbd_real *x);
-#endif
 
-#ifndef RBD_NO_CHOLESKY
 /* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
    M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);

@@ -4,6 +4,7 @@
 
 #if defined RBD_BATCH_IMPLEMENTATION && defined RBD_NO_CHOLESKY
 #error "rbd: the batch calls need RBD_NO_CHOLESKY undefined"
+#undef RBD_NO_CHOLESKY
 #endif
 
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */

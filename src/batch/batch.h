@@ -326,7 +326,6 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b
     return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
@@ -334,7 +333,6 @@ RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, i
                                              RBD_REAL *Minv) {
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
-#endif
 
 typedef struct rbdi_lane_point {
     int body;

@@ -3,8 +3,6 @@
 #include "api/model.h"
 #include "model/emit.h"
 
-#ifndef RBD_NO_BUILD
-
 /* Cuts the model and the build's own scratch off the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
     const rbdi_counts n = b->n;
@@ -54,7 +52,5 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
     *model = b.m;
     return RBD_OK;
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif

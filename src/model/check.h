@@ -14,8 +14,6 @@
      7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
-#ifndef RBD_NO_BUILD
-
 /* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
 typedef struct rbdi_joint_fact {
@@ -263,7 +261,5 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif

@@ -4,7 +4,6 @@
 #include "model/joints.h"
 #include "model/wide.h"
 
-#ifndef RBD_NO_BUILD
 static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
@@ -22,9 +21,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     for (int k = 0; k < 3; ++k) X.r[k] += (rbdi_wide)l->d * X.E[6 + k];
     return X;
 }
-#endif
 
-#ifndef RBD_NO_BUILD
 /* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
@@ -86,6 +83,5 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     }
     return RBD_OK;
 }
-#endif
 
 #endif

@@ -2,8 +2,6 @@
 #define RBDI_MODEL_EMIT_H
 #include "model/regroup.h"
 
-#ifndef RBD_NO_BUILD
-
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 c;
     c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
@@ -303,7 +301,5 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_emit_order(b);
     rbdi_shape(m, m->shape);
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif

@@ -2,8 +2,6 @@
 #define RBDI_MODEL_LINKS_H
 #include "model/check.h"
 
-#ifndef RBD_NO_BUILD
-
 /* Axis of the k-th link of a joint, unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
@@ -271,7 +269,5 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
 static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif

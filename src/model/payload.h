@@ -4,8 +4,6 @@
 #include "model/describe.h"
 #include "model/emit.h"
 
-#ifndef RBD_NO_BUILD
-
 /* -- a payload -- */
 
 /* Own inertia of a body with a payload: masses, moments about the common centre c. */
@@ -146,7 +144,5 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
     rbdi_payload_bounds(m, u->link, load, &place);
     return RBD_OK;
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif

@@ -2,8 +2,6 @@
 #define RBDI_MODEL_REGROUP_H
 #include "model/links.h"
 
-#ifndef RBD_NO_BUILD
-
 /* Whether a joint moves points by more than their turn. */
 static int rbdi_build_slides(const rbdi_build_link *l) {
     return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
@@ -62,7 +60,5 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_w_transpose(l->X.E, T);
     rbdi_add_moments(&links[l->parent], T, r, Sigma, h, m);
 }
-
-#endif /* RBD_NO_BUILD */
 
 #endif
