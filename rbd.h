@@ -4539,8 +4539,9 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     return k;
 }
 
-static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body) {
-    const rbd_status status = rbdi_check(m, w, 1);
+/* arrays: none of the caller's required ones is NULL. */
+static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
+    const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
@@ -4548,7 +4549,7 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
 
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
                                   rbd_real p[3]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
+    const rbd_status status = rbdi_check_body_call(m, w, body, 1);
     rbdi_kin k;
     if (status) return status;
     k = rbdi_body_kin(m, w, body);
@@ -4561,39 +4562,47 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
     return RBD_OK;
 }
 
-RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
+enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
+
+/* Velocity or acceleration of a point of a body. */
+static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                    rbd_axes axes, int quantity, rbd_real *out) {
+    const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
+    const rbdi_v3 x = point ? rbdi_vec(point[0], point[1], point[2]) : rbdi_vec0();
+    rbdi_motion V;
     rbdi_kin k;
     if (status) return status;
-    if (!velocity) return RBD_ERR_NULL;
     k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega, velocity);
-    rbdi_store(k.v, velocity + 3);
+    V.omega = quantity == RBDI_VELOCITY ? k.state.omega : k.state.omega_dot;
+    V.v = quantity == RBDI_VELOCITY ? rbdi_point_v(&k, x) : rbdi_point_acc(&k, x);
+    if (quantity == RBDI_SPATIAL_ACCELERATION) V.v = rbdi_sub(V.v, rbdi_cross(k.state.omega, k.v));
+    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
+    rbdi_motion_to_array(V, out);
     return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_VELOCITY, velocity);
 }
 
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_kin k;
-    if (status) return status;
-    if (!acceleration) return RBD_ERR_NULL;
-    k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega_dot, acceleration);
-    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.omega, k.v)), acceleration + 3);
-    return RBD_OK;
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_SPATIAL_ACCELERATION, acceleration);
 }
 
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_kin k;
-    if (status) return status;
-    if (!acceleration) return RBD_ERR_NULL;
-    k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega_dot, acceleration);
-    rbdi_store(k.state.acc, acceleration + 3);
-    return RBD_OK;
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_CLASSICAL_ACCELERATION, acceleration);
+}
+
+RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, RBDI_VELOCITY, velocity);
+}
+
+RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, RBDI_CLASSICAL_ACCELERATION, acceleration);
 }
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
@@ -4603,47 +4612,102 @@ RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     return mass;
 }
 
+/* A body in motion, in its own axes: its centre of mass c, with velocity and acceleration; angular momentum
+   about c, and its rate. */
+typedef struct rbdi_moving {
+    rbdi_kin k;
+    rbd_real mass;
+    rbdi_v3 c, v, acc, L, L_dot;
+} rbdi_moving;
+
+static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_sym I = rbdi_sym_c(u->I);
+    rbdi_moving b;
+    b.k = rbdi_body_kin(m, w, body);
+    b.mass = rbdi_set(u->mass);
+    b.c = rbdi_vec_c(u->com);
+    b.v = rbdi_point_v(&b.k, b.c);
+    b.acc = rbdi_point_acc(&b.k, b.c);
+    b.L = rbdi_mul_sym(I, b.k.state.omega);
+    b.L_dot = rbdi_add(rbdi_mul_sym(I, b.k.state.omega_dot), rbdi_cross(b.k.state.omega, b.L));
+    return b;
+}
+
+/* All bodies that a joint moves: momentum about their centre of mass, and its rate, world axes; kinetic
+   energy. */
+typedef struct rbdi_total {
+    rbdi_force h, h_dot;
+    rbdi_v3 com;
+    rbd_real mass, inverse_mass, kinetic;
+} rbdi_total;
+
+/* Adds the momentum of a body at r, of linear velocity v and angular momentum L; or, with their rates, its
+   rate. */
+RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, rbdi_v3 L, rbdi_force *h) {
+    const rbdi_v3 f = rbdi_scale(b->mass, rbdi_mul_t(b->k.X.E, v));
+    h->f = rbdi_add(h->f, f);
+    h->n = rbdi_add(h->n, rbdi_add(rbdi_mul_t(b->k.X.E, L), rbdi_cross(r, f)));
+}
+
+/* Sums the momenta about a place o of the robot, then moves them to the centre of mass: n - (com - o) x f. */
+static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
+    const rbd_const mass = rbd_mass(m);
+    const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
+    rbdi_total s;
+    s.mass = rbdi_set(mass);
+    s.inverse_mass = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
+    s.kinetic = rbdi_zero();
+    s.com = rbdi_vec0();
+    s.h = s.h_dot = rbdi_force0();
+    for (int i = 0; i < m->nb; ++i) {
+        rbdi_moving b;
+        rbdi_v3 r;
+        if (m->frame[i].link < 0) continue;
+        b = rbdi_moving_body(m, w, i);
+        r = rbdi_sub(rbdi_point_p(&b.k, b.c), o);
+        s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, r));
+        rbdi_add_momentum(&b, r, b.v, b.L, &s.h);
+        rbdi_add_momentum(&b, r, b.acc, b.L_dot, &s.h_dot);
+        s.kinetic = s.kinetic + RBD_C(0.5) * (b.mass * rbdi_dot(b.v, b.v) + rbdi_dot(b.k.state.omega, b.L));
+    }
+    s.h.n = rbdi_sub(s.h.n, rbdi_cross(s.com, s.h.f));
+    s.h_dot.n = rbdi_sub(s.h_dot.n, rbdi_cross(s.com, s.h_dot.f));
+    s.com = rbdi_add(s.com, o);
+    return s;
+}
+
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]) {
-    rbd_status status = rbdi_check_body_call(m, w, 0);
-    rbdi_v3 p = rbdi_vec0(), v = p, a = p;
-    rbd_const mass = rbd_mass(m);
-    rbd_real inverse = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
     if (status) return status;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_kin k;
-        rbdi_v3 c;
-        rbd_real share;
-        if (u->link < 0) continue;
-        k = rbdi_body_kin(m, w, b);
-        c = rbdi_vec_c(u->com);
-        share = rbdi_set(u->mass);
-        p = rbdi_add(p, rbdi_scale(share, rbdi_point_p(&k, c)));
-        v = rbdi_add(v, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_v(&k, c))));
-        a = rbdi_add(a, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_acc(&k, c))));
-    }
-    if (position) rbdi_store(rbdi_scale(inverse, p), position);
-    if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
-    if (acceleration) rbdi_store(rbdi_scale(inverse, a), acceleration);
+    s = rbdi_add_bodies(m, w);
+    if (position) rbdi_store(s.com, position);
+    if (velocity) rbdi_store(rbdi_scale(s.inverse_mass, s.h.f), velocity);
+    if (acceleration) rbdi_store(rbdi_scale(s.inverse_mass, s.h_dot.f), acceleration);
     return RBD_OK;
 }
 
-/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
-   c. */
-static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
-    const rbdi_frame *u = &m->frame[body];
-    const rbdi_kin k = rbdi_body_kin(m, w, body);
-    const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
-    const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
-    const rbdi_sym I = rbdi_sym_c(u->I);
-    const rbdi_v3 g = rbdi_mul(k.X.E, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
-    rbdi_force F;
-    F.f = rbdi_sub(acc, g);
-    F.f = rbdi_scale(rbdi_set(u->mass), F.f);
-    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, h));
-    F.n = rbdi_add(F.n, rbdi_cross(c, F.f));
-    return F;
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
+                               rbd_real *potential) {
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
+    if (status) return status;
+    s = rbdi_add_bodies(m, w);
+    if (kinetic) *kinetic = *w->rotors + s.kinetic;
+    if (potential) *potential = -(s.mass * rbdi_dot(rbdi_vec_c(w->gravity), s.com));
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
+    if (status) return status;
+    s = rbdi_add_bodies(m, w);
+    if (h) rbdi_store_force(h, 1, s.h);
+    if (h_dot) rbdi_store_force(h_dot, 1, s.h_dot);
+    return RBD_OK;
 }
 
 /* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
@@ -4671,7 +4735,10 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
     for (int b = 0; b < m->nb; ++b) {
-        rbdi_force F = rbdi_body_wrench(m, w, b);
+        const rbdi_moving s = rbdi_moving_body(m, w, b);
+        rbdi_force F;
+        F.f = rbdi_scale(s.mass, rbdi_sub(s.acc, rbdi_mul(s.k.X.E, rbdi_vec_c(w->gravity))));
+        F.n = rbdi_add(s.L_dot, rbdi_cross(s.c, F.f));
         if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * b, 1));
         rbdi_store_force(wrench + 6 * b, 1, F);
     }
@@ -4684,29 +4751,6 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
         F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1));
         rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
     }
-    return RBD_OK;
-}
-
-RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
-                               rbd_real *potential) {
-    rbd_status status = rbdi_check_body_call(m, w, 0);
-    rbd_real T, V = rbdi_zero();
-    if (status) return status;
-    T = *w->rotors;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_kin k;
-        rbdi_v3 c, v;
-        if (u->link < 0) continue;
-        k = rbdi_body_kin(m, w, b);
-        c = rbdi_vec_c(u->com);
-        v = rbdi_point_v(&k, c);
-        T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
-        T = T + rbdi_dot(k.state.omega, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.omega)) * RBD_C(0.5);
-        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_point_p(&k, c)) * u->mass;
-    }
-    if (kinetic) *kinetic = T;
-    if (potential) *potential = V;
     return RBD_OK;
 }
 
@@ -4749,71 +4793,64 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds to J, times sign, the columns of link i and its ancestors below `end`; E, if any, turns them. */
-static void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
-                             const rbdi_mat *E, rbd_const sign, rbd_real *J) {
-    for (; i != end; i = m->link[i].parent) {
-        const rbdi_link *l = &m->link[i];
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-            const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
-            rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
-            rbdi_motion c = rbdi_column(m, w, i, k, r);
-            if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
-            rbdi_motion_to_array(c, column);
-            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
-                to[j * m->nv] = to[j * m->nv] + column[j] * share;
-        }
+/* Adds to J, times sign, the columns of link i; E, if any, turns them. */
+RBDI_INLINE void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 r, const rbdi_mat *E,
+                                  rbd_const sign, rbd_real *J) {
+    const rbdi_link *l = &m->link[i];
+    for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
+        const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
+        rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
+        rbdi_motion c = rbdi_column(m, w, i, k, r);
+        if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
+        rbdi_motion_to_array(c, column);
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+            to[j * m->nv] = to[j * m->nv] + column[j] * share;
     }
 }
 
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
-static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                              int reference, int axes, rbd_real *J) {
-    const rbdi_v3 r = rbdi_point_place(m, w, body, point);
-    const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
-    int common = other < 0 ? -1 : link;
+static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                    int reference, int axes, rbd_real *J) {
+    const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
+    rbdi_v3 r;
     rbdi_mat E;
+    int link, other;
+    if (status) return status;
+    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
+    r = rbdi_point_place(m, w, body, point);
+    link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
-    for (int i = other; common != i;) { /* parents stand before their children */
-        if (common > i)
-            common = m->link[common].parent;
-        else
-            i = m->link[i].parent;
-    }
     rbdi_clear(J, 6 * m->nv);
-    rbdi_add_columns(m, w, link, common, r, axes >= 0 ? &E : NULL, RBD_C(1), J);
-    rbdi_add_columns(m, w, other, common, r, axes >= 0 ? &E : NULL, RBD_C(-1), J);
+    while (link != other) { /* up to the common ancestor: parents stand before their children */
+        const int up = link > other;
+        rbdi_add_columns(m, w, up ? link : other, r, axes >= 0 ? &E : NULL, up ? RBD_C(1) : RBD_C(-1), J);
+        if (up)
+            link = m->link[link].parent;
+        else
+            other = m->link[other].parent;
+    }
+    return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *J) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
-    if (status) return status;
-    if (!J) return RBD_ERR_NULL;
-    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
-    rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
-    return RBD_OK;
+    return rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
 }
 
 RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                  rbd_axes axes, rbd_real *J) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
-    if (status) return status;
-    if (!J) return RBD_ERR_NULL;
-    rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
-    return RBD_OK;
+    return rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
 }
 
 RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
                                            const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
                                            rbd_real *tau) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
+    const rbd_status status = rbdi_check_body_call(m, w, body, f && tau);
     rbdi_v3 r;
     rbdi_force F;
     if (status) return status;
-    if (!f || !tau) return RBD_ERR_NULL;
     F = rbdi_load_force(f, 1);
     if (axes == RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
@@ -4834,10 +4871,9 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
 
 RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                      rbd_axes axes, const rbd_real f[6], rbd_real row[6]) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
+    const rbd_status status = rbdi_check_body_call(m, w, body, f && row);
     rbdi_force F;
     if (status) return status;
-    if (!f || !row) return RBD_ERR_NULL;
     F = rbdi_load_force(f, 1);
     if (axes != RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
@@ -4850,75 +4886,9 @@ RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int 
 
 RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
                                        const rbd_real point[3], rbd_real position[3]) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
+    const rbd_status status = rbdi_check_body_call(m, w, body, position != NULL);
     if (status) return status;
-    if (!position) return RBD_ERR_NULL;
     rbdi_store(rbdi_point_place(m, w, body, point), position);
-    return RBD_OK;
-}
-
-/* Velocity, or acceleration, of a point. */
-static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                                    rbd_axes axes, int acceleration, rbd_real *out) {
-    const rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_v3 x = rbdi_vec0();
-    rbdi_motion V;
-    rbdi_kin k;
-    if (status) return status;
-    if (!out) return RBD_ERR_NULL;
-    k = rbdi_body_kin(m, w, body);
-    if (point) x = rbdi_vec(point[0], point[1], point[2]);
-    V.omega = acceleration ? k.state.omega_dot : k.state.omega;
-    V.v = acceleration ? rbdi_point_acc(&k, x) : rbdi_point_v(&k, x);
-    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
-    rbdi_motion_to_array(V, out);
-    return RBD_OK;
-}
-
-RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
-                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
-    return rbdi_point_motion(m, w, body, point, axes, 0, velocity);
-}
-
-RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
-                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
-    return rbdi_point_motion(m, w, body, point, axes, 1, acceleration);
-}
-
-/* About a place o of the robot, then about the centre of mass c: n_c = n_o - (c - o) x f. */
-RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0);
-    rbdi_force H = rbdi_force0(), rate = H;
-    rbdi_v3 o, c = H.n;
-    rbd_const mass = rbd_mass(m);
-    if (status) return status;
-    o = m->nl > 0 ? w->kin[0].X.r : c;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        const rbdi_mat E = rbdi_mat_c(u->E);
-        const rbdi_sym I = rbdi_sym_c(u->I);
-        const rbdi_v3 com = rbdi_add(rbdi_vec_c(u->r), rbdi_mul_t(E, rbdi_vec_c(u->com))); /* link axes */
-        const rbdi_kin *k;
-        rbdi_v3 r, f, n;
-        if (u->link < 0) continue;
-        k = &w->kin[u->link];
-        r = rbdi_scale(rbdi_set(u->mass), rbdi_sub(rbdi_point_p(k, com), o));
-        c = rbdi_add(c, r);
-        f = rbdi_mul_t(k->X.E, rbdi_point_v(k, com));
-        n = rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega)));
-        H.n = rbdi_add(H.n, rbdi_add(rbdi_mul_t(k->X.E, n), rbdi_cross(r, f)));
-        H.f = rbdi_add(H.f, rbdi_scale(rbdi_set(u->mass), f));
-        f = rbdi_mul_t(k->X.E, rbdi_point_acc(k, com));
-        n = rbdi_cross(k->state.omega, n);
-        n = rbdi_add(n, rbdi_mul_t(E, rbdi_mul_sym(I, rbdi_mul(E, k->state.omega_dot))));
-        rate.n = rbdi_add(rate.n, rbdi_add(rbdi_mul_t(k->X.E, n), rbdi_cross(r, f)));
-        rate.f = rbdi_add(rate.f, rbdi_scale(rbdi_set(u->mass), f));
-    }
-    c = rbdi_scale(rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0)), c);
-    H.n = rbdi_sub(H.n, rbdi_cross(c, H.f));
-    rate.n = rbdi_sub(rate.n, rbdi_cross(c, rate.f));
-    if (h) rbdi_store_force(h, 1, H);
-    if (h_dot) rbdi_store_force(h_dot, 1, rate);
     return RBD_OK;
 }
 

@@ -1,6 +1,7 @@
 #ifndef RBDI_MOTION_KINEMATICS_H
 #define RBDI_MOTION_KINEMATICS_H
 #include "api/kinematics.h"
+#include "api/points.h"
 #include "model/calls.h"
 #include "dynamics/state.h"
 #include "motion/axes.h"
@@ -113,8 +114,9 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     return k;
 }
 
-static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body) {
-    const rbd_status status = rbdi_check(m, w, 1);
+/* arrays: none of the caller's required ones is NULL. */
+static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
+    const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
@@ -122,7 +124,7 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
 
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
                                   rbd_real p[3]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
+    const rbd_status status = rbdi_check_body_call(m, w, body, 1);
     rbdi_kin k;
     if (status) return status;
     k = rbdi_body_kin(m, w, body);
@@ -135,39 +137,47 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
     return RBD_OK;
 }
 
-RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
+enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
+
+/* Velocity or acceleration of a point of a body. */
+static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                    rbd_axes axes, int quantity, rbd_real *out) {
+    const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
+    const rbdi_v3 x = point ? rbdi_vec(point[0], point[1], point[2]) : rbdi_vec0();
+    rbdi_motion V;
     rbdi_kin k;
     if (status) return status;
-    if (!velocity) return RBD_ERR_NULL;
     k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega, velocity);
-    rbdi_store(k.v, velocity + 3);
+    V.omega = quantity == RBDI_VELOCITY ? k.state.omega : k.state.omega_dot;
+    V.v = quantity == RBDI_VELOCITY ? rbdi_point_v(&k, x) : rbdi_point_acc(&k, x);
+    if (quantity == RBDI_SPATIAL_ACCELERATION) V.v = rbdi_sub(V.v, rbdi_cross(k.state.omega, k.v));
+    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
+    rbdi_motion_to_array(V, out);
     return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]) {
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_VELOCITY, velocity);
 }
 
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_kin k;
-    if (status) return status;
-    if (!acceleration) return RBD_ERR_NULL;
-    k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega_dot, acceleration);
-    rbdi_store(rbdi_sub(k.state.acc, rbdi_cross(k.state.omega, k.v)), acceleration + 3);
-    return RBD_OK;
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_SPATIAL_ACCELERATION, acceleration);
 }
 
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]) {
-    rbd_status status = rbdi_check_body_call(m, w, body);
-    rbdi_kin k;
-    if (status) return status;
-    if (!acceleration) return RBD_ERR_NULL;
-    k = rbdi_body_kin(m, w, body);
-    rbdi_store(k.state.omega_dot, acceleration);
-    rbdi_store(k.state.acc, acceleration + 3);
-    return RBD_OK;
+    return rbdi_point_motion(m, w, body, NULL, RBD_LINK_AXES, RBDI_CLASSICAL_ACCELERATION, acceleration);
+}
+
+RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
+                                       const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, RBDI_VELOCITY, velocity);
+}
+
+RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
+                                           const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]) {
+    return rbdi_point_motion(m, w, body, point, axes, RBDI_CLASSICAL_ACCELERATION, acceleration);
 }
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
@@ -177,47 +187,102 @@ RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     return mass;
 }
 
+/* A body in motion, in its own axes: its centre of mass c, with velocity and acceleration; angular momentum
+   about c, and its rate. */
+typedef struct rbdi_moving {
+    rbdi_kin k;
+    rbd_real mass;
+    rbdi_v3 c, v, acc, L, L_dot;
+} rbdi_moving;
+
+static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_sym I = rbdi_sym_c(u->I);
+    rbdi_moving b;
+    b.k = rbdi_body_kin(m, w, body);
+    b.mass = rbdi_set(u->mass);
+    b.c = rbdi_vec_c(u->com);
+    b.v = rbdi_point_v(&b.k, b.c);
+    b.acc = rbdi_point_acc(&b.k, b.c);
+    b.L = rbdi_mul_sym(I, b.k.state.omega);
+    b.L_dot = rbdi_add(rbdi_mul_sym(I, b.k.state.omega_dot), rbdi_cross(b.k.state.omega, b.L));
+    return b;
+}
+
+/* All bodies that a joint moves: momentum about their centre of mass, and its rate, world axes; kinetic
+   energy. */
+typedef struct rbdi_total {
+    rbdi_force h, h_dot;
+    rbdi_v3 com;
+    rbd_real mass, inverse_mass, kinetic;
+} rbdi_total;
+
+/* Adds the momentum of a body at r, of linear velocity v and angular momentum L; or, with their rates, its
+   rate. */
+RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, rbdi_v3 L, rbdi_force *h) {
+    const rbdi_v3 f = rbdi_scale(b->mass, rbdi_mul_t(b->k.X.E, v));
+    h->f = rbdi_add(h->f, f);
+    h->n = rbdi_add(h->n, rbdi_add(rbdi_mul_t(b->k.X.E, L), rbdi_cross(r, f)));
+}
+
+/* Sums the momenta about a place o of the robot, then moves them to the centre of mass: n - (com - o) x f. */
+static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
+    const rbd_const mass = rbd_mass(m);
+    const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
+    rbdi_total s;
+    s.mass = rbdi_set(mass);
+    s.inverse_mass = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
+    s.kinetic = rbdi_zero();
+    s.com = rbdi_vec0();
+    s.h = s.h_dot = rbdi_force0();
+    for (int i = 0; i < m->nb; ++i) {
+        rbdi_moving b;
+        rbdi_v3 r;
+        if (m->frame[i].link < 0) continue;
+        b = rbdi_moving_body(m, w, i);
+        r = rbdi_sub(rbdi_point_p(&b.k, b.c), o);
+        s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, r));
+        rbdi_add_momentum(&b, r, b.v, b.L, &s.h);
+        rbdi_add_momentum(&b, r, b.acc, b.L_dot, &s.h_dot);
+        s.kinetic = s.kinetic + RBD_C(0.5) * (b.mass * rbdi_dot(b.v, b.v) + rbdi_dot(b.k.state.omega, b.L));
+    }
+    s.h.n = rbdi_sub(s.h.n, rbdi_cross(s.com, s.h.f));
+    s.h_dot.n = rbdi_sub(s.h_dot.n, rbdi_cross(s.com, s.h_dot.f));
+    s.com = rbdi_add(s.com, o);
+    return s;
+}
+
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]) {
-    rbd_status status = rbdi_check_body_call(m, w, 0);
-    rbdi_v3 p = rbdi_vec0(), v = p, a = p;
-    rbd_const mass = rbd_mass(m);
-    rbd_real inverse = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
     if (status) return status;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_kin k;
-        rbdi_v3 c;
-        rbd_real share;
-        if (u->link < 0) continue;
-        k = rbdi_body_kin(m, w, b);
-        c = rbdi_vec_c(u->com);
-        share = rbdi_set(u->mass);
-        p = rbdi_add(p, rbdi_scale(share, rbdi_point_p(&k, c)));
-        v = rbdi_add(v, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_v(&k, c))));
-        a = rbdi_add(a, rbdi_scale(share, rbdi_mul_t(k.X.E, rbdi_point_acc(&k, c))));
-    }
-    if (position) rbdi_store(rbdi_scale(inverse, p), position);
-    if (velocity) rbdi_store(rbdi_scale(inverse, v), velocity);
-    if (acceleration) rbdi_store(rbdi_scale(inverse, a), acceleration);
+    s = rbdi_add_bodies(m, w);
+    if (position) rbdi_store(s.com, position);
+    if (velocity) rbdi_store(rbdi_scale(s.inverse_mass, s.h.f), velocity);
+    if (acceleration) rbdi_store(rbdi_scale(s.inverse_mass, s.h_dot.f), acceleration);
     return RBD_OK;
 }
 
-/* The wrench that moves a body alone, in its axes at its origin: of its own inertia about the centre of mass
-   c. */
-static rbdi_force rbdi_body_wrench(const rbd_model *m, const rbd_work *w, int body) {
-    const rbdi_frame *u = &m->frame[body];
-    const rbdi_kin k = rbdi_body_kin(m, w, body);
-    const rbdi_v3 c = rbdi_vec_c(u->com), omega = k.state.omega, rate = k.state.omega_dot;
-    const rbdi_v3 acc = rbdi_add(k.state.acc, rbdi_mul(rbdi_omega(omega, rate), c));
-    const rbdi_sym I = rbdi_sym_c(u->I);
-    const rbdi_v3 g = rbdi_mul(k.X.E, rbdi_vec_c(w->gravity)), h = rbdi_mul_sym(I, omega);
-    rbdi_force F;
-    F.f = rbdi_sub(acc, g);
-    F.f = rbdi_scale(rbdi_set(u->mass), F.f);
-    F.n = rbdi_add(rbdi_mul_sym(I, rate), rbdi_cross(omega, h));
-    F.n = rbdi_add(F.n, rbdi_cross(c, F.f));
-    return F;
+RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
+                               rbd_real *potential) {
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
+    if (status) return status;
+    s = rbdi_add_bodies(m, w);
+    if (kinetic) *kinetic = *w->rotors + s.kinetic;
+    if (potential) *potential = -(s.mass * rbdi_dot(rbdi_vec_c(w->gravity), s.com));
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
+    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    rbdi_total s;
+    if (status) return status;
+    s = rbdi_add_bodies(m, w);
+    if (h) rbdi_store_force(h, 1, s.h);
+    if (h_dot) rbdi_store_force(h_dot, 1, s.h_dot);
+    return RBD_OK;
 }
 
 /* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
@@ -245,7 +310,10 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
     for (int b = 0; b < m->nb; ++b) {
-        rbdi_force F = rbdi_body_wrench(m, w, b);
+        const rbdi_moving s = rbdi_moving_body(m, w, b);
+        rbdi_force F;
+        F.f = rbdi_scale(s.mass, rbdi_sub(s.acc, rbdi_mul(s.k.X.E, rbdi_vec_c(w->gravity))));
+        F.n = rbdi_add(s.L_dot, rbdi_cross(s.c, F.f));
         if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * b, 1));
         rbdi_store_force(wrench + 6 * b, 1, F);
     }
@@ -258,29 +326,6 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
         F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1));
         rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
     }
-    return RBD_OK;
-}
-
-RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
-                               rbd_real *potential) {
-    rbd_status status = rbdi_check_body_call(m, w, 0);
-    rbd_real T, V = rbdi_zero();
-    if (status) return status;
-    T = *w->rotors;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_kin k;
-        rbdi_v3 c, v;
-        if (u->link < 0) continue;
-        k = rbdi_body_kin(m, w, b);
-        c = rbdi_vec_c(u->com);
-        v = rbdi_point_v(&k, c);
-        T = T + rbdi_dot(v, v) * (RBD_C(0.5) * u->mass);
-        T = T + rbdi_dot(k.state.omega, rbdi_mul_sym(rbdi_sym_c(u->I), k.state.omega)) * RBD_C(0.5);
-        V = V - rbdi_dot(rbdi_vec_c(w->gravity), rbdi_point_p(&k, c)) * u->mass;
-    }
-    if (kinetic) *kinetic = T;
-    if (potential) *potential = V;
     return RBD_OK;
 }
 
