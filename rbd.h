@@ -1185,26 +1185,38 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
 
+/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points, n dofs with mimics, nqx
+   coordinates with mimics (0 without mimics), nv dofs without, nh packed entries. */
+#define RBDI_WORK_ARRAYS(ARRAY, nl, nk, ns, n, nqx, nv, nh) \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles without their right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* the right angles */ \
+    ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
+    ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
+    ARRAY(rbdi_branch, branch, ns) \
+    ARRAY(rbdi_block_work, block, nk) \
+    ARRAY(rbd_real, d, nl) /* slides of screw links */ \
+    ARRAY(rbdi_scratch, scratch, nl) \
+    ARRAY(rbdi_kin, kin, nl) \
+    ARRAY(rbd_real, rotors, 1) /* kinetic energy of the armatures */ \
+    ARRAY(rbd_real, zero, n)   /* zeros */ \
+    ARRAY(rbd_real, pivot, n)  /* pivots of the last factorisation */ \
+    ARRAY(rbd_real, bias, nv) \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(n)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, H, nh) \
+    ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
+    ARRAY(rbd_real, vx, (nqx) > 0 ? (n) : 0) \
+    ARRAY(rbd_real, ax, (nqx) > 0 ? (n) : 0) \
+    ARRAY(rbd_real, tx, (nqx) > 0 ? (n) : 0)
+#define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
+#define RBDI_ARRAY_FIELD(type, name, length) type *name;
+#define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
+
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
-    rbd_real *rotors; /* 1: kinetic energy of the armatures */
-    rbd_real *angle,
-        *quarters;   /* nl, padded to RBDI_ALIGN: joint angles without their right angles; the right angles */
-    rbd_real *c, *s; /* nl, padded: cosines and sines of the whole angles */
-    rbd_real *d;     /* nl: slides of screw links */
-    rbdi_scratch *scratch;       /* nl */
-    rbdi_kin *kin;               /* nl */
-    rbdi_branch *branch;         /* nbranch */
-    rbdi_block_work *block;      /* nblock */
-    rbd_real *zero;              /* nv + nmimic zeros */
-    rbd_real *pivot;             /* nv + nmimic: pivots of the last factorisation */
-    rbd_real *bias;              /* nv */
-    rbd_real *F;                 /* 6 x RBDI_STRIDE(n): crba: wrenches of the dofs, by component */
-    rbd_real *H;                 /* nh + nhx */
-    rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
+    RBDI_WORK_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0, 0, 0)
 };
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
@@ -1215,14 +1227,8 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-/* Bytes of the arrays of a work: nl links, k blocks, s branch points, n dofs with mimics, n_q coordinates
-   with mimics (0 without mimics), nv dofs without, h packed entries. */
-#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 4 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
-     (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
-     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_branch) + \
-     sizeof(rbd_real) * (1 + 2 * (size_t)(n) + 6 * (size_t)RBDI_STRIDE(n) + (size_t)(nv) + (size_t)(h) + \
-                         ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
+#define RBDI_WORK_BYTES(nl, nk, ns, n, nqx, nv, nh) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nk, ns, n, nqx, nv, nh))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
    joints three. Branch points have two children, blocks have three dofs at least. */
@@ -1237,14 +1243,23 @@ struct rbd_work {
                     nv, RBDI_TRIANGLE(nv) + RBDI_TRIANGLE((nb) + (nv)))
 #define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
 
+/* The arrays of a model of nb bodies, and of its build: type, name, length. */
+#define RBDI_MODEL_ARRAYS(ARRAY, nb, nl, nk, n, nm) \
+    ARRAY(rbdi_link, link, nl) \
+    ARRAY(rbdi_block, block, nk) \
+    ARRAY(rbdi_dof, dof, n) \
+    ARRAY(rbdi_order, order, n) \
+    ARRAY(rbdi_node, node, n) \
+    ARRAY(rbdi_mimic, mimic, nm) \
+    ARRAY(rbdi_frame, frame, nb) \
+    ARRAY(rbdi_build_link, links, nl) \
+    ARRAY(rbdi_place, place, nb)
+#define RBDI_ROUNDED_BYTES(type, name, length) +RBDI_ROUND((size_t)(length) * sizeof(type))
+#define RBDI_MODEL_BYTES(nb, nl, nk, n, nm) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) RBDI_MODEL_ARRAYS(RBDI_ROUNDED_BYTES, nb, nl, nk, n, nm))
+
 /* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
 #define RBD_MODEL_SIZE(nb) RBDI_MODEL_BYTES(nb, 3 * (nb), nb, 6 * (nb), nb)
-#define RBDI_MODEL_BYTES(nb, nl, k, n, mimics) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
-     RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_node)) + \
-     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
-     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 /* ==== src/rbd.h ==== */
 #endif /* RBDI_LAYOUT */
@@ -5244,46 +5259,27 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
-    int n, padded;
+    int n, nqx;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
-    n = m->nv + m->nmimic;
-    padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
+    n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
-    w->angle = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->branch = (rbdi_branch *)rbdi_take(&p, m->nbranch, sizeof(rbdi_branch));
-    w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
-    w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
-    w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
-    w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
-    w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
-    w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    w->F = (rbd_real *)rbdi_take(&p, 6 * RBDI_STRIDE(n), sizeof(rbd_real)) + RBDI_CHUNK;
-    w->H = (rbd_real *)rbdi_take(&p, m->nh + m->nhx, sizeof(rbd_real));
-    w->qx = w->vx = w->ax = w->tx = NULL;
-    if (m->nmimic) {
-        w->qx = (rbd_real *)rbdi_take(&p, m->nq + m->nmimic, sizeof(rbd_real));
-        w->vx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-        w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-        w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    }
+#define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
+    RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
+#undef RBDI_TAKE
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
-    for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
-    for (int k = m->nl; k < padded; ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
+    for (int k = m->nl; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    w->F += RBDI_CHUNK;
     *work = w;
     return RBD_OK;
 }
@@ -5916,15 +5912,7 @@ typedef struct rbdi_build {
     int nb;
     rbdi_counts n;
     rbd_model *m;
-    rbdi_link *link;
-    rbdi_block *block;
-    rbdi_dof *dof;
-    rbdi_order *order;
-    rbdi_node *node;
-    rbdi_mimic *mimic;
-    rbdi_frame *frame;
-    rbdi_build_link *links; /* n.nl */
-    rbdi_place *place;      /* nb */
+    RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
@@ -5938,10 +5926,6 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
         if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
     }
     return n;
-}
-
-static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
-    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
 /* ==== src/model/links.h ==== */
@@ -6577,23 +6561,19 @@ static void rbdi_emit(const rbdi_build *b) {
 /* ==== src/model/build.h ==== */
 /* Cuts the model and the build's own scratch off the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
-    const rbdi_counts n = b->n;
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
-    b->link = (rbdi_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_link)));
-    b->block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
-    b->dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
-    b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
-    b->node = (rbdi_node *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_node)));
-    b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
-    b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
-    b->links = (rbdi_build_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_build_link)));
-    b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
+#define RBDI_TAKE(type, name, length) \
+    b->name = (type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(length) * sizeof(type)));
+    RBDI_MODEL_ARRAYS(RBDI_TAKE, b->nb, b->n.nl, b->n.nblock, b->n.ndof, b->n.nmimic)
+#undef RBDI_TAKE
 }
 
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
+    rbdi_counts n;
     if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
-    return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
+    n = rbdi_count(bodies, nb);
+    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
@@ -6611,7 +6591,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
     }
     rbdi_build b;
     b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
-    if (size < rbdi_model_bytes(b.n, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(bodies, nb, b.n, b.place);
     for (int i = 0, nl = 0; i < nb; ++i) {

@@ -5,23 +5,19 @@
 
 /* Cuts the model and the build's own scratch off the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
-    const rbdi_counts n = b->n;
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
-    b->link = (rbdi_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_link)));
-    b->block = (rbdi_block *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nblock * sizeof(rbdi_block)));
-    b->dof = (rbdi_dof *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_dof)));
-    b->order = (rbdi_order *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_order)));
-    b->node = (rbdi_node *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.ndof * sizeof(rbdi_node)));
-    b->mimic = (rbdi_mimic *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nmimic * sizeof(rbdi_mimic)));
-    b->frame = (rbdi_frame *)rbdi_take(&p, 1, RBDI_ROUND((size_t)b->nb * sizeof(rbdi_frame)));
-    b->links = (rbdi_build_link *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n.nl * sizeof(rbdi_build_link)));
-    b->place = (rbdi_place *)rbdi_take(&p, b->nb, sizeof(rbdi_place));
+#define RBDI_TAKE(type, name, length) \
+    b->name = (type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(length) * sizeof(type)));
+    RBDI_MODEL_ARRAYS(RBDI_TAKE, b->nb, b->n.nl, b->n.nblock, b->n.ndof, b->n.nmimic)
+#undef RBDI_TAKE
 }
 
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
+    rbdi_counts n;
     if (!bodies || nb < 1 || nb > RBD_MAX_BODIES) return 0;
-    return rbdi_model_bytes(rbdi_count(bodies, nb), nb);
+    n = rbdi_count(bodies, nb);
+    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
@@ -39,7 +35,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
     }
     rbdi_build b;
     b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
-    if (size < rbdi_model_bytes(b.n, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+    if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(bodies, nb, b.n, b.place);
     for (int i = 0, nl = 0; i < nb; ++i) {

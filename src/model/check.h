@@ -234,15 +234,7 @@ typedef struct rbdi_build {
     int nb;
     rbdi_counts n;
     rbd_model *m;
-    rbdi_link *link;
-    rbdi_block *block;
-    rbdi_dof *dof;
-    rbdi_order *order;
-    rbdi_node *node;
-    rbdi_mimic *mimic;
-    rbdi_frame *frame;
-    rbdi_build_link *links; /* n.nl */
-    rbdi_place *place;      /* nb */
+    RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
@@ -256,10 +248,6 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
         if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
     }
     return n;
-}
-
-static size_t rbdi_model_bytes(rbdi_counts n, int nb) {
-    return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
 #endif

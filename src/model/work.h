@@ -29,26 +29,38 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
     rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
 } rbdi_kin;
 
+/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points, n dofs with mimics, nqx
+   coordinates with mimics (0 without mimics), nv dofs without, nh packed entries. */
+#define RBDI_WORK_ARRAYS(ARRAY, nl, nk, ns, n, nqx, nv, nh) \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles without their right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* the right angles */ \
+    ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
+    ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
+    ARRAY(rbdi_branch, branch, ns) \
+    ARRAY(rbdi_block_work, block, nk) \
+    ARRAY(rbd_real, d, nl) /* slides of screw links */ \
+    ARRAY(rbdi_scratch, scratch, nl) \
+    ARRAY(rbdi_kin, kin, nl) \
+    ARRAY(rbd_real, rotors, 1) /* kinetic energy of the armatures */ \
+    ARRAY(rbd_real, zero, n)   /* zeros */ \
+    ARRAY(rbd_real, pivot, n)  /* pivots of the last factorisation */ \
+    ARRAY(rbd_real, bias, nv) \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(n)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, H, nh) \
+    ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
+    ARRAY(rbd_real, vx, (nqx) > 0 ? (n) : 0) \
+    ARRAY(rbd_real, ax, (nqx) > 0 ? (n) : 0) \
+    ARRAY(rbd_real, tx, (nqx) > 0 ? (n) : 0)
+#define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
+#define RBDI_ARRAY_FIELD(type, name, length) type *name;
+#define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
+
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
-    rbd_real *rotors; /* 1: kinetic energy of the armatures */
-    rbd_real *angle,
-        *quarters;   /* nl, padded to RBDI_ALIGN: joint angles without their right angles; the right angles */
-    rbd_real *c, *s; /* nl, padded: cosines and sines of the whole angles */
-    rbd_real *d;     /* nl: slides of screw links */
-    rbdi_scratch *scratch;       /* nl */
-    rbdi_kin *kin;               /* nl */
-    rbdi_branch *branch;         /* nbranch */
-    rbdi_block_work *block;      /* nblock */
-    rbd_real *zero;              /* nv + nmimic zeros */
-    rbd_real *pivot;             /* nv + nmimic: pivots of the last factorisation */
-    rbd_real *bias;              /* nv */
-    rbd_real *F;                 /* 6 x RBDI_STRIDE(n): crba: wrenches of the dofs, by component */
-    rbd_real *H;                 /* nh + nhx */
-    rbd_real *qx, *vx, *ax, *tx; /* with mimic joints: coordinates with the mimics' appended */
+    RBDI_WORK_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0, 0, 0)
 };
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
@@ -59,14 +71,8 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-/* Bytes of the arrays of a work: nl links, k blocks, s branch points, n dofs with mimics, n_q coordinates
-   with mimics (0 without mimics), nv dofs without, h packed entries. */
-#define RBDI_WORK_BYTES(nl, k, s, n, n_q, nv, h) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) + 4 * RBDI_ROUND((size_t)(nl) * sizeof(rbd_real)) + \
-     (size_t)(nl) * (sizeof(rbd_real) + sizeof(rbdi_scratch) + sizeof(rbdi_kin)) + \
-     (size_t)(k) * sizeof(rbdi_block_work) + (size_t)(s) * sizeof(rbdi_branch) + \
-     sizeof(rbd_real) * (1 + 2 * (size_t)(n) + 6 * (size_t)RBDI_STRIDE(n) + (size_t)(nv) + (size_t)(h) + \
-                         ((n_q) > 0 ? (size_t)(n_q) + 3 * (size_t)(n) : 0)))
+#define RBDI_WORK_BYTES(nl, nk, ns, n, nqx, nv, nh) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nk, ns, n, nqx, nv, nh))
 
 /* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
    joints three. Branch points have two children, blocks have three dofs at least. */
@@ -81,13 +87,22 @@ struct rbd_work {
                     nv, RBDI_TRIANGLE(nv) + RBDI_TRIANGLE((nb) + (nv)))
 #define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
 
+/* The arrays of a model of nb bodies, and of its build: type, name, length. */
+#define RBDI_MODEL_ARRAYS(ARRAY, nb, nl, nk, n, nm) \
+    ARRAY(rbdi_link, link, nl) \
+    ARRAY(rbdi_block, block, nk) \
+    ARRAY(rbdi_dof, dof, n) \
+    ARRAY(rbdi_order, order, n) \
+    ARRAY(rbdi_node, node, n) \
+    ARRAY(rbdi_mimic, mimic, nm) \
+    ARRAY(rbdi_frame, frame, nb) \
+    ARRAY(rbdi_build_link, links, nl) \
+    ARRAY(rbdi_place, place, nb)
+#define RBDI_ROUNDED_BYTES(type, name, length) +RBDI_ROUND((size_t)(length) * sizeof(type))
+#define RBDI_MODEL_BYTES(nb, nl, nk, n, nm) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) RBDI_MODEL_ARRAYS(RBDI_ROUNDED_BYTES, nb, nl, nk, n, nm))
+
 /* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
 #define RBD_MODEL_SIZE(nb) RBDI_MODEL_BYTES(nb, 3 * (nb), nb, 6 * (nb), nb)
-#define RBDI_MODEL_BYTES(nb, nl, k, n, mimics) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) + RBDI_ROUND((size_t)(nl) * sizeof(rbdi_link)) + \
-     RBDI_ROUND((size_t)(k) * sizeof(rbdi_block)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_dof)) + \
-     RBDI_ROUND((size_t)(n) * sizeof(rbdi_order)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_node)) + \
-     RBDI_ROUND((size_t)(mimics) * sizeof(rbdi_mimic)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_frame)) + \
-     RBDI_ROUND((size_t)(nl) * sizeof(rbdi_build_link)) + RBDI_ROUND((size_t)(nb) * sizeof(rbdi_place)))
 
 #endif

@@ -15,46 +15,27 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
-    int n, padded;
+    int n, nqx;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
-    n = m->nv + m->nmimic;
-    padded = (int)(RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)) / sizeof(rbd_real));
+    n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
     w->have_kinematics = 0;
-    w->angle = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->quarters = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->c = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->s = (rbd_real *)rbdi_take(&p, 1, RBDI_ROUND((size_t)m->nl * sizeof(rbd_real)));
-    w->branch = (rbdi_branch *)rbdi_take(&p, m->nbranch, sizeof(rbdi_branch));
-    w->block = (rbdi_block_work *)rbdi_take(&p, m->nblock, sizeof(rbdi_block_work));
-    w->d = (rbd_real *)rbdi_take(&p, m->nl, sizeof(rbd_real));
-    w->scratch = (rbdi_scratch *)rbdi_take(&p, m->nl, sizeof(rbdi_scratch));
-    w->kin = (rbdi_kin *)rbdi_take(&p, m->nl, sizeof(rbdi_kin));
-    w->rotors = (rbd_real *)rbdi_take(&p, 1, sizeof(rbd_real));
-    w->zero = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    w->pivot = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    w->bias = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    w->F = (rbd_real *)rbdi_take(&p, 6 * RBDI_STRIDE(n), sizeof(rbd_real)) + RBDI_CHUNK;
-    w->H = (rbd_real *)rbdi_take(&p, m->nh + m->nhx, sizeof(rbd_real));
-    w->qx = w->vx = w->ax = w->tx = NULL;
-    if (m->nmimic) {
-        w->qx = (rbd_real *)rbdi_take(&p, m->nq + m->nmimic, sizeof(rbd_real));
-        w->vx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-        w->ax = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-        w->tx = (rbd_real *)rbdi_take(&p, n, sizeof(rbd_real));
-    }
+#define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
+    RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
+#undef RBDI_TAKE
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
-    for (int k = -RBDI_CHUNK; k < 6 * RBDI_STRIDE(n) - RBDI_CHUNK; ++k) w->F[k] = rbdi_zero();
-    for (int k = m->nl; k < padded; ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
+    for (int k = m->nl; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    w->F += RBDI_CHUNK;
     *work = w;
     return RBD_OK;
 }
