@@ -41,36 +41,30 @@ typedef struct rbdi_task {
 } rbdi_task;
 typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
+/* Components of an input. */
+static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb; }
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
 static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
 /* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
 #if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
+#if RBD_LANES == 2
+#define RBDI_EACH_LANE(f, step) f(0, step), f(1, step)
+#elif RBD_LANES == 4
+#define RBDI_EACH_LANE(f, step) f(0, step), f(1, step), f(2, step), f(3, step)
+#else
+#define RBDI_EACH_LANE(f, step) \
+    f(0, step), f(1, step), f(2, step), f(3, step), f(4, step), f(5, step), f(6, step), f(7, step)
+#endif
+#define RBDI_LOW_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) - (step) : (i))
+#define RBDI_HIGH_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) : (i) + (step))
 #define RBDI_EXCHANGE(x, step) \
     for (int i = 0; i < RBD_LANES; ++i) \
         if (!(i & (step))) { \
             const rbd_real a = x[i], b = x[i + (step)]; \
-            x[i] = RBDI_SHUFFLE_LOW_##step(a, b); \
-            x[i + (step)] = RBDI_SHUFFLE_HIGH_##step(a, b); \
+            x[i] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, step)); \
+            x[i + (step)] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, step)); \
         }
-#if RBD_LANES == 2
-#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 2)
-#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 3)
-#elif RBD_LANES == 4
-#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 4, 2, 6)
-#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 5, 3, 7)
-#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5)
-#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 6, 7)
-#else
-#define RBDI_SHUFFLE_LOW_1(a, b) __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14)
-#define RBDI_SHUFFLE_HIGH_1(a, b) __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15)
-#define RBDI_SHUFFLE_LOW_2(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
-#define RBDI_SHUFFLE_HIGH_2(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
-#define RBDI_SHUFFLE_LOW_4(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
-#define RBDI_SHUFFLE_HIGH_4(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
-#endif
-#endif
-#ifdef RBDI_SHUFFLE_LOW_1
 RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
     RBDI_EXCHANGE(x, 1)
 #if RBD_LANES >= 4
@@ -94,66 +88,52 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
 typedef RBD_REAL rbdi_lane_row
     __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
-/* x[k] lane s = column k of row s, for rows of the given width; lanes beyond the rest of the rows repeat
-   the last one. Blocks of RBD_LANES columns; the last may overlap the one before. The rows of the next
-   states are fetched meanwhile: the processor does not foresee so many streams. */
-RBDI_INLINE void rbdi_gather_states(const RBD_REAL *rows, int width, int rest, int count, rbd_real *x) {
-    const RBD_REAL *next = rest < 2 * RBD_LANES ? rows : rows + RBD_LANES * width;
+/* x[k] lane s = component k of state s, of `width` components; the lanes of states beyond the rest repeat the
+   last one. Rows go in blocks of RBD_LANES columns, of which the last may overlap the one before. The rows of
+   the next states are fetched meanwhile: the processor does not foresee so many streams. */
+static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
+    const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
+    const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
+    const RBD_REAL *next = rest < 2 * RBD_LANES ? in : in + RBD_LANES * width;
+    if (blocks || width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            if (blocks && rest >= RBD_LANES)
+                x[k] = *(const rbdi_lane_row *)&in[k * RBD_LANES];
+            else
+                for (int s = 0; s < RBD_LANES; ++s) x[k][s] = in[k * along + (s < last ? s : last) * across];
+        return;
+    }
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
         for (int s = 0; s < RBD_LANES; ++s)
-            block[s] = *(const rbdi_lane_row *)&rows[(s < count ? s : count - 1) * width + at];
-        for (int s = 0; s < count; ++s) __builtin_prefetch(&next[s * width + at]);
+            block[s] = *(const rbdi_lane_row *)&in[(s < last ? s : last) * width + at];
+        for (int s = 0; s < RBD_LANES; ++s)
+            if (s <= last) __builtin_prefetch(&next[s * width + at]);
         rbdi_transpose_lanes(block);
         for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
     }
 }
-static void rbdi_gather(const RBD_REAL *rows, int width, int rest, rbd_real *x) {
-    const int count = rest < RBD_LANES ? rest : RBD_LANES;
-    if (width < RBD_LANES) {
-        for (int k = 0; k < width; ++k)
-            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = rows[(s < count ? s : count - 1) * width + k];
-    } else if (count == RBD_LANES) /* the usual number, known to the compiler */
-        rbdi_gather_states(rows, width, rest, RBD_LANES, x);
-    else
-        rbdi_gather_states(rows, width, rest, count, x);
-}
 
-/* The reverse, into the first count rows. */
-RBDI_INLINE void rbdi_scatter_states(const rbd_real *x, int width, int count, RBD_REAL *rows) {
+/* The reverse, of the first count states. */
+static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
+    const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
+    if (blocks || width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            if (blocks && count == RBD_LANES)
+                *(rbdi_lane_row *)&out[k * RBD_LANES] = x[k];
+            else
+                for (int s = 0; s < count; ++s) out[k * along + s * across] = x[k][s];
+        return;
+    }
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
         for (int s = 0; s < RBD_LANES; ++s) block[s] = x[at + s];
         rbdi_transpose_lanes(block);
-        for (int s = 0; s < count; ++s) *(rbdi_lane_row *)&rows[s * width + at] = block[s];
+        for (int s = 0; s < RBD_LANES; ++s)
+            if (s < count) *(rbdi_lane_row *)&out[s * width + at] = block[s];
     }
-}
-static void rbdi_scatter(const rbd_real *x, int width, int count, RBD_REAL *rows) {
-    if (width < RBD_LANES) {
-        for (int k = 0; k < width; ++k)
-            for (int s = 0; s < count; ++s) rows[s * width + k] = x[k][s];
-    } else if (count == RBD_LANES)
-        rbdi_scatter_states(x, width, RBD_LANES, rows);
-    else
-        rbdi_scatter_states(x, width, count, rows);
-}
-
-/* The same of a block, which is in lanes already. */
-static void rbdi_gather_block(const RBD_REAL *block, int width, int rest, rbd_real *x) {
-    for (int k = 0; k < width; ++k, block += RBD_LANES)
-        if (rest >= RBD_LANES)
-            x[k] = *(const rbdi_lane_row *)block;
-        else
-            for (int s = 0; s < RBD_LANES; ++s) x[k][s] = block[s < rest ? s : rest - 1];
-}
-static void rbdi_scatter_block(const rbd_real *x, int width, int count, RBD_REAL *block) {
-    for (int k = 0; k < width; ++k, block += RBD_LANES)
-        if (count == RBD_LANES)
-            *(rbdi_lane_row *)block = x[k];
-        else
-            for (int s = 0; s < count; ++s) block[s] = x[k][s];
 }
 
 /* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
@@ -162,12 +142,13 @@ static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
 }
 
 /* The inputs of the states from s on, in lanes. */
-static void rbdi_task_gather(rbdi_task *t, const rbd_batch *b, const int *width, int s, int rest) {
+static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
-        const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width[k] : NULL;
+        const int width = rbdi_batch_width(m, k);
+        const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width : NULL;
         const int usable = !x || rbdi_usable(b, x, rest);
         t->x[k] = usable ? (const rbd_real *)x : b->x[k];
-        if (!usable) (b->layout == RBD_BLOCKS ? rbdi_gather_block : rbdi_gather)(x, width[k], rest, b->x[k]);
+        if (!usable) rbdi_gather(x, width, b->layout == RBD_BLOCKS, rest, b->x[k]);
     }
 }
 
@@ -183,7 +164,7 @@ static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         if ((RBD_REAL *)t->y[k] == out) continue;
-        (b->layout == RBD_BLOCKS ? rbdi_scatter_block : rbdi_scatter)(t->y[k], t->width[k], count, out);
+        rbdi_scatter(t->y[k], t->width[k], b->layout == RBD_BLOCKS, count, out);
     }
 }
 
@@ -197,7 +178,6 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 /* Runs a call on n states; y: lanes for its outputs, one after the other. */
 static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
                                  rbdi_task *t) {
-    const int width[RBDI_ARGUMENTS] = {rbd_nq(m), rbd_nv(m), rbd_nv(m), 6 * rbd_nb(m)};
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
     if (result) return result;
     t->w = b->w;
@@ -205,7 +185,7 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
     for (int s = 0; s < n; s += RBD_LANES) {
         const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbd_status status;
-        rbdi_task_gather(t, b, width, s, n - s);
+        rbdi_task_gather(m, t, b, s, n - s);
         rbdi_task_aim(t, b, y, s, n - s);
         status = call(m, t);
         if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
@@ -253,10 +233,8 @@ RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
     b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
-    b->x[0] = (rbd_real *)rbdi_take(&p, m->nq, sizeof(rbd_real));
-    b->x[1] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    b->x[2] = (rbd_real *)rbdi_take(&p, m->nv, sizeof(rbd_real));
-    b->x[3] = (rbd_real *)rbdi_take(&p, 6 * m->nb, sizeof(rbd_real));
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k)
+        b->x[k] = (rbd_real *)rbdi_take(&p, rbdi_batch_width(m, k), sizeof(rbd_real));
     b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
     b->state = b->dof = -1;
     b->layout = RBD_ROWS;
@@ -275,9 +253,17 @@ RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) 
     return RBD_OK;
 }
 
-static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
-    return rbd_rnea(m, t->w, t->x[0], t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0]);
-}
+#define RBDI_DEFINE_LANES(name, ...) \
+    static rbd_status rbdi_lanes_##name(const rbd_model *m, const rbdi_task *t) { \
+        return rbd_##name(m, t->w, t->x[0], __VA_ARGS__); \
+    }
+RBDI_DEFINE_LANES(rnea, t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0])
+RBDI_DEFINE_LANES(aba, t->x[1], t->x[2], t->x[3], t->y[0])
+RBDI_DEFINE_LANES(fd_cholesky, t->x[1], t->x[2], t->x[3], t->y[0])
+RBDI_DEFINE_LANES(crba, t->y[0])
+RBDI_DEFINE_LANES(crba_packed, t->y[0])
+RBDI_DEFINE_LANES(minverse, t->y[0])
+
 RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
                                          RBD_REAL *tau) {
@@ -290,25 +276,16 @@ RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, NULL, f_ext, c, rbd_nv(m));
 }
 
-static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
-    return rbd_crba(m, t->w, t->x[0], t->y[0]);
-}
 RBDI_BATCH_API rbd_status rbd_batch_crba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          RBD_REAL *M) {
     return rbdi_batch_one(rbdi_lanes_crba, m, b, n, q, NULL, NULL, NULL, M, rbd_nv(m) * rbd_nv(m));
 }
 
-static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
-    return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
-}
 RBDI_BATCH_API rbd_status rbd_batch_crba_packed(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                 RBD_REAL *H) {
     return rbdi_batch_one(rbdi_lanes_crba_packed, m, b, n, q, NULL, NULL, NULL, H, rbd_packed_size(m));
 }
 
-static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
-    return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
-}
 RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                         const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                         RBD_REAL *a) {
@@ -316,9 +293,6 @@ RBDI_BATCH_API rbd_status rbd_batch_aba(const rbd_model *m, rbd_batch *b, int n,
     return rbdi_batch_one(rbdi_lanes_aba, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
-    return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
-}
 RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                                 const RBD_REAL *v, const RBD_REAL *tau, const RBD_REAL *f_ext,
                                                 RBD_REAL *a) {
@@ -326,9 +300,6 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_cholesky(const rbd_model *m, rbd_batch *b
     return rbdi_batch_one(rbdi_lanes_fd_cholesky, m, b, n, q, v, tau, f_ext, a, rbd_nv(m));
 }
 
-static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
-    return rbd_minverse(m, t->w, t->x[0], t->y[0]);
-}
 RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              RBD_REAL *Minv) {
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
