@@ -144,10 +144,14 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* After rbd_constrained_fd and rbd_impact: the rank of J; with lanes the least of all states. */
+/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and its
+   derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
+   (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend on each
+   other the state decides which can be left out, not your order; if several of those contradict the others,
+   this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -500,8 +504,7 @@ RBDI_CODE_BEGIN
 #define RBDI_CLOSING_STEPS 3
 
 /* ==== src/constraints/kinematics.h ==== */
-/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_of, rbdi_station_with,
-   RBDI_HELD_ERRORS */
+/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -510,8 +513,8 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-/* The world, link -1, accelerates upward by -gravity if the links do; steady: these only turn. */
-RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link, rbdi_v3 p, int steady) {
+/* The world, link -1, accelerates upward by -gravity if the links do. */
+RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     rbdi_station s;
     s.p = p;
     s.omega = s.v = s.omega_dot = rbdi_vec0();
@@ -523,23 +526,18 @@ RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link
         s.omega = rbdi_mul_t(k->X.E, k->state.omega);
         turn = rbdi_cross(s.omega, arm);
         s.v = rbdi_add(rbdi_mul_t(k->X.E, k->v), turn);
-        s.acc = rbdi_cross(s.omega, turn);
-        if (steady) return s;
         s.omega_dot = rbdi_mul_t(k->X.E, k->state.omega_dot);
-        s.acc = rbdi_add(s.acc, rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm)));
+        s.acc = rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm));
+        s.acc = rbdi_add(s.acc, rbdi_cross(s.omega, turn));
     }
     return s;
 }
-RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
-    return rbdi_station_with(c, link, p, 0);
-}
 
 /* The origin of a frame of a constraint, fixed in its link. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side,
-                                         int steady) {
+RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
-    return rbdi_station_with(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x), steady);
+    return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
 }
 
 /* Orientation of the frame in the world. */
@@ -612,26 +610,24 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
     }
 }
 
-enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
-
-/* gamma of a constraint; want: also J v, e. steady: without omega_dot and acc of the links. Returns the place
-   of frame 1. Body 2 is mostly the world, which is at rest. */
+/* gamma and J v of a constraint and, if `errors`, e. Returns the place of frame 1. Body 2 is mostly the world,
+   which is at rest. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
-                                           const rbdi_axes_held *h, int want, int steady) {
-    const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);
+                                           const rbdi_axes_held *h, int errors) {
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
     rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
     if (k->link[1] >= 0) {
         const rbdi_v3 ws = rbdi_cross(w2, s);
         u = rbdi_sub(rbdi_sub(u, two.v), ws);
         spin = rbdi_sub(spin, w2);
-        if (!steady) alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
+        alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
         alpha = rbdi_sub(alpha, rbdi_cross(w2, spin));
         a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
     }
     rbdi_add_held(k, h, alpha, a, &c->gamma[k->row]);
-    if (want & RBDI_HELD_RATES) rbdi_add_held(k, h, spin, u, &c->u[k->row]);
-    if (want & RBDI_HELD_ERRORS) {
+    rbdi_add_held(k, h, spin, u, &c->u[k->row]);
+    if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (k->angular) {
             const rbdi_mat R = rbdi_station_axes(c, k, 1);
@@ -714,13 +710,13 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Y = J' and gamma of a constraint; want: also J v, e. */
+/* Y = J', gamma and J v of a constraint and, if `errors`, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
-                                 int want) {
+                                 int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, k, &h);
-    p = rbdi_constraint_motion(c, k, &h, want, 0);
+    p = rbdi_constraint_motion(c, k, &h, errors);
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
@@ -983,30 +979,35 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
-static void rbdi_null_vector(const rbd_constraint_set *c, int t, rbd_real *n) {
-    n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
-    for (int i = t - 1; i >= 0; --i)
-        n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
-}
+/* The null vector n of a dropped row t, R n = 0 and n_t = 1, up to entry t: row t of c->R to the diagonal, which
+   nothing else needs any more. It is 0 in lanes that took the row. */
+static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* It is kept as row t of c->R, in the lanes that have no other use for that. */
-static void rbdi_keep_null(const rbd_constraint_set *c, int t, const rbd_real *n) {
-    const rbdi_mask dropped = rbdi_dropped(c, t);
-    rbd_real *to = &c->R[t * c->stride];
-    for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
-}
-static void rbdi_load_null(const rbd_constraint_set *c, int t, rbd_real *n) {
-    const rbdi_mask dropped = rbdi_dropped(c, t);
-    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
-}
-
-/* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
-static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
-    rbdi_mask none = rbdi_less(n[0], n[0]);
+/* x loses its component along the null vector of row t. It has t + 1 entries or more. */
+static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
+    const rbd_real *n = rbdi_null(c, t);
+    rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
     const rbd_real share =
-        rbdi_rows_product(n, x, count) * rbdi_reciprocal(rbdi_rows_product(n, n, count), RBD_C(0.5), &none);
-    for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
+        rbdi_rows_product(n, x, t + 1) * rbdi_reciprocal(rbdi_rows_product(n, n, t + 1), RBD_C(0.5), &none);
+    for (int k = 0; k <= t; ++k) x[k] = x[k] - share * n[k];
+}
+
+/* x loses its components along the null vectors of the rows before row `end`. */
+static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x) {
+    for (int t = 0; t < end; ++t)
+        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
+}
+
+/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+static void rbdi_null_space(const rbd_constraint_set *c) {
+    for (int t = 0; t < c->rows; ++t) {
+        rbd_real *n = rbdi_null(c, t);
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+        for (int i = t - 1; i >= 0; --i)
+            n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
+        rbdi_project_rows(c, t, n);
+    }
 }
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
@@ -1014,7 +1015,7 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 /* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
    that come with them. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
@@ -1035,39 +1036,17 @@ static void rbdi_bound_demand(rbd_constraint_set *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
-/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
-static void rbdi_null_space(const rbd_constraint_set *c) {
-    rbd_real *n = c->square, *before = c->share;
-    for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_null_vector(c, t, n);
-        for (int i = 0; i < t; ++i) {
-            if (!rbdi_any(rbdi_dropped(c, i))) continue;
-            rbdi_load_null(c, i, before);
-            rbdi_project(before, n, i + 1);
-        }
-        rbdi_keep_null(c, t, n);
-    }
-}
-
-/* x loses its components along all null vectors. */
-static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
-    for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_load_null(c, t, c->square);
-        rbdi_project(c->square, x, t + 1);
-    }
-}
-
 /* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
    along the null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
-    rbd_real *n = c->square, *bad = c->share;
+    rbd_real *bad = c->share;
     const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_bound_demand(c);
+    rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *n = rbdi_null(c, t);
         rbd_real bound = rbdi_zero();
-        rbdi_load_null(c, t, n);
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
         for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
         bad[t] =
             rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
@@ -1077,25 +1056,35 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
-   agreement before: b loses its components along the null vectors, too. check: whether to note where they do
-   not agree. */
-static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {
-    c->exchanged = 1;
-    rbdi_orthogonalise(m, c);
-    rbdi_to_order(c, c->b, 1, 1, 0);
-    rbdi_null_space(c);
-    if (check) rbdi_check_rows(c);
-    rbdi_project_rows(c, c->b);
-    for (int t = 0; t < c->rows; ++t) {
-        rbd_real *R = &c->R[t * c->stride];
-        R[c->rows] = c->b[t] * c->inverse[t];
-        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
+/* n columns, of rows n apart, lose their components along the null vectors. */
+static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
+    rbd_real *x = c->square;
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
+    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+        for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
+        rbdi_project_rows(c, c->rows, x);
+        for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
     }
-    rbdi_back_substitute(c);
-    rbdi_project_rows(c, c->lambda);
-    rbdi_from_order(c, c->lambda, 1, 1, 0);
+}
+
+/* X = Delta^-1 X, of least norm, for n columns of rows n apart. Where rows depend on others the right-hand side
+   is brought into agreement before: it loses its components along the null vectors, too. */
+static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
+    rbd_real *x = c->square;
+    rbdi_to_order(c, X, n, n, 1);
+    rbdi_project_columns(c, X, n);
+    for (int t = 0; t < c->rows; ++t) {
+        for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
+        rbdi_subtract_product(x, X, t, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    for (int t = c->rows - 1; t >= 0; --t) {
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    rbdi_project_columns(c, X, n);
+    rbdi_from_order(c, X, n, n, 1);
 }
 
 /* lambda; what a call returns, status of the pivots being known. */
@@ -1338,10 +1327,11 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
-    for (int at = 0; at < c->links; ++at) {
-        rbdi_kin *k = &w->kin[c->link[at]];
-        k->state.omega_dot = k->state.acc = rbdi_vec0();
-        if (!moving) k->v = rbdi_vec0(); /* not computed, not used */
+    for (int i = 0; i < 2 * c->n; ++i) {
+        const int link = c->constraint[i / 2].link[i % 2];
+        if (link < 0) continue;
+        w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* not computed, not used */
     }
 }
 
@@ -1372,10 +1362,16 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
-    if (rbdi_any(rbdi_factor_delta(m, c)))
-        rbdi_solve_dependent(m, c, check);
-    else
+    if (rbdi_any(rbdi_factor_delta(m, c))) {
+        c->exchanged = 1;
+        rbdi_orthogonalise(m, c);
+        rbdi_null_space(c);
+        if (check) rbdi_check_rows(c);
+        for (int r = 0; r < c->rows; ++r) c->lambda[r] = c->b[r];
+        rbdi_delta_solve(c, c->lambda, 1);
+    } else {
         rbdi_back_substitute(c);
+    }
     rbdi_sweep_down(m, c, L);
 }
 
@@ -1390,11 +1386,6 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
         if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
         *(rbdi_batch *)&c->target[r] = x;
     }
-}
-
-static int rbdi_target_needs(const rbdi_constraint *k, const rbd_real *restitution) {
-    if (restitution) return RBDI_HELD_RATES;
-    return (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0);
 }
 
 /* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
@@ -1418,7 +1409,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
         rbdi_axes_held h;
         rbdi_v3 p;
         rbdi_set_axes(c, k, &h);
-        p = rbdi_constraint_motion(c, k, &h, rbdi_target_needs(k, restitution), 1);
+        p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
         for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
     }
@@ -1443,7 +1434,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, rbdi_target_needs(k, restitution));
+        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
     }
     rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
@@ -1487,21 +1478,21 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* The rows, and the motion of all links without gravity. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int want) {
+                                    const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, want);
+        rbdi_constraint_rows(m, c, k, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                             const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
-    rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
+    rbdi_constraint_rows_at(m, c, q, v, e != NULL);
     for (int r = 0; r < c->rows; ++r) {
         for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];
@@ -1613,7 +1604,7 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->before, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+        rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
         length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
             ++close;
@@ -1622,7 +1613,7 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
         share_before = share, share = next;
         for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
     }
-    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+    rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }
 
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -2101,7 +2092,7 @@ RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
 static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
     rbdi_encounter x;
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
     x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
     x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
@@ -2252,34 +2243,6 @@ static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_r
     }
 }
 
-/* n columns of rows n apart lose their components along the null vectors. */
-static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    for (int column = 0; rbdi_any(any) && column < n; ++column) {
-        for (int i = 0; i < c->rows; ++i) c->b[i] = X[i * n + column];
-        rbdi_project_rows(c, c->b);
-        for (int i = 0; i < c->rows; ++i) X[i * n + column] = c->b[i];
-    }
-}
-
-/* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
-static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_to_order(c, X, n, n, 1);
-    rbdi_project_columns(c, X, n);
-    for (int t = 0; t < c->rows; ++t) {
-        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
-        rbdi_subtract_product(c->b, X, t, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n, n, 1);
-}
-
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
 static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
                                rbd_real *sigma) {
@@ -2289,7 +2252,7 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const 
         for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
         rbdi_subtract_product(c->x, rho, n, n, to);
     }
-    rbdi_delta_solve_columns(c, sigma, n);
+    rbdi_delta_solve(c, sigma, n);
 }
 
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,

@@ -1148,6 +1148,75 @@ START_TEST(contradiction_names_the_row) {
 }
 END_TEST
 
+/* Three rows in a plane contradict each other, the fourth stands on it: in any order a row of the three is
+   named, and the others are feasible without it. */
+START_TEST(without_the_named_row_the_others_agree) {
+    const ref_control *iiwa = control_named("control_iiwa");
+    robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
+    const ref_control_state *s = &iiwa->states[0];
+    const double point[3] = {0, 0, 0.1}, far[3] = {1, 2, 3}, turn[4] = {0, 0.1, 1.5, 0};
+    double a[MAX_V], lambda[4];
+    for (int order = 0; order < 24; order++) {
+        const int place[4] = {order % 4, order / 4 % 3, order / 12, 0};
+        rbd_constraint list[4];
+        for (int i = 0; i < 4; i++) {
+            rbd_constraint k = rbd_point_contact(6, point, i == 2 ? far : NULL);
+            const double c = cos(turn[i]), sn = sin(turn[i]), R[9] = {c, -sn, 0, sn, c, 0, 0, 0, 1};
+            memcpy(k.rotation2, R, sizeof R);
+            k.axes[3] = i < 3, k.axes[4] = 0, k.axes[5] = i == 3;
+            k.kp = i == 2 ? 10 : 0;
+            const int at = i - (place[3 - i] < i ? place[3 - i] : i);
+            memmove(&list[at + 1], &list[at], (size_t)(i - at) * sizeof k);
+            list[at] = k;
+        }
+        set c = set_of(&r, list, 4);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda),
+                         RBD_ERR_INFEASIBLE);
+        ck_assert_int_eq(rbd_constraint_rank(c.c), 3);
+        const int row = rbd_infeasible_row(c.c);
+        ck_assert(row >= 0 && row < 4);
+        free(c.memory);
+        memmove(&list[row], &list[row + 1], (size_t)(3 - row) * sizeof *list);
+        c = set_of(&r, list, 3);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_OK);
+        ck_assert_int_eq(rbd_constraint_rank(c.c), 3);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* The rank is that of the matrix that the last call solved with. */
+START_TEST(rank_is_of_the_last_call) {
+    static const char *const feet[4] = {"lf_lowerleg", "rf_lowerleg", "lh_lowerleg", "rh_lowerleg"};
+    static slopes found;
+    const ref_control *hyq = control_named("control_hyq");
+    const double toe[3] = {0.33, 0, 0};
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const ref_control_state *s = &hyq->states[0];
+    rbd_constraint list[4];
+    double a[MAX_V], lambda[12], tau[MAX_V], q_near[MAX_Q], J[12 * MAX_V];
+    for (int i = 0; i < 4; i++) list[i] = rbd_point_contact(rbd_body_index(r.m, feet[i]), toe, NULL);
+    set c = set_of(&r, list, 4);
+    ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, s->q, s->v, s->tau, NULL, a, lambda), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 12);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, s->q, s->v, a, NULL, NULL, NULL, tau, lambda), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 6); /* the floating base has no motors */
+    ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, s->q, s->v, J, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 6);
+    ck_assert_int_eq(rbd_impact(r.m, c.c, s->q, s->v, 0, a, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 12);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, s->q, s->v, a, NULL, NULL, NULL, tau, lambda), RBD_OK);
+    (void)rbd_assemble(r.m, c.c, s->q, NULL, NULL, q_near, NULL);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 12);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c.c, s->q, s->v, a, NULL, NULL, NULL, tau, lambda), RBD_OK);
+    ck_assert_int_eq(differentiate(&r, &c, s->q, s->v, s->tau, NULL, a, lambda, &found), RBD_OK);
+    ck_assert_int_eq(rbd_constraint_rank(c.c), 12);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 /* No rows: forward dynamics, and an impact that changes nothing. */
 static void check_empty(const robot *r, const state *s, int number) {
     double a[MAX_V], expected[MAX_V];
@@ -1737,6 +1806,8 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, linkage_keeps_its_energy);
     tcase_add_test(c, close_points_keep_their_rank);
     tcase_add_test(c, contradiction_names_the_row);
+    tcase_add_test(c, without_the_named_row_the_others_agree);
+    tcase_add_test(c, rank_is_of_the_last_call);
     tcase_add_test(c, empty_set_is_forward_dynamics);
     tcase_add_test(c, sets_with_too_many_rows_use_the_factor);
     tcase_add_test(c, straight_legs_cost_no_digits);

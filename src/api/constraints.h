@@ -82,10 +82,14 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* After rbd_constrained_fd and rbd_impact: the rank of J; with lanes the least of all states. */
+/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and its
+   derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
+   (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: the first row that depends on others and contradicts them; else -1. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend on each
+   other the state decides which can be left out, not your order; if several of those contradict the others,
+   this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----

@@ -176,10 +176,11 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
-    for (int at = 0; at < c->links; ++at) {
-        rbdi_kin *k = &w->kin[c->link[at]];
-        k->state.omega_dot = k->state.acc = rbdi_vec0();
-        if (!moving) k->v = rbdi_vec0(); /* not computed, not used */
+    for (int i = 0; i < 2 * c->n; ++i) {
+        const int link = c->constraint[i / 2].link[i % 2];
+        if (link < 0) continue;
+        w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* not computed, not used */
     }
 }
 

@@ -60,7 +60,7 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->before, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+        rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
         length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
             ++close;
@@ -69,7 +69,7 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
         share_before = share, share = next;
         for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
     }
-    rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_HELD_ERRORS);
+    rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }
 
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

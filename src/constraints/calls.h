@@ -20,10 +20,16 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
-    if (rbdi_any(rbdi_factor_delta(m, c)))
-        rbdi_solve_dependent(m, c, check);
-    else
+    if (rbdi_any(rbdi_factor_delta(m, c))) {
+        c->exchanged = 1;
+        rbdi_orthogonalise(m, c);
+        rbdi_null_space(c);
+        if (check) rbdi_check_rows(c);
+        for (int r = 0; r < c->rows; ++r) c->lambda[r] = c->b[r];
+        rbdi_delta_solve(c, c->lambda, 1);
+    } else {
         rbdi_back_substitute(c);
+    }
     rbdi_sweep_down(m, c, L);
 }
 
@@ -38,11 +44,6 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
         if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
         *(rbdi_batch *)&c->target[r] = x;
     }
-}
-
-static int rbdi_target_needs(const rbdi_constraint *k, const rbd_real *restitution) {
-    if (restitution) return RBDI_HELD_RATES;
-    return (k->kd > 0 ? RBDI_HELD_RATES : 0) | (k->kp > 0 ? RBDI_HELD_ERRORS : 0);
 }
 
 /* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
@@ -66,7 +67,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
         rbdi_axes_held h;
         rbdi_v3 p;
         rbdi_set_axes(c, k, &h);
-        p = rbdi_constraint_motion(c, k, &h, rbdi_target_needs(k, restitution), 1);
+        p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
         for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
     }
@@ -91,7 +92,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, rbdi_target_needs(k, restitution));
+        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
     }
     rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
@@ -135,21 +136,21 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* The rows, and the motion of all links without gravity. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int want) {
+                                    const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
     rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, want);
+        rbdi_constraint_rows(m, c, k, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                             const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
-    rbdi_constraint_rows_at(m, c, q, v, e ? RBDI_HELD_ERRORS : 0);
+    rbdi_constraint_rows_at(m, c, q, v, e != NULL);
     for (int r = 0; r < c->rows; ++r) {
         for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
         if (gamma) gamma[r] = c->gamma[r];

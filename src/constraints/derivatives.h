@@ -63,7 +63,7 @@ RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
 static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
     rbdi_encounter x;
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_at(c, k->link[1], one.p);
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
     x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
     x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
@@ -214,34 +214,6 @@ static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_r
     }
 }
 
-/* n columns of rows n apart lose their components along the null vectors. */
-static void rbdi_project_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    for (int column = 0; rbdi_any(any) && column < n; ++column) {
-        for (int i = 0; i < c->rows; ++i) c->b[i] = X[i * n + column];
-        rbdi_project_rows(c, c->b);
-        for (int i = 0; i < c->rows; ++i) X[i * n + column] = c->b[i];
-    }
-}
-
-/* X = Delta^-1 X, of least norm, for n columns of rows n apart. */
-static void rbdi_delta_solve_columns(rbd_constraint_set *c, rbd_real *X, int n) {
-    rbdi_to_order(c, X, n, n, 1);
-    rbdi_project_columns(c, X, n);
-    for (int t = 0; t < c->rows; ++t) {
-        for (int i = 0; i < t; ++i) c->b[i] = c->R[i * c->stride + t];
-        rbdi_subtract_product(c->b, X, t, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
-    }
-    rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n, n, 1);
-}
-
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
 static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
                                rbd_real *sigma) {
@@ -251,7 +223,7 @@ static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const 
         for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
         rbdi_subtract_product(c->x, rho, n, n, to);
     }
-    rbdi_delta_solve_columns(c, sigma, n);
+    rbdi_delta_solve(c, sigma, n);
 }
 
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,

@@ -3,8 +3,7 @@
 #include "motion/kinematics.h"
 #include "constraints/layout.h"
 
-/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_of, rbdi_station_with,
-   RBDI_HELD_ERRORS */
+/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -13,8 +12,8 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-/* The world, link -1, accelerates upward by -gravity if the links do; steady: these only turn. */
-RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link, rbdi_v3 p, int steady) {
+/* The world, link -1, accelerates upward by -gravity if the links do. */
+RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     rbdi_station s;
     s.p = p;
     s.omega = s.v = s.omega_dot = rbdi_vec0();
@@ -26,23 +25,18 @@ RBDI_INLINE rbdi_station rbdi_station_with(const rbd_constraint_set *c, int link
         s.omega = rbdi_mul_t(k->X.E, k->state.omega);
         turn = rbdi_cross(s.omega, arm);
         s.v = rbdi_add(rbdi_mul_t(k->X.E, k->v), turn);
-        s.acc = rbdi_cross(s.omega, turn);
-        if (steady) return s;
         s.omega_dot = rbdi_mul_t(k->X.E, k->state.omega_dot);
-        s.acc = rbdi_add(s.acc, rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm)));
+        s.acc = rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm));
+        s.acc = rbdi_add(s.acc, rbdi_cross(s.omega, turn));
     }
     return s;
 }
-RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
-    return rbdi_station_with(c, link, p, 0);
-}
 
 /* The origin of a frame of a constraint, fixed in its link. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side,
-                                         int steady) {
+RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
-    return rbdi_station_with(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x), steady);
+    return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
 }
 
 /* Orientation of the frame in the world. */
@@ -115,26 +109,24 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
     }
 }
 
-enum { RBDI_HELD_RATES = 1, RBDI_HELD_ERRORS = 2 }; /* J v, e */
-
-/* gamma of a constraint; want: also J v, e. steady: without omega_dot and acc of the links. Returns the place
-   of frame 1. Body 2 is mostly the world, which is at rest. */
+/* gamma and J v of a constraint and, if `errors`, e. Returns the place of frame 1. Body 2 is mostly the world,
+   which is at rest. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
-                                           const rbdi_axes_held *h, int want, int steady) {
-    const rbdi_station one = rbdi_station_of(c, k, 0, steady), two = rbdi_station_of(c, k, 1, steady);
+                                           const rbdi_axes_held *h, int errors) {
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
     rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
     if (k->link[1] >= 0) {
         const rbdi_v3 ws = rbdi_cross(w2, s);
         u = rbdi_sub(rbdi_sub(u, two.v), ws);
         spin = rbdi_sub(spin, w2);
-        if (!steady) alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
+        alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
         alpha = rbdi_sub(alpha, rbdi_cross(w2, spin));
         a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
     }
     rbdi_add_held(k, h, alpha, a, &c->gamma[k->row]);
-    if (want & RBDI_HELD_RATES) rbdi_add_held(k, h, spin, u, &c->u[k->row]);
-    if (want & RBDI_HELD_ERRORS) {
+    rbdi_add_held(k, h, spin, u, &c->u[k->row]);
+    if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (k->angular) {
             const rbdi_mat R = rbdi_station_axes(c, k, 1);

@@ -132,30 +132,35 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* For a dropped row t the null vector n, R n = 0 and n_t = 1; zero in lanes that took the row. */
-static void rbdi_null_vector(const rbd_constraint_set *c, int t, rbd_real *n) {
-    n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
-    for (int i = t - 1; i >= 0; --i)
-        n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
-}
+/* The null vector n of a dropped row t, R n = 0 and n_t = 1, up to entry t: row t of c->R to the diagonal, which
+   nothing else needs any more. It is 0 in lanes that took the row. */
+static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* It is kept as row t of c->R, in the lanes that have no other use for that. */
-static void rbdi_keep_null(const rbd_constraint_set *c, int t, const rbd_real *n) {
-    const rbdi_mask dropped = rbdi_dropped(c, t);
-    rbd_real *to = &c->R[t * c->stride];
-    for (int j = 0; j <= t; ++j) to[j] = rbdi_select(dropped, n[j], to[j]);
-}
-static void rbdi_load_null(const rbd_constraint_set *c, int t, rbd_real *n) {
-    const rbdi_mask dropped = rbdi_dropped(c, t);
-    for (int j = 0; j <= t; ++j) n[j] = rbdi_select(dropped, c->R[t * c->stride + j], rbdi_zero());
-}
-
-/* x loses its component along n; which is shorter than 1 in no lane where it is not zero. */
-static void rbdi_project(const rbd_real *n, rbd_real *x, int count) {
-    rbdi_mask none = rbdi_less(n[0], n[0]);
+/* x loses its component along the null vector of row t. It has t + 1 entries or more. */
+static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
+    const rbd_real *n = rbdi_null(c, t);
+    rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
     const rbd_real share =
-        rbdi_rows_product(n, x, count) * rbdi_reciprocal(rbdi_rows_product(n, n, count), RBD_C(0.5), &none);
-    for (int k = 0; k < count; ++k) x[k] = x[k] - share * n[k];
+        rbdi_rows_product(n, x, t + 1) * rbdi_reciprocal(rbdi_rows_product(n, n, t + 1), RBD_C(0.5), &none);
+    for (int k = 0; k <= t; ++k) x[k] = x[k] - share * n[k];
+}
+
+/* x loses its components along the null vectors of the rows before row `end`. */
+static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x) {
+    for (int t = 0; t < end; ++t)
+        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
+}
+
+/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+static void rbdi_null_space(const rbd_constraint_set *c) {
+    for (int t = 0; t < c->rows; ++t) {
+        rbd_real *n = rbdi_null(c, t);
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+        for (int i = t - 1; i >= 0; --i)
+            n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
+        rbdi_project_rows(c, t, n);
+    }
 }
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
@@ -163,7 +168,7 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 /* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
    that come with them. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c, k, 0, 0), two = rbdi_station_of(c, k, 1, 0);
+    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
@@ -184,39 +189,17 @@ static void rbdi_bound_demand(rbd_constraint_set *c) {
     rbdi_to_order(c, c->target, 1, 1, 0);
 }
 
-/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
-static void rbdi_null_space(const rbd_constraint_set *c) {
-    rbd_real *n = c->square, *before = c->share;
-    for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_null_vector(c, t, n);
-        for (int i = 0; i < t; ++i) {
-            if (!rbdi_any(rbdi_dropped(c, i))) continue;
-            rbdi_load_null(c, i, before);
-            rbdi_project(before, n, i + 1);
-        }
-        rbdi_keep_null(c, t, n);
-    }
-}
-
-/* x loses its components along all null vectors. */
-static void rbdi_project_rows(const rbd_constraint_set *c, rbd_real *x) {
-    for (int t = 0; t < c->rows; ++t) {
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        rbdi_load_null(c, t, c->square);
-        rbdi_project(c->square, x, t + 1);
-    }
-}
-
 /* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
    along the null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
-    rbd_real *n = c->square, *bad = c->share;
+    rbd_real *bad = c->share;
     const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_bound_demand(c);
+    rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *n = rbdi_null(c, t);
         rbd_real bound = rbdi_zero();
-        rbdi_load_null(c, t, n);
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
         for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
         bad[t] =
             rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
@@ -226,25 +209,35 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* Delta lambda = b, of least norm, where rows may depend on others. The right-hand side is brought into
-   agreement before: b loses its components along the null vectors, too. check: whether to note where they do
-   not agree. */
-static void rbdi_solve_dependent(const rbd_model *m, rbd_constraint_set *c, int check) {
-    c->exchanged = 1;
-    rbdi_orthogonalise(m, c);
-    rbdi_to_order(c, c->b, 1, 1, 0);
-    rbdi_null_space(c);
-    if (check) rbdi_check_rows(c);
-    rbdi_project_rows(c, c->b);
-    for (int t = 0; t < c->rows; ++t) {
-        rbd_real *R = &c->R[t * c->stride];
-        R[c->rows] = c->b[t] * c->inverse[t];
-        for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            *(rbdi_batch *)&c->b[j] = *(const rbdi_batch *)&c->b[j] - *(const rbdi_batch *)&R[j] * R[c->rows];
+/* n columns, of rows n apart, lose their components along the null vectors. */
+static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
+    rbd_real *x = c->square;
+    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
+    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+        for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
+        rbdi_project_rows(c, c->rows, x);
+        for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
     }
-    rbdi_back_substitute(c);
-    rbdi_project_rows(c, c->lambda);
-    rbdi_from_order(c, c->lambda, 1, 1, 0);
+}
+
+/* X = Delta^-1 X, of least norm, for n columns of rows n apart. Where rows depend on others the right-hand side
+   is brought into agreement before: it loses its components along the null vectors, too. */
+static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
+    rbd_real *x = c->square;
+    rbdi_to_order(c, X, n, n, 1);
+    rbdi_project_columns(c, X, n);
+    for (int t = 0; t < c->rows; ++t) {
+        for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
+        rbdi_subtract_product(x, X, t, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    for (int t = c->rows - 1; t >= 0; --t) {
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
+        rbdi_multiply(&X[t * n], c->inverse[t], n);
+    }
+    rbdi_project_columns(c, X, n);
+    rbdi_from_order(c, X, n, n, 1);
 }
 
 /* lambda; what a call returns, status of the pivots being known. */

@@ -73,13 +73,13 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Y = J' and gamma of a constraint; want: also J v, e. */
+/* Y = J', gamma and J v of a constraint and, if `errors`, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
-                                 int want) {
+                                 int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, k, &h);
-    p = rbdi_constraint_motion(c, k, &h, want, 0);
+    p = rbdi_constraint_motion(c, k, &h, errors);
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 

@@ -26,16 +26,16 @@ static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rb
     const rbdi_v3 n = rbdi_contact_normal(s, k);
     rbdi_station one, two;
     k->p[0] = a->point;
-    one = rbdi_station_of(s, k, 0, 1);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1, 1).p)) - a->radius;
+    one = rbdi_station_of(s, k, 0);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p)) - a->radius;
     if (a->radius > 0) {
         const rbdi_v3 x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
         k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
         k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
         k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
-        one = rbdi_station_of(s, k, 0, 1);
+        one = rbdi_station_of(s, k, 0);
     }
-    two = rbdi_station_with(s, k->link[1], one.p, 1);
+    two = rbdi_station_at(s, k->link[1], one.p);
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
@@ -102,12 +102,12 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, s->stride);
+    rbdi_clear(s->u, s->stride);
     rbdi_clear(s->gamma, s->stride);
     rbdi_clear(s->e, s->stride);
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
-    for (int i = c->n; i < c->n + c->held; ++i)
-        rbdi_constraint_rows(m, s, &s->constraint[i], RBDI_HELD_ERRORS);
+    for (int i = c->n; i < c->n + c->held; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
