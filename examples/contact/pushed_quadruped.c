@@ -1,6 +1,6 @@
 /* pushed_quadruped.c - HyQ stands on four feet, its joints held by springs and dampers, and is pushed from
-   the side for a tenth of a second: with 300 N, which it takes standing; then with 600 N. That lifts two feet,
-   and the robot comes down on them again. */
+   the side for a tenth of a second: with 300 N, which it takes standing; then with 600 N. That lifts two
+   feet, and the robot comes down on them again. */
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 #include "models/hyq_model.h"
