@@ -1649,6 +1649,15 @@ RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
     return rbdi_zero();
 #endif
 }
+/* x in all lanes. */
+RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return x - zero;
+#else
+    return x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #if RBDI_BATCH > 1
     rbd_real sum = x[0];
@@ -3002,7 +3011,7 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 }
 
 /* ==== src/dynamics/crba.h ==== */
-/* Interface: rbdi_ratio, rbdi_rbi_column, rbdi_source */
+/* Interface: rbdi_ratio, rbdi_source */
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for

@@ -495,6 +495,10 @@ RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
     v.x = x, v.y = y, v.z = z;
     return v;
 }
+/* The vector in all lanes. */
+RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
+    return rbdi_b_vec(rbdi_all_lanes(a.x), rbdi_all_lanes(a.y), rbdi_all_lanes(a.z));
+}
 RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
 /* c + k a and c + a x b: sums before products are contracted to FMA best. */
@@ -1236,11 +1240,13 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #endif
 
-/* With a free base the frame has its axes: of S_i' F_j nothing is left but the components of F_j, and
+/* A free base. The frame has its axes, and its S are unit vectors: the entries of its rows are components of
+   F_j, D_j, E_j. By the velocity (w; v) of the base and by its turn theta, with (n; f) = F_j,
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   (n; f) being F_j; by the base's place nothing changes. Half of all entries of a robot that walks. */
+   Its position has no effect. Without this HyQ's derivatives of inverse dynamics take 50 % more instructions,
+   Atlas's 17 %. */
 /* a x b, and with c added, of a batch with one vector. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
     return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
@@ -1248,140 +1254,90 @@ RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
 RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
     return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
-/* Rows of the base from the dof behind it on: F, or D or E, of all of them. As in rbdi_put_rows_in_place a
-   batch may go over what the next row begins with, which comes later: last batches first. */
+/* I (omega; v) of the whole, omega being zero unless turns. */
+RBDI_INLINE rbdi_bforce rbdi_whole_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V, int turns) {
+    rbdi_bforce F;
+    if (turns) return rbdi_inertia_times(s, m, V);
+    F.n = rbdi_b_cross(s->h, V.v);
+    F.f = rbdi_b_vec(V.v.x * m, V.v.y * m, V.v.z * m);
+    return F;
+}
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole. S are unit vectors e; U is
+   (w x e; e x v) for turns and (0; w x e) for shifts. A turn of the base changes only gravity's direction. */
+RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
+    const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
+    const rbdi_b3 w = rbdi_b_all(d->V.omega), v = rbdi_b_all(d->V.v), up = rbdi_b_all(d->up);
+    rbdi_sums s;
+    rbdi_batch *x = (rbdi_batch *)&s;
+    RBDI_UNROLL_SUMS for (int j = 0; j < 9; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    if (want & RBDI_WANT_V) {
+        RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    }
+    for (int b = 0; b < d->behind; ++b) {
+        const int turns = b * RBDI_BATCH < 3;
+        const rbdi_cbatch m = d->constants[b].subtree;
+        rbdi_columns *c = &d->columns[b];
+        rbdi_bmotion U = c->S;
+        if (want & RBDI_WANT_M) c->F = rbdi_whole_times(&s, m, U, turns);
+        if (want & RBDI_WANT_V) {
+            U.v = rbdi_b_cross(w, c->S.v);
+            if (turns) {
+                U.omega = rbdi_b_cross(w, c->S.omega);
+                U.v = rbdi_b_cross_add(U.v, c->S.omega, v);
+            }
+            c->D = rbdi_whole_times(&s, m, U, turns);
+            if (turns) c->D = rbdi_subtree_B_add(c->D, &s, c->S.omega);
+        }
+        U.v = rbdi_b_cross(up, c->S.omega);
+        if (want & RBDI_WANT_Q) c->E = rbdi_whole_times(&s, m, U, 0);
+    }
+}
+/* Stores as many rows of the base's own six columns. in: their first component. */
+RBDI_INLINE void rbdi_put_base_block(const rbd_real *in, int rows, ptrdiff_t nv, rbd_real *out) {
+    for (int k = 0; k < rows; ++k, in += RBDI_BATCH, out += nv) {
+        rbd_real row[6];
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
+            row[j] = in[j / RBDI_BATCH * RBDI_COLUMN_SIZE * RBDI_BATCH + j % RBDI_BATCH];
+        }
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { out[j] = row[j]; }
+    }
+}
+/* Rows of the base: the columns F, D or E of all dofs. The last batch of a row may overwrite the beginning of
+   the next row, which is therefore stored later. */
 RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F, rbd_real *out) {
     const ptrdiff_t nv = d->model->nv;
-    out += d->base;
     for (int b = d->batches - 1; b >= d->behind; --b) {
         const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN_SIZE;
-        rbd_real *to = out + (b - d->behind) * RBDI_BATCH;
+        rbd_real *to = out + d->base + (b - d->behind) * RBDI_BATCH;
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
             *(rbdi_batch *)(to + k * nv) = in[k];
     }
+    rbdi_put_base_block(F, 6, nv, out);
 }
-/* Four of its columns: components of a batch, to as many rows as it has lanes. */
-RBDI_INLINE void rbdi_put_base_columns(const rbdi_batch *x, int lanes, ptrdiff_t nv, rbd_real *out) {
-    rbdi_four row[RBDI_BATCH];
-    rbdi_fours_of_lanes(x, row);
+/* The base's columns in the rows of a batch of dofs, beginning with the first of these: (n; f). */
+RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
+    const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
+    const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
+    rbdi_four row[2][RBDI_BATCH]; /* components 0 to 3 and 2 to 5 */
+    rbdi_fours_of_lanes(x, row[0]), rbdi_fours_of_lanes(x + 2, row[1]);
+    out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k)
-        if (k < lanes) *(rbdi_four *)(out + k * nv) = row[k];
+        if (k < nv - first)
+            *(rbdi_four *)&out[k * nv] = row[0][k], *(rbdi_four *)&out[k * nv + 2] = row[1][k];
 }
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
-    const ptrdiff_t nv = d->model->nv;
-    for (int b = d->behind, j = d->base; b < d->batches; ++b, j += RBDI_BATCH) {
-        const rbdi_columns *c = &d->columns[b];
-        const rbdi_bforce F = c->F;
-        const rbdi_batch o = rbdi_zero_batch();
-        const ptrdiff_t row = j * nv;
-        const int lanes = d->n - j;
-        if (want & RBDI_WANT_M) {
-            const rbdi_batch x[6] = {F.n.x, F.n.y, F.n.z, F.f.x, F.f.y, F.f.z};
-            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_MASS] + row);
-            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_MASS] + row + 2);
-        }
-        if (want & RBDI_WANT_V) {
-            const rbdi_b3 n = rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(c->T, F.n, w), F.f, minus_v),
-                          f = rbdi_b_cross_vec(F.f, w);
-            const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
-            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_V] + row);
-            rbdi_put_base_columns(x + 2, lanes, nv, out.at[RBDI_BY_V] + row + 2);
-        }
-        if (want & RBDI_WANT_Q) {
-            const rbdi_b3 n = rbdi_b_cross_vec(F.f, up);
-            const rbdi_batch x[4] = {n.x, n.y, n.z, o}, zero[4] = {o, o, o, o};
-            rbdi_put_base_columns(zero, lanes, nv, out.at[RBDI_BY_Q] + row + 2);
-            rbdi_put_base_columns(x, lanes, nv, out.at[RBDI_BY_Q] + row);
-        }
+    for (int b = d->behind; b < d->batches; ++b) {
+        const rbdi_b3 T = d->columns[b].T;
+        const rbdi_bforce F = d->columns[b].F;
+        if (want & RBDI_WANT_M) rbdi_put_base_columns(d, b, F.n, F.f, out.at[RBDI_MASS]);
+        if (want & RBDI_WANT_V)
+            rbdi_put_base_columns(d, b, rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(T, F.n, w), F.f, minus_v),
+                                  rbdi_b_cross_vec(F.f, w), out.at[RBDI_BY_V]);
+        if (want & RBDI_WANT_Q)
+            rbdi_put_base_columns(d, b, rbdi_b_cross_vec(F.f, up), rbdi_b_all(rbdi_vec0()),
+                                  out.at[RBDI_BY_Q]);
     }
-}
-
-/* Its own block, h, P, X and the inertia [I, [h]x; -[h]x, m] being the whole's: of turns (n; f)
-
-       dtau/dw = (G + I [w]x - [h]x [v]x; -2 [P]x - [h]x [w]x - m [v]x)
-
-   and of shifts, by v and, with up for w, by theta, ([h]x [w]x; m [w]x). In C B stands for 2 B. */
-RBDI_INLINE rbdi_mat rbdi_rows_mat(rbdi_v3 x, rbdi_v3 y, rbdi_v3 z) {
-    rbdi_mat A;
-    A.xx = x.x, A.xy = x.y, A.xz = x.z;
-    A.yx = y.x, A.yy = y.y, A.yz = y.z;
-    A.zx = z.x, A.zy = z.y, A.zz = z.z;
-    return A;
-}
-/* [a]x, and [a]x [b]x = b a' - (a'b) 1. */
-RBDI_INLINE rbdi_mat rbdi_cross_mat(rbdi_v3 a) {
-    const rbd_real o = rbdi_zero();
-    return rbdi_rows_mat(rbdi_vec(o, -a.z, a.y), rbdi_vec(a.z, o, -a.x), rbdi_vec(-a.y, a.x, o));
-}
-RBDI_INLINE rbdi_mat rbdi_cross_twice(rbdi_v3 a, rbdi_v3 b) {
-    return rbdi_rows_mat(rbdi_vec(-(a.y * b.y + a.z * b.z), b.x * a.y, b.x * a.z),
-                         rbdi_vec(b.y * a.x, -(a.x * b.x + a.z * b.z), b.y * a.z),
-                         rbdi_vec(b.z * a.x, b.z * a.y, -(a.x * b.x + a.y * b.y)));
-}
-RBDI_INLINE rbdi_mat rbdi_mat_sub(rbdi_mat A, rbdi_mat B) {
-    A.xx = A.xx - B.xx, A.xy = A.xy - B.xy, A.xz = A.xz - B.xz;
-    A.yx = A.yx - B.yx, A.yy = A.yy - B.yy, A.yz = A.yz - B.yz;
-    A.zx = A.zx - B.zx, A.zy = A.zy - B.zy, A.zz = A.zz - B.zz;
-    return A;
-}
-RBDI_INLINE void rbdi_put_mat(rbdi_mat A, ptrdiff_t stride, rbd_real *out) {
-    rbdi_store(rbdi_vec(A.xx, A.xy, A.xz), out);
-    rbdi_store(rbdi_vec(A.yx, A.yy, A.yz), out + stride);
-    rbdi_store(rbdi_vec(A.zx, A.zy, A.zz), out + 2 * stride);
-}
-/* Sigma and h of all, about the base's origin. */
-RBDI_INLINE rbdi_rbi rbdi_whole_rbi(const rbd_derivatives *d) {
-    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
-    rbdi_rbi C;
-    C.h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
-    C.Sigma.xx = in[0], C.Sigma.xy = in[RBDI_BATCH], C.Sigma.xz = in[2 * RBDI_BATCH];
-    C.Sigma.yy = in[3 * RBDI_BATCH], C.Sigma.yz = in[4 * RBDI_BATCH], C.Sigma.zz = in[5 * RBDI_BATCH];
-    return C;
-}
-/* Turns, as columns nv apart. */
-RBDI_INLINE void rbdi_store_turns(rbdi_mat A, ptrdiff_t nv, ptrdiff_t row, rbd_real *const turn[3]) {
-    turn[0][row] = A.xx, turn[1][row] = A.xy, turn[2][row] = A.xz, row += nv;
-    turn[0][row] = A.yx, turn[1][row] = A.yy, turn[2][row] = A.yz, row += nv;
-    turn[0][row] = A.zx, turn[1][row] = A.zy, turn[2][row] = A.zz;
-}
-RBDI_PART void rbdi_base_turns(const rbd_derivatives *d, rbd_real *const turn[3]) {
-    const int last = d->base - 1;
-    const rbdi_rbi C = rbdi_whole_rbi(d);
-    const rbdi_v3 w = d->V.omega, v = d->V.v, h = C.h;
-    const rbd_real *in = RBDI_OF(d, last, sum.Xx);
-    const rbdi_v3 x = rbdi_load_vec(in), y = rbdi_load_vec(in + 3 * RBDI_BATCH),
-                  z = rbdi_load_vec(in + 6 * RBDI_BATCH), P = rbdi_load_vec(RBDI_OF(d, last, sum.P));
-    const rbdi_mat minus_G = rbdi_rows_mat(rbdi_vec(-(y.y + z.z), x.y, x.z), rbdi_vec(y.x, -(x.x + z.z), y.z),
-                                           rbdi_vec(z.x, z.y, -(x.x + y.y)));
-    const ptrdiff_t nv = d->model->nv;
-    rbdi_mat A = rbdi_rows_mat(rbdi_cross(rbdi_rbi_column(C, d->mass, 0).n, w),
-                               rbdi_cross(rbdi_rbi_column(C, d->mass, 1).n, w),
-                               rbdi_cross(rbdi_rbi_column(C, d->mass, 2).n, w));
-    A = rbdi_mat_sub(rbdi_mat_sub(A, rbdi_cross_twice(h, v)), minus_G);
-    rbdi_store_turns(A, nv, 0, turn);
-    A = rbdi_cross_mat(rbdi_sub(rbdi_vec0(), rbdi_add(P, rbdi_scale(rbdi_set(d->mass), v))));
-    rbdi_store_turns(rbdi_mat_sub(A, rbdi_cross_twice(h, w)), nv, 3 * nv, turn);
-}
-RBDI_PART void rbdi_put_base_block(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v, rbd_real *M) {
-    const rbd_real mass = rbdi_set(d->mass);
-    const ptrdiff_t nv = d->model->nv, low = 3 * nv;
-    rbdi_rbi C;
-    if (!d->base) return;
-    C = rbdi_whole_rbi(d);
-    if (by_q) {
-        rbdi_put_mat(rbdi_cross_twice(C.h, d->up), nv, by_q);
-        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->up)), nv, by_q + low);
-        for (int i = 0; i < 6; ++i) rbdi_store(rbdi_vec0(), by_q + i * nv + 3);
-    }
-    if (by_v) {
-        rbd_real *turn[3];
-        turn[0] = by_v, turn[1] = by_v + 1, turn[2] = by_v + 2;
-        rbdi_base_turns(d, turn);
-        rbdi_put_mat(rbdi_cross_twice(C.h, d->V.omega), nv, by_v + 3);
-        rbdi_put_mat(rbdi_cross_mat(rbdi_scale(mass, d->V.omega)), nv, by_v + low + 3);
-    }
-    for (int i = 0; M && i < 6; ++i) rbdi_store_force(M + i * nv, 1, rbdi_rbi_column(C, d->mass, i));
 }
 
 /* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
@@ -1397,7 +1353,7 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     rbd_real *turn[3];
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
-    rbdi_base_turns(d, turn);
+    for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
         const rbd_real *x = (const rbd_real *)&y;
@@ -1437,6 +1393,7 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
 enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
+    if (d->base) rbdi_base_columns(d, want);
     if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
     if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
     if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
@@ -1482,8 +1439,8 @@ RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
                ? 6
                : 0;
 }
-/* Lanes left out before the first dof, so that those behind the base begin a batch. */
-RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
+/* Lanes left out behind a free base, so that the next dof begins a batch. */
+RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
 }
 
@@ -1491,7 +1448,7 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
     const int n = m ? m->nv + m->nmimic : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
-                                  (n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+                                  (n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
 }
 
 /* The constants of dof k, component by component. */
@@ -1568,7 +1525,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
 RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
     for (int k = 0; k < d->n; ++k) {
         rbdi_entry *e = &d->entry[k];
-        const int from = e->source + rbdi_lanes_before(m);
+        const int from = e->source + (e->source < d->base ? 0 : rbdi_surplus_lanes(m));
         d->entry[e->source].of_source = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
@@ -1627,6 +1584,14 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
+/* The motion columns of a free base's dofs, unit vectors. */
+RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
+    for (int k = 0; k < d->base; ++k) {
+        rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());
+        RBDI_OF(d, k, S)[k * RBDI_BATCH] = rbdi_set(RBD_C(1));
+    }
+}
+
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **derivatives) {
     const rbd_status status = rbdi_check(m, w, memory && derivatives);
@@ -1642,8 +1607,8 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->model = m, d->work = w;
     d->n = m->nv + m->nmimic;
     d->base = rbdi_free_dofs(m);
-    d->batches = (d->n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH;
-    d->behind = (d->base + rbdi_lanes_before(m)) / RBDI_BATCH;
+    d->batches = (d->n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
@@ -1674,6 +1639,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
+    rbdi_init_base(d);
     *derivatives = d;
     return RBD_OK;
 }
@@ -1735,29 +1701,19 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
 }
 
-/* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
-RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
-    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
-}
-
-/* A free base's composite body: h about its origin, Sigma about the centre of mass. */
-RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
-    rbdi_rbi C = rbdi_whole_rbi(d);
-    C.Sigma.xx = C.Sigma.xx - com.x * C.h.x, C.Sigma.xy = C.Sigma.xy - com.x * C.h.y;
-    C.Sigma.xz = C.Sigma.xz - com.x * C.h.z, C.Sigma.yy = C.Sigma.yy - com.y * C.h.y;
-    C.Sigma.yz = C.Sigma.yz - com.y * C.h.z, C.Sigma.zz = C.Sigma.zz - com.z * C.h.z;
-    return C;
-}
-
 /* From a free base's axes to the world's, E being its rotation. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
                       a.x * E.xz + a.y * E.yz + a.z * E.zz);
 }
 
-/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the
-   caller has them, or with mimic joints added. A batch may go over columns before it of the next row, which
-   come later, but not over the end. */
+/* Adds k times each of x to a column of a matrix whose rows are nv long. */
+RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
+    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
+}
+/* Stores the vectors y of a batch of dofs as columns of three rows; with mimic joints it adds them. end: how
+   many entries there are from out on. A batch may overwrite the beginning of the next row, but not pass the
+   end: later batches must be stored first. */
 RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_batch row[3] = {y.x, y.y, y.z};
@@ -1782,22 +1738,6 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     }
 }
 
-/* Columns of a free base: of the whole, moments about the centre of mass, forces scaled. A shift has no
-   moment. */
-RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
-                                       rbd_real *out) {
-    const rbdi_mat E = d->work->block[0].X.E;
-    const rbdi_rbi C = rbdi_whole_body(d, com);
-    const ptrdiff_t nv = d->model->nv;
-    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
-        const rbdi_force F = rbdi_rbi_column(C, d->mass, k);
-        const rbdi_v3 n = k < 3 ? rbdi_mul_t(E, F.n) : rbdi_vec0(), f = rbdi_scale(scale, rbdi_mul_t(E, F.f));
-        rbd_real *to = out + k;
-        if (rows > 3) to[0] = n.x, to[nv] = n.y, to[2 * nv] = n.z, to += 3 * nv;
-        to[0] = f.x, to[nv] = f.y, to[2 * nv] = f.z;
-    }
-}
-
 /* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
    a scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
@@ -1805,15 +1745,20 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
     const int nv = d->model->nv;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
     if (d->model->nmimic) rbdi_clear(out, rows * nv);
-    for (int b = d->batches - 1; b >= d->behind; --b) {
+    if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+    for (int b = d->batches - 1; b >= 0; --b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
+        if (b < d->behind) {
+            d->columns[b].E = F;
+            continue;
+        }
         if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
         rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
     }
-    if (d->base) rbdi_put_base_momenta(d, com, scale, rows, out);
+    if (d->base) rbdi_put_base_block(RBDI_OF(d, 0, E) + (6 - rows) * RBDI_BATCH, rows, nv, out);
 }
 
 /* The wrench on all that moves, at a = 0: the sum over the roots. */
@@ -1861,7 +1806,6 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
     rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, NULL, C, NULL);
     return RBD_OK;
 }
 
@@ -1899,6 +1843,18 @@ RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     }
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
         to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
+}
+
+/* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
+RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    rbdi_rbi C;
+    C.h = h;
+    C.Sigma.xx = in[0] - com.x * h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * h.z;
+    return C;
 }
 
 /* y, from the wrench that the base lacks. */
@@ -1987,7 +1943,6 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
-    rbdi_put_base_block(d, dtau_dq, dtau_dv, M);
     return RBD_OK;
 }
 
@@ -1999,7 +1954,6 @@ RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_deriv
                 RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
 
@@ -2033,13 +1987,13 @@ RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
-    for (int i = 0; i < d->base; ++i) /* its own rows are shorter: the next writes over */
-        rbdi_store_force(H + o[i].row, 1, rbdi_rbi_column(rbdi_whole_rbi(d), d->mass, i));
-    for (int i = d->base; i < d->n; ++i) {
+    if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+    for (int i = 0; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
-        if (d->base) rbdi_store_force(row, 1, F);
+        if (d->base)
+            rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
@@ -2391,6 +2345,7 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
             rbdi_add_fours(y, up, p.row);
         }
     }
+    rbdi_init_base(d);
     return RBD_OK;
 }
 

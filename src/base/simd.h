@@ -55,6 +55,15 @@ RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
     return rbdi_zero();
 #endif
 }
+/* x in all lanes. */
+RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return x - zero;
+#else
+    return x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #if RBDI_BATCH > 1
     rbd_real sum = x[0];

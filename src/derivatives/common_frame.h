@@ -106,6 +106,10 @@ RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
     v.x = x, v.y = y, v.z = z;
     return v;
 }
+/* The vector in all lanes. */
+RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
+    return rbdi_b_vec(rbdi_all_lanes(a.x), rbdi_all_lanes(a.y), rbdi_all_lanes(a.z));
+}
 RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
 /* c + k a and c + a x b: sums before products are contracted to FMA best. */

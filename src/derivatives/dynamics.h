@@ -1,7 +1,6 @@
 #ifndef RBDI_DERIVATIVES_DYNAMICS_H
 #define RBDI_DERIVATIVES_DYNAMICS_H
 #include "dynamics/pivots.h"
-#include "derivatives/subtrees.h"
 #include "derivatives/memory.h"
 
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
@@ -14,7 +13,6 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
-    rbdi_put_base_block(d, dtau_dq, dtau_dv, M);
     return RBD_OK;
 }
 
@@ -26,7 +24,6 @@ RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_deriv
                 RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, dg_dq, NULL, NULL);
     return RBD_OK;
 }
 
@@ -60,13 +57,13 @@ RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
-    for (int i = 0; i < d->base; ++i) /* its own rows are shorter: the next writes over */
-        rbdi_store_force(H + o[i].row, 1, rbdi_rbi_column(rbdi_whole_rbi(d), d->mass, i));
-    for (int i = d->base; i < d->n; ++i) {
+    if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+    for (int i = 0; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
-        if (d->base) rbdi_store_force(row, 1, F);
+        if (d->base)
+            rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;

@@ -1,6 +1,6 @@
 #ifndef RBDI_DERIVATIVES_FREE_BASE_H
 #define RBDI_DERIVATIVES_FREE_BASE_H
-#include "derivatives/momentum.h"
+#include "derivatives/memory.h"
 
 /* ---- inverse dynamics with a free base [free base code] ----
    At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
@@ -35,6 +35,18 @@ RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     }
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
         to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
+}
+
+/* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
+RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
+    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
+    rbdi_rbi C;
+    C.h = h;
+    C.Sigma.xx = in[0] - com.x * h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * h.z;
+    return C;
 }
 
 /* y, from the wrench that the base lacks. */

@@ -15,8 +15,8 @@ RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
                ? 6
                : 0;
 }
-/* Lanes left out before the first dof, so that those behind the base begin a batch. */
-RBDI_INLINE int rbdi_lanes_before(const rbd_model *m) {
+/* Lanes left out behind a free base, so that the next dof begins a batch. */
+RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
 }
 
@@ -24,7 +24,7 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
     const int n = m ? m->nv + m->nmimic : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
-                                  (n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+                                  (n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
 }
 
 /* The constants of dof k, component by component. */
@@ -101,7 +101,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
 RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
     for (int k = 0; k < d->n; ++k) {
         rbdi_entry *e = &d->entry[k];
-        const int from = e->source + rbdi_lanes_before(m);
+        const int from = e->source + (e->source < d->base ? 0 : rbdi_surplus_lanes(m));
         d->entry[e->source].of_source = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
@@ -160,6 +160,14 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
+/* The motion columns of a free base's dofs, unit vectors. */
+RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
+    for (int k = 0; k < d->base; ++k) {
+        rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());
+        RBDI_OF(d, k, S)[k * RBDI_BATCH] = rbdi_set(RBD_C(1));
+    }
+}
+
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **derivatives) {
     const rbd_status status = rbdi_check(m, w, memory && derivatives);
@@ -175,8 +183,8 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->model = m, d->work = w;
     d->n = m->nv + m->nmimic;
     d->base = rbdi_free_dofs(m);
-    d->batches = (d->n + rbdi_lanes_before(m) + RBDI_BATCH - 1) / RBDI_BATCH;
-    d->behind = (d->base + rbdi_lanes_before(m)) / RBDI_BATCH;
+    d->batches = (d->n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
@@ -207,6 +215,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
+    rbdi_init_base(d);
     *derivatives = d;
     return RBD_OK;
 }

@@ -1,6 +1,5 @@
 #ifndef RBDI_DERIVATIVES_MOMENTUM_H
 #define RBDI_DERIVATIVES_MOMENTUM_H
-#include "derivatives/subtrees.h"
 #include "derivatives/memory.h"
 
 /* ---- momentum [momentum code] ---- */
@@ -53,29 +52,19 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
 }
 
-/* Adds k (n; f) to a column of a matrix of rows nv long: angular rows first, or the linear ones only. */
-RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
-    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
-}
-
-/* A free base's composite body: h about its origin, Sigma about the centre of mass. */
-RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
-    rbdi_rbi C = rbdi_whole_rbi(d);
-    C.Sigma.xx = C.Sigma.xx - com.x * C.h.x, C.Sigma.xy = C.Sigma.xy - com.x * C.h.y;
-    C.Sigma.xz = C.Sigma.xz - com.x * C.h.z, C.Sigma.yy = C.Sigma.yy - com.y * C.h.y;
-    C.Sigma.yz = C.Sigma.yz - com.y * C.h.z, C.Sigma.zz = C.Sigma.zz - com.z * C.h.z;
-    return C;
-}
-
 /* From a free base's axes to the world's, E being its rotation. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
                       a.x * E.xz + a.y * E.yz + a.z * E.zz);
 }
 
-/* Columns y of a batch of dofs, into three rows nv long, the matrix ending after end entries: where the
-   caller has them, or with mimic joints added. A batch may go over columns before it of the next row, which
-   come later, but not over the end. */
+/* Adds k times each of x to a column of a matrix whose rows are nv long. */
+RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
+    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
+}
+/* Stores the vectors y of a batch of dofs as columns of three rows; with mimic joints it adds them. end: how
+   many entries there are from out on. A batch may overwrite the beginning of the next row, but not pass the
+   end: later batches must be stored first. */
 RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_batch row[3] = {y.x, y.y, y.z};
@@ -100,22 +89,6 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     }
 }
 
-/* Columns of a free base: of the whole, moments about the centre of mass, forces scaled. A shift has no
-   moment. */
-RBDI_INLINE void rbdi_put_base_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
-                                       rbd_real *out) {
-    const rbdi_mat E = d->work->block[0].X.E;
-    const rbdi_rbi C = rbdi_whole_body(d, com);
-    const ptrdiff_t nv = d->model->nv;
-    RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
-        const rbdi_force F = rbdi_rbi_column(C, d->mass, k);
-        const rbdi_v3 n = k < 3 ? rbdi_mul_t(E, F.n) : rbdi_vec0(), f = rbdi_scale(scale, rbdi_mul_t(E, F.f));
-        rbd_real *to = out + k;
-        if (rows > 3) to[0] = n.x, to[nv] = n.y, to[2 * nv] = n.z, to += 3 * nv;
-        to[0] = f.x, to[nv] = f.y, to[2 * nv] = f.z;
-    }
-}
-
 /* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
    a scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
@@ -123,15 +96,20 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
     const int nv = d->model->nv;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
     if (d->model->nmimic) rbdi_clear(out, rows * nv);
-    for (int b = d->batches - 1; b >= d->behind; --b) {
+    if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+    for (int b = d->batches - 1; b >= 0; --b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
+        if (b < d->behind) {
+            d->columns[b].E = F;
+            continue;
+        }
         if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
         rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
     }
-    if (d->base) rbdi_put_base_momenta(d, com, scale, rows, out);
+    if (d->base) rbdi_put_base_block(RBDI_OF(d, 0, E) + (6 - rows) * RBDI_BATCH, rows, nv, out);
 }
 
 /* The wrench on all that moves, at a = 0: the sum over the roots. */
@@ -179,7 +157,6 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
     rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
-    rbdi_put_base_block(d, NULL, C, NULL);
     return RBD_OK;
 }
 

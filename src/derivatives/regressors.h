@@ -220,6 +220,7 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
             rbdi_add_fours(y, up, p.row);
         }
     }
+    rbdi_init_base(d);
     return RBD_OK;
 }
 
