@@ -8,6 +8,8 @@
 #include "suites.h"
 #include "support.h"
 
+static const double pi = 3.14159265358979323846;
+
 enum { MOST = 24, MOST_ROWS = 3 * MOST };
 
 /* A problem and its solution. */
@@ -90,7 +92,7 @@ static double nearest_slip(const problem *x) {
     const int tried = 720;
     double nearest = HUGE_VAL, p[3];
     for (int k = 0; k < tried; k++) {
-        double low = 2 * M_PI * k / tried, high = 2 * M_PI * (k + 1) / tried, at_low = across(x, low, p);
+        double low = 2 * pi * k / tried, high = 2 * pi * (k + 1) / tried, at_low = across(x, low, p);
         if (at_low * across(x, high, p) > 0) continue;
         for (int i = 0; i < 60; i++) {
             const double middle = (low + high) / 2;
@@ -169,6 +171,10 @@ START_TEST(known_impulses_of_one_contact) {
     ck_assert_int_eq(solve(&x), RBD_OK);
     ck_assert_double_eq(x.p[0], 0);
     ck_assert_double_eq_tol(x.u[2], 0, 1e-15);
+    x.b[0] = x.b[1] = 0; /* nor does anything move along */
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_double_eq_tol(x.p[2], 1, 1e-15);
+    ck_assert_int_eq(x.state[0], RBD_SLIPS);
     x.b[2] = 0.1;
     ck_assert_int_eq(solve(&x), RBD_OK);
     ck_assert_double_eq(x.p[2], 0);
@@ -285,7 +291,7 @@ static problem box_on_four_points(double slope, double mu) {
 }
 
 START_TEST(box_on_a_slope) {
-    const double h = 1e-3, degrees = M_PI / 180;
+    const double h = 1e-3, degrees = pi / 180;
     for (int k = 0; k < 3; k++) {
         const double slope = (k == 0 ? 26 : k == 1 ? 27 : 40) * degrees;
         problem x = box_on_four_points(slope, 0.5);

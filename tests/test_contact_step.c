@@ -10,6 +10,8 @@
 #include "models/atlas.h"
 #include "models/hyq.h"
 
+static const double pi = 3.14159265358979323846;
+
 enum { MOST = 24 };
 
 /* ---- scenes ---- */
@@ -123,7 +125,7 @@ static double slide(double slope, double yaw, double mu, double h) {
 }
 
 START_TEST(block_sticks_and_slides) {
-    const double degrees = M_PI / 180;
+    const double degrees = pi / 180;
     for (int k = 0; k < 3; k++)
         for (int turned = 0; turned < 2; turned++) {
             const double h = steps[k], yaw = turned ? 0.7 : 0;
@@ -348,7 +350,7 @@ START_TEST(stack_carries_its_weight) {
 END_TEST
 
 START_TEST(painleves_rod_jams) {
-    const double slope = M_PI / 3;
+    const double slope = pi / 3;
     for (int k = 0; k < 2; k++)
         for (int strong = 0; strong < 2; strong++) {
             const rbd_body body = box(1, 0.01, 0.01, 1);
@@ -389,7 +391,7 @@ START_TEST(held_constraints_stay_closed) {
     s.held[s.n_held++] = rbd_ball_loop(1, end, 2, end);
     s.held[0].axes[4] = 0; /* the plane of the rods holds y */
     begin_scene(&s);
-    s.q[2] = 0.1, s.q[7] = -acos(0.15), s.q[8] = -(M_PI - acos(0.15));
+    s.q[2] = 0.1, s.q[7] = -acos(0.15), s.q[8] = -(pi - acos(0.15));
     s.v[3] = 1;
     while (s.t < 0.5) {
         step(&s);
@@ -423,7 +425,7 @@ static void open_hyq(scene *s, double h, double drop) {
 static void hyq_controller(scene *s, int trots) {
     for (int k = 0; k < 12; k++) {
         const int leg = k % 4, pair = leg == 0 || leg == 3;
-        const double side = leg < 2 ? 1 : -1, phase = 4 * M_PI * s->t + (pair ? 0 : M_PI);
+        const double side = leg < 2 ? 1 : -1, phase = 4 * pi * s->t + (pair ? 0 : pi);
         double wanted = hyq_stance[k];
         if (trots && k >= 8) wanted -= 0.5 * side * fmax(sin(phase), 0);
         if (trots && k >= 4 && k < 8) wanted += 0.25 * side * fmax(sin(phase), 0) - 0.1 * cos(phase);
@@ -589,7 +591,7 @@ END_TEST
 
 /* The world's point over a plane of the body, which falls away; each corner twice; points at one place. */
 START_TEST(odd_sets_of_contacts) {
-    const double slope = 40 * M_PI / 180, gravity[3] = {9.81 * sin(slope), 0, -9.81 * cos(slope)};
+    const double slope = 40 * pi / 180, gravity[3] = {9.81 * sin(slope), 0, -9.81 * cos(slope)};
     for (int kind = 0; kind < 4; kind++) {
         const rbd_body block = box(0.4, 0.3, 0.2, kind == 3 ? 1e-6 : 3);
         scene s;
@@ -680,6 +682,8 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_uint_eq(rbd_contact_set_size(NULL, 1, NULL, 0, NULL), 0);
     ck_assert_uint_eq(rbd_contact_set_size(r.m, -1, NULL, 0, NULL), 0);
     ck_assert_uint_eq(rbd_contact_set_size(r.m, 1, NULL, 1, NULL), 0);
+    ck_assert_uint_eq(rbd_contact_set_size(r.m, 1, NULL, -1, NULL), 0);
+    ck_assert_uint_eq(rbd_contact_set_size(r.m, RBD_MAX_CONSTRAINTS + 1, NULL, 0, NULL), 0);
     ck_assert_uint_eq(rbd_contact_set_size(r.m, RBD_MAX_CONSTRAINTS, held, 1, NULL), 0);
 #define INIT(m, w, list, n, held, n_held, memory, size, c) \
     rbd_contact_set_init(m, w, list, n, held, n_held, NULL, memory, size, c, &report)
@@ -708,14 +712,69 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(STEP(r.m, c, q, v, INFINITY, a), RBD_ERR_RANGE);
     ck_assert_int_eq(STEP(r.m, c, q, v, 1e-3, a), RBD_OK);
 #undef STEP
+    ck_assert_int_eq(rbd_contact_fd(r.m, c, q, v, NULL, NULL, NULL, 1e-3, a), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_step(r.m, c, NULL, v, v, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_step(r.m, c, q, NULL, v, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_contact_step(r.m, c, q, v, NULL, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_contact_step(r.m, c, q, v, v, NULL, NULL, 1e-3, NULL, v), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_contact_step(r.m, c, q, v, v, NULL, NULL, 1e-3, q, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_contact_get(c, 1, &a[0], a + 1), RBD_APART);
+    ck_assert_int_eq(rbd_contact_get(c, -1, NULL, NULL), RBD_APART);
     ck_assert_int_eq(rbd_contact_get(NULL, 0, NULL, NULL), RBD_APART);
     ck_assert_int_eq(rbd_contact_last(NULL).sweeps, 0);
     rbd_contact_reset(NULL);
     free(memory);
     robot_free(&r), robot_free(&other);
+}
+END_TEST
+
+/* A robot with joints of all kinds, some with limits or friction, begun beyond a limit and off a loop: what was
+   wrong is taken back, at rest. */
+START_TEST(errors_are_taken_back) {
+    rbd_body body[6] = {box(1, 1, 1, 1), rod(), rod(), rod(), rod(), rod()};
+    rbd_contact_options o = {
+        .margin = 0.01, .slop = 1e-9, .correction = 0.5, .bounce = 0.1, .tolerance = 1e-9};
+    const double none[3] = {0, 0, 0};
+    scene s;
+    body[1].lower = -0.5, body[1].upper = 0.5;
+    body[2].type = RBD_CONTINUOUS_CS, body[2].lower = -1, body[2].upper = 1; /* has no limit */
+    body[3].type = RBD_FIXED, body[3].parent = 1, body[3].axis[1] = 0;
+    body[4].friction[0] = 3;
+    body[0].type = RBD_TRANSLATION;
+    for (int k = 0; k < 3; k++) body[0].damping[k] = 1;
+    open_scene(&s, "odds", body, 6, 1e-3);
+    o.joint_limits = o.joint_friction = o.joint_damping = 1, o.iterations = 100, s.options = o;
+    s.held[s.n_held++] = rbd_point_contact(0, none, none);
+    begin_scene(&s);
+    rbd_set_gravity(s.r.w, none);
+    s.q[0] = 0.01, s.q[3] = 0.6; /* translation: 3 coordinates; the first rod */
+    step(&s);
+    ck_assert_double_eq_tol(s.q[0], 0.005, 1e-8);
+    ck_assert_double_eq_tol(s.q[3], 0.55, 1e-8);
+    ck_assert_double_le(largest(s.v, s.r.nv), 1e-8);
+    run(&s, 0.1);
+    ck_assert_double_eq_tol(s.q[0], 0, 2e-9);
+    ck_assert_double_eq_tol(s.q[3], 0.5, 2e-9);
+    close_scene(&s);
+}
+END_TEST
+
+/* A ball that is fixed in the world, under a box whose lower face is the plane. */
+START_TEST(box_rests_on_a_ball_of_the_world) {
+    const rbd_body body[1] = {box(0.2, 0.2, 0.2, 1)};
+    scene s;
+    double force[3], gap;
+    open_scene(&s, "box", body, 1, 1e-3);
+    add_contact(&s, -1, 0, 0, 0, 0.3)->radius = 0.1;
+    s.list[0].normal[2] = -1, s.list[0].height = 0.1;
+    begin_scene(&s);
+    s.q[2] = 0.5 + 1e-6;
+    run(&s, 0.05);
+    ck_assert_double_eq_tol(s.q[2], 0.5, 1e-7);
+    rbd_contact_get(s.c, 0, &gap, force);
+    ck_assert_double_eq_tol(gap, 0, 1e-7);
+    ck_assert_double_eq_tol(force[2], -9.81, 1e-6); /* on the world, body 1 */
+    close_scene(&s);
 }
 END_TEST
 
@@ -767,6 +826,8 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_sets_are_refused_by_name);
     tcase_add_test(c, bad_calls_are_refused);
+    tcase_add_test(c, errors_are_taken_back);
+    tcase_add_test(c, box_rests_on_a_ball_of_the_world);
     tcase_add_test(c, singular_states_are_errors);
     suite_add_tcase(suite, c);
     return suite;

@@ -31,7 +31,7 @@ RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
     if (radius > 4 * RBDI_EPS * mean) {
         const rbd_real ax = half >= 0 ? half + radius : xy, ay = half >= 0 ? xy : radius - half;
         const rbd_real length = rbdi_sqrt(ax * ax + ay * ay);
-        if (length > 0) law->axis[0] = ax / length, law->axis[1] = ay / length;
+        law->axis[0] = ax / length, law->axis[1] = ay / length;
     }
     law->l[0] = mean + radius > least ? mean + radius : least;
     law->l[1] = mean - radius > least ? mean - radius : least;
