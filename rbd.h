@@ -2147,28 +2147,26 @@ RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     return IA;
 }
 
-/* Row k of [I H; H' M]. */
+/* The lower triangle of [I H; H' M]. */
 RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
-    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
-    A[0][5] = IA.H.xz;
-    A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
-    A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
-    A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
-    A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
-    A[5][5] = IA.M.zz;
-    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i) RBDI_UNROLL_SIX
-        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+    A[0][0] = IA.I.xx;
+    A[1][0] = IA.I.xy, A[1][1] = IA.I.yy;
+    A[2][0] = IA.I.xz, A[2][1] = IA.I.yz, A[2][2] = IA.I.zz;
+    A[3][0] = IA.H.xx, A[3][1] = IA.H.yx, A[3][2] = IA.H.zx, A[3][3] = IA.M.xx;
+    A[4][0] = IA.H.xy, A[4][1] = IA.H.yy, A[4][2] = IA.H.zy, A[4][3] = IA.M.xy, A[4][4] = IA.M.yy;
+    A[5][0] = IA.H.xz, A[5][1] = IA.H.yz, A[5][2] = IA.H.zz;
+    A[5][3] = IA.M.xz, A[5][4] = IA.M.yz, A[5][5] = IA.M.zz;
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
     rbdi_abi IA;
-    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4],
-    IA.H.xz = A[0][5];
-    IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
-    IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
-    IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
-    IA.M.yy = A[4][4], IA.M.yz = A[4][5];
-    IA.M.zz = A[5][5];
+    IA.I.xx = A[0][0];
+    IA.I.xy = A[1][0], IA.I.yy = A[1][1];
+    IA.I.xz = A[2][0], IA.I.yz = A[2][1], IA.I.zz = A[2][2];
+    IA.H.xx = A[3][0], IA.H.yx = A[3][1], IA.H.zx = A[3][2], IA.M.xx = A[3][3];
+    IA.H.xy = A[4][0], IA.H.yy = A[4][1], IA.H.zy = A[4][2], IA.M.xy = A[4][3], IA.M.yy = A[4][4];
+    IA.H.xz = A[5][0], IA.H.yz = A[5][1], IA.H.zz = A[5][2];
+    IA.M.xz = A[5][3], IA.M.yz = A[5][4], IA.M.zz = A[5][5];
     return IA;
 }
 
@@ -3517,36 +3515,6 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
     }
 }
 
-/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. A free base (keep = 0) has no parent: only the lower triangle, which the axes before need, is
-   updated. */
-RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l,
-                                         rbdi_block_work *bw, int first, int k, int keep, const rbd_real *tau,
-                                         rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
-    const rbdi_dof *dof = &m->dof[l->iv + k];
-    const int s = first + k, end = keep ? 6 : s;
-    rbd_real U[6], D = A[s][s] + dof->armature, inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-    w->pivot[l->iv + k] = D;
-    bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
-    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
-        U[i] = A[s][i];
-        bw->U_D[k][i] = U[i] * inverse;
-    }
-    RBDI_UNROLL_SIX for (int i = 0; i < end; ++i) {
-        const int columns = keep ? 6 : i + 1;
-        RBDI_UNROLL_SIX for (int j = 0; j < columns; ++j)
-            A[i][j] = A[i][j] - U[i] * bw->U_D[k][j];
-        P[i] = P[i] + U[i] * bw->u_D[k];
-    }
-}
-RBDI_INLINE void rbdi_aba_eliminate_block(const rbd_model *m, rbd_work *w, const rbdi_link *l, int first,
-                                          int n, int keep, const rbd_real *tau, rbd_real A[6][6],
-                                          rbd_real P[6], rbdi_mask *doubt) {
-    rbdi_block_work *bw = &w->block[l->block];
-    RBDI_UNROLL_SIX for (int k = n - 1; k >= 0; --k)
-        rbdi_aba_eliminate_axis(m, w, l, bw, first, k, keep, tau, A, P, doubt);
-}
-
 /* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
    registers. */
 RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
@@ -3565,25 +3533,41 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
 }
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
-                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i_link];
+/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
+   L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
+   before. */
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
+                                 rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_block_work *bw = &w->block[l->block];
-    rbd_real A[6][6], P[6], C[6];
+    const rbdi_motion c = w->scratch[i].c;
+    rbdi_block_work *bw = &w->block[l->block];
+    rbd_real A[6][6], P[6];
+    rbdi_abi Ia;
+    rbdi_force pa;
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    if (rbdi_free_base(l, b)) {
-        rbdi_aba_eliminate_block(m, w, l, 0, 6, 0, tau, A, P, doubt);
-        return;
+    for (int k = b->n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
+                 inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+        w->pivot[l->iv + k] = D;
+        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < end; ++i) {
+            const rbd_real U = i < s ? A[s][i] : A[i][s];
+            U_D[i] = U * inverse;
+            for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
+            P[i] = P[i] + U * bw->u_D[k];
+        }
     }
-    rbdi_aba_eliminate_block(m, w, l, b->first, b->n, 1, tau, A, P, doubt);
     if (l->parent < 0) return;
-    rbdi_motion_to_array(w->scratch[i_link].c, C);
-    RBDI_UNROLL_SIX for (int i = 0; i < 6; ++i) RBDI_UNROLL_SIX
-        for (int j = 0; j < 6; ++j) P[i] = P[i] + A[i][j] * C[j];
-    *IA = rbdi_abi_up_block(&bw->X, rbdi_abi_from_array(A));
-    *pA = rbdi_force_up_block(&bw->X, rbdi_load_force(P, 1));
+    Ia = rbdi_abi_from_array(A);
+    pa = rbdi_load_force(P, 1);
+    pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
+    pa.f = rbdi_add(pa.f, rbdi_add(rbdi_mul_t(Ia.H, c.omega), rbdi_mul_sym(Ia.M, c.v)));
+    *IA = rbdi_abi_up_block(&bw->X, Ia);
+    *pA = rbdi_force_up_block(&bw->X, pa);
 }
 
 /* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */

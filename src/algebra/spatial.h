@@ -176,28 +176,26 @@ RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     return IA;
 }
 
-/* Row k of [I H; H' M]. */
+/* The lower triangle of [I H; H' M]. */
 RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
-    A[0][0] = IA.I.xx, A[0][1] = IA.I.xy, A[0][2] = IA.I.xz, A[0][3] = IA.H.xx, A[0][4] = IA.H.xy,
-    A[0][5] = IA.H.xz;
-    A[1][1] = IA.I.yy, A[1][2] = IA.I.yz, A[1][3] = IA.H.yx, A[1][4] = IA.H.yy, A[1][5] = IA.H.yz;
-    A[2][2] = IA.I.zz, A[2][3] = IA.H.zx, A[2][4] = IA.H.zy, A[2][5] = IA.H.zz;
-    A[3][3] = IA.M.xx, A[3][4] = IA.M.xy, A[3][5] = IA.M.xz;
-    A[4][4] = IA.M.yy, A[4][5] = IA.M.yz;
-    A[5][5] = IA.M.zz;
-    RBDI_UNROLL_SIX for (int i = 1; i < 6; ++i) RBDI_UNROLL_SIX
-        for (int j = 0; j < i; ++j) A[i][j] = A[j][i];
+    A[0][0] = IA.I.xx;
+    A[1][0] = IA.I.xy, A[1][1] = IA.I.yy;
+    A[2][0] = IA.I.xz, A[2][1] = IA.I.yz, A[2][2] = IA.I.zz;
+    A[3][0] = IA.H.xx, A[3][1] = IA.H.yx, A[3][2] = IA.H.zx, A[3][3] = IA.M.xx;
+    A[4][0] = IA.H.xy, A[4][1] = IA.H.yy, A[4][2] = IA.H.zy, A[4][3] = IA.M.xy, A[4][4] = IA.M.yy;
+    A[5][0] = IA.H.xz, A[5][1] = IA.H.yz, A[5][2] = IA.H.zz;
+    A[5][3] = IA.M.xz, A[5][4] = IA.M.yz, A[5][5] = IA.M.zz;
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
     rbdi_abi IA;
-    IA.I.xx = A[0][0], IA.I.xy = A[0][1], IA.I.xz = A[0][2], IA.H.xx = A[0][3], IA.H.xy = A[0][4],
-    IA.H.xz = A[0][5];
-    IA.I.yy = A[1][1], IA.I.yz = A[1][2], IA.H.yx = A[1][3], IA.H.yy = A[1][4], IA.H.yz = A[1][5];
-    IA.I.zz = A[2][2], IA.H.zx = A[2][3], IA.H.zy = A[2][4], IA.H.zz = A[2][5];
-    IA.M.xx = A[3][3], IA.M.xy = A[3][4], IA.M.xz = A[3][5];
-    IA.M.yy = A[4][4], IA.M.yz = A[4][5];
-    IA.M.zz = A[5][5];
+    IA.I.xx = A[0][0];
+    IA.I.xy = A[1][0], IA.I.yy = A[1][1];
+    IA.I.xz = A[2][0], IA.I.yz = A[2][1], IA.I.zz = A[2][2];
+    IA.H.xx = A[3][0], IA.H.yx = A[3][1], IA.H.zx = A[3][2], IA.M.xx = A[3][3];
+    IA.H.xy = A[4][0], IA.H.yy = A[4][1], IA.H.zy = A[4][2], IA.M.xy = A[4][3], IA.M.yy = A[4][4];
+    IA.H.xz = A[5][0], IA.H.yz = A[5][1], IA.H.zz = A[5][2];
+    IA.M.xz = A[5][3], IA.M.yz = A[5][4], IA.M.zz = A[5][5];
     return IA;
 }
 
