@@ -87,11 +87,11 @@ extern "C" {
 
 /* ---- description [description] ---- */
 
-/* Frame 1 held to frame 2 along some axes. Zero is a sensible default for every field but the bodies, where
-   -1 is the world, and axes. */
+/* Holds frame 1 to frame 2 along some axes. Zero is a sensible default for every field but the bodies and
+   axes. */
 typedef struct rbd_constraint {
-    const char *name;    /* for findings; NULL = nameless */
-    int body1, body2;    /* index in the description, -1 = world (and what rbd_body_index says of no name) */
+    const char *name; /* for findings; NULL = nameless */
+    int body1, body2; /* index in the description; -1 = world, and also rbd_body_index of an unknown name */
     double rotation1[9]; /* 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity */
     double position1[3]; /* of its origin, m */
     double rotation2[9]; /* the same of frame 2 in body 2 */
@@ -100,17 +100,16 @@ typedef struct rbd_constraint {
     double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
 } rbd_constraint;
 
-/* Rows for what is common. Every field may be changed afterwards.
-   Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
-   origin, which is as good as any without kp. */
+/* Common constraints. Every field may be changed afterwards. Holds a point of a body at a place: 3 rows,
+   forces in world axes. point: body axes; place: world, NULL = the origin. Without kp any place will do. */
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
-/* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
+/* Holds a surface, the point and the orientation: 6 rows. Without kp any orientation will do. */
 RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
 
 /* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
-   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
-   refused as rotation1 or rotation2. */
+   the lines along axis1 and axis2 there coincide, too; 5 rows, in frames whose z is the axis. An axis of zero
+   length is refused as rotation1 or rotation2. */
 RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
 RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                        const double point2[3], const double axis2[3]);
@@ -122,14 +121,14 @@ RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const 
 typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
-   use. Contacts that come and go: a set for each phase; they may share the work.
-   list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+   use. If contacts come and go, make a set for each phase; the sets may share the work. list     n
+   constraints, only their names are needed later; n may be 0 memory   size bytes of any alignment.
+   RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
             RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
-   c        receives the set, which lies inside memory: do not move it; NULL after an error
-   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
-   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   c        receives the set, which lies inside memory: do not move it; NULL after an error report   receives
+   the error: body is the constraint's index, field one of rbd_constraint's; may be NULL Errors: RBD_ERR_NULL,
+   _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint moves one against the
+   other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);
@@ -144,14 +143,14 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and its
-   derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
+/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and
+   its derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
    (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend on each
-   other the state decides which can be left out, not your order; if several of those contradict the others,
-   this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend
+   on each other the state decides which can be left out, not your order; if several of those contradict the
+   others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -350,7 +349,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
 /* ---- layout [layout] ---- */
 
-/* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */
+/* Scalars in the widest SIMD register for which the file with the implementation may be compiled. */
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || \
     !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_ROW_BATCH 1
@@ -369,10 +368,10 @@ typedef struct rbdi_constraint {
     int16_t link[2];   /* -1 = world */
     int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
     int16_t row, rows; /* the first, and how many */
-    int16_t angular;   /* how many of them are angular; they come first */
+    int16_t angular;   /* number of angular rows, which come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
-    int16_t dofs;      /* number of: */
-    int16_t *dof;      /* on the path to one body or both, ascending */
+    int16_t dofs;      /* number of entries of: */
+    int16_t *dof;      /* dofs on the path to one body or both, ascending */
 } rbdi_constraint;
 
 /* The rows that a dof may have entries in, first .. end - 1. All others are zero. */
@@ -386,23 +385,24 @@ struct rbd_constraint_set {
     int n, rows, stride;          /* stride: of rows, padded */
     int links;                    /* number of links on a path */
     int infeasible;               /* row, -1 = none */
-    int exchanged;                /* whether the rows of R are in another order, `chosen` */
+    int exchanged;                /* whether R is that of [rank], its rows in another order, `chosen` */
     int factored;                 /* whether the factor of M is always used */
     int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
-    int moving;                   /* whether velocities of links' origins are wanted, but for impacts */
+    int moving;                   /* whether dynamics need the velocities of the links' origins */
     rbdi_constraint *constraint;  /* n */
-    int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
+    int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
     rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int32_t *path;                /* nv: of dofs, where their rows of Y start */
+    int32_t *path;                /* nv: of the dofs of a constraint, where their rows of Y start */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
-    rbd_real *x, *stack, *before; /* nv each: solution; of a path, by depth; the last step of assembly */
+    rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
     rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
                                                       position error, wanted J a */
-    rbd_real *demand; /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *square, *share,
-        *chosen;       /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
+    rbd_real *demand;  /* stride: sum of the squares of b's terms, a measure of its rounding */
+    rbd_real *square;  /* stride, [rank]: the square of a row's part that is independent of the rows taken */
+    rbd_real *share;   /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *chosen;  /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
     rbd_real noise;    /* the square that rounding of J's entries may give a row */
     rbdi_v3 world;     /* acceleration of the world */
@@ -430,14 +430,15 @@ struct rbd_constraint_set {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the paths
-   as well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
-   that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
+   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the
+   paths as well. It serves derivatives, models with mimic joints, sets that have more rows than can be
+   independent, and each state in which a pivot of the other way is in doubt; [rank] then decides which rows
+   are independent.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
        rbd_aba                8119     17163
-       articulated bodies    18090     27207
+       articulated bodies    18541     27437
        factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
@@ -459,14 +460,17 @@ RBDI_CODE_BEGIN
 /* ==== src/constraints/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_CLEAR: each pivot must exceed this share of Delta's diagonal entry, or the factor of M decides: both
-   equations then hold to 1e-11 of their terms.
-   RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
-   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
-   leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
-   lightest joints magnify them: such a row moves nothing but for rounding.
-   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
-   terms: drift contradicts itself by that. */
+/* RBDI_CLEAR: each pivot of Delta must exceed this share of Delta's diagonal entry, or the state is in doubt.
+   Both equations then hold to 1e-11 of their terms. The error of lambda is up to 1 / sqrt(RBDI_CLEAR) times
+   the one that its condition explains, because Delta squares the condition of the rows.
+   RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
+   exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
+   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS of J's levers, as the lightest
+   joints magnify them: a row below that moves nothing, its entries are rounding.
+   RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
+   positions drift.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
+   largest entry of e that is left must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
@@ -493,10 +497,7 @@ RBDI_CODE_BEGIN
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
-
-/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
-   below RBDI_CLOSED. */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows with equal shares but for rounding the first is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_SHARE RBD_C(1e-3)
 #define RBDI_MOST_SHARE RBD_C(5)
@@ -513,7 +514,7 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-/* The world, link -1, accelerates upward by -gravity if the links do. */
+/* Motion of the point of a link that is at p. The world, link -1, accelerates by -gravity if the links do. */
 RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     rbdi_station s;
     s.p = p;
@@ -533,21 +534,21 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     return s;
 }
 
-/* The origin of a frame of a constraint, fixed in its link. */
+/* Motion of the origin of a constraint's frame. */
 RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
     return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
 }
 
-/* Orientation of the frame in the world. */
+/* Orientation of that frame in the world. */
 static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_mat R = rbdi_mat_c(on->R[side]);
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
 
-/* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
-   by the component that they have as a positive sum of R's entries; the largest is taken. */
+/* log R, the rotation vector. Sums of R's entries are four multiples of its quaternion, by one of the
+   components each; the one with the largest factor is exact enough. */
 static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
@@ -567,7 +568,7 @@ static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     return rbdi_quaternion_difference(identity, q);
 }
 
-/* The angular part of the position error: [conventions]. */
+/* Angular part of the position error e, frame 2: [conventions]. */
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
@@ -578,8 +579,8 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear
-   ones. */
+/* The axes that a constraint holds, world axes, rows as lanes: components of the axes of angular rows, then
+   of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
@@ -596,7 +597,7 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constrain
     }
 }
 
-/* Adds the components of (angular; linear), world axes, that a constraint holds. */
+/* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
 RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
                                rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
@@ -610,8 +611,7 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
     }
 }
 
-/* gamma and J v of a constraint and, if `errors`, e. Returns the place of frame 1. Body 2 is mostly the world,
-   which is at rest. */
+/* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int errors) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
@@ -644,7 +644,7 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_con
 
 /* ---- rows [rows] ---- */
 
-/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
+/* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
 RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                         const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                         rbdi_v3 linear) {
@@ -655,7 +655,7 @@ RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *
     rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
 }
 
-/* The columns of the dofs of a link that carries the point p. */
+/* Columns of the dofs of a link on a path; p: origin of frame 1. */
 RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
@@ -674,14 +674,14 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Runs the statement behind it for every link that moves only one of the two bodies; sign: 1 for body 1, else
-   -1. Links on both paths cancel. */
+/* Runs the statement behind it for each link that moves only one of the two bodies; sign: 1 for body 1, -1
+   for body 2. Links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, k, link, sign) \
     for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
+/* Poses of the links on a path and, if moving, velocities of their origins. Angular velocities are known. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
@@ -690,9 +690,9 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Motion of all links and poses of those on a path, into the work, in place of rbd_kinematics' own; with
-   `wrench` also the wrenches that the motion takes. Gravity is an acceleration of the world. rbdi_joints has
-   been called. */
+/* Writes the motion of all links and poses of those on a path into the work, replacing the results of
+   rbd_kinematics; with `wrench` also the wrenches of inverse dynamics. Gravity is an acceleration of the
+   world. rbdi_joints must have been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
@@ -703,14 +703,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Y = R = 0, before other entries than those of articulated bodies are written. */
+/* Y = R = 0. Needed before entries are written that articulated bodies do not overwrite. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
-/* Y = J', gamma and J v of a constraint and, if `errors`, e. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                  int errors) {
     rbdi_axes_held h;
@@ -722,13 +722,13 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 
 /* ==== src/constraints/factor.h ==== */
 /* ---- factor [factor] ----
-   Delta = Y' D^-1 Y of both ways of [design] and its Cholesky factor:
+   Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
    beta is column `rows` of R, as Delta has b there. */
 
-/* sum of x_k y_k */
+/* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
     rbdi_batch lanes = rbdi_zero_batch();
     rbd_real sum = rbdi_zero();
@@ -740,7 +740,8 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     return sum;
 }
 
-/* c->noise: RBDI_MOTIONLESS of the levers of J's entries, as the dofs on the paths magnify them. */
+/* Computes c->noise from the levers of J's entries, the distances of the links from the world's origin, and
+   from 1/D of the dofs on the paths. */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), give = rbdi_zero();
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
@@ -752,8 +753,8 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: of its dofs where
-   their rows of Y start, and 1/D. */
+/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: where the rows of Y
+   of its dofs start, and their 1/D. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constraint *k, int i, int n) {
     const rbd_real *inverse = c->stack, *Y = c->Y;
     const int32_t *path = c->path;
@@ -795,7 +796,7 @@ static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k) {
     }
 }
 
-/* Two batches of row t, from column j on, less what the rows before it take. */
+/* Two batches of row t from column j on, minus the products of the rows before it. */
 typedef struct rbdi_batches {
     rbdi_batch x, y;
 } rbdi_batches;
@@ -810,7 +811,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int 
     return b;
 }
 
-/* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
+/* Replaces row t of Delta, and b_t, by those of R and beta. Returns whether the pivot is in doubt. */
 RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
@@ -826,7 +827,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
     }
 }
 
-/* lambda from beta; it is 0 behind the last row. */
+/* R lambda = beta. lambda is 0 behind the last row. */
 static void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
@@ -837,7 +838,7 @@ static void rbdi_back_substitute(rbd_constraint_set *c) {
     }
 }
 
-/* R and beta from Y, D and b. Returns whether a pivot is in doubt. */
+/* Computes R and beta from Y, D and b. Returns whether a pivot is in doubt. */
 static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbd_real noise;
@@ -852,24 +853,23 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
 
 /* ==== src/constraints/rank.h ==== */
 /* ---- rank [rank] ----
-   Which rows are independent of each other is decided without Delta, whose condition is the square of that of
-   its rows. With Z = D^-1/2 Y, so that Delta = Z'Z,
+   Where a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is
+   the square root of that of Delta:
 
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
    Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
-   it with the row in its place. So the state decides on the order, and not the order in which the caller
-   lists the constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend
-   on those that were taken: they are dropped, 1/R_tt = 0.
+   it with the row in its place. So the state decides the order, not the caller. Once the largest share is
+   rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
 
-   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the
-   first equation holds to rounding whatever the rank is, the second for all rows that were taken. For a
-   dropped row j, R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0,
-   and n'b is what R' w = b leaves of b_j. lambda loses its components along the null vectors, made
-   orthogonal one after the other (Gram and Schmidt), and has the least norm.
+   Q is not needed. R' beta = b and R lambda = beta give lambda, 0 for dropped rows. The equation of motion
+   then holds to rounding whatever the rank is, and so do the rows taken. For a dropped row j, R n = 0 with
+   n_j = 1 gives a null vector: J'n = 0. The rows agree only if n'b = 0. The null vectors are made orthogonal
+   one after the other (Gram and Schmidt); lambda has the least norm once it has lost its components along
+   them.
 
-   There is no branch on data but on whether all lanes agree, so that lanes may differ in order and rank. */
+   Lanes may differ in order and rank: branches only ask whether all lanes agree. */
 
 static rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
@@ -880,8 +880,8 @@ static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
 }
 
-/* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
-   n - 1 other x, `next` apart. */
+/* Exchanges entry t of x with that of the row chosen for its place. Entries are `step` apart. Does so for n
+   vectors x, `next` apart. */
 static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
@@ -895,15 +895,15 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
     }
 }
 
-/* All exchanges: to the order of R, or back. */
-static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
-    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
+/* X, of n columns, to the order of R; and back. */
+static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *X, int n) {
+    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, X, n, n, 1);
 }
-static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
-    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
+static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *X, int n) {
+    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, X, n, n, 1);
 }
 
-/* Of each row from t on the square of what is independent of the rows taken. */
+/* c->square of the rows from t on. */
 static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
@@ -915,7 +915,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Chooses the row of which the largest share is independent, and exchanges it with row t. */
+/* Exchanges row t with the row of which the largest share is independent. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
@@ -929,29 +929,29 @@ static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbdi_exchange(c, t, c->share, 1, 1, 0);
 }
 
-/* Householder's reflection that leaves of column t but R_tt nothing below row t. */
+/* Householder's reflection that makes R_tt the last entry of column t. */
 static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->R, *v = c->stack;
+    rbd_real *Z = c->R, *h = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
                    scale = rbdi_reciprocal(length * (length + rbdi_abs(head)), RBDI_TINY, &none);
-    for (int k = t; k < nv; ++k) v[k] = Z[k * stride + t];
-    v[t] = head - R;
+    for (int k = t; k < nv; ++k) h[k] = Z[k * stride + t];
+    h[t] = head - R;
     for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
-        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * v[k];
+        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * h[k];
         sum = sum * scale;
         for (int k = t; k < nv; ++k) {
             rbdi_batch *z = (rbdi_batch *)&Z[k * stride + j];
-            *z = *z - sum * v[k];
+            *z = *z - sum * h[k];
         }
     }
     Z[t * stride + t] = R;
 }
 
-/* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
+/* R of all rows, and 1/R_tt: 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -979,11 +979,11 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* The null vector n of a dropped row t, R n = 0 and n_t = 1, up to entry t: row t of c->R to the diagonal, which
-   nothing else needs any more. It is 0 in lanes that took the row. */
+/* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
+   up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x loses its component along the null vector of row t. It has t + 1 entries or more. */
+/* x loses its component along the null vector of row t. */
 static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
     const rbd_real *n = rbdi_null(c, t);
     rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
@@ -1012,8 +1012,7 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
-   that come with them. */
+/* J v, gamma and e of a constraint are differences of terms. This bounds the terms of its target. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
@@ -1024,20 +1023,20 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
-/* By how much the right-hand sides may contradict each other: c->demand; it and
-   c->target are in the order of R then. */
+/* Replaces c->demand by the amount to which targets may contradict each other; brings it and c->target to the
+   order of R. */
 static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
         for (int r = k->row; r < k->row + k->rows; ++r)
             c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_to_order(c, c->demand, 1, 1, 0);
-    rbdi_to_order(c, c->target, 1, 1, 0);
+    rbdi_to_order(c, c->demand, 1);
+    rbdi_to_order(c, c->target, 1);
 }
 
-/* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
-   along the null vector. */
+/* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
+   have a component along its null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->share;
     const rbd_real one = rbdi_set(RBD_C(1));
@@ -1051,28 +1050,26 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] =
             rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
     }
-    rbdi_from_order(c, bad, 1, 1, 0);
+    rbdi_from_order(c, bad, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* n columns, of rows n apart, lose their components along the null vectors. */
+/* The n columns of X lose their components along the null vectors. */
 static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+    for (int column = 0; c->exchanged && column < n; ++column) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
         rbdi_project_rows(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
     }
 }
 
-/* X = Delta^-1 X, of least norm, for n columns of rows n apart. Where rows depend on others the right-hand side
-   is brought into agreement before: it loses its components along the null vectors, too. */
+/* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
+   components along the null vectors, too: they would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
-    rbdi_to_order(c, X, n, n, 1);
+    rbdi_to_order(c, X, n);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
@@ -1084,10 +1081,10 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n, n, 1);
+    rbdi_from_order(c, X, n);
 }
 
-/* lambda; what a call returns, status of the pivots being known. */
+/* Gives lambda to the caller; returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
@@ -1100,9 +1097,9 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 /* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
 
 /* ---- solution [solution] ----
-   By the factor of M: what comes before and behind [factor] or [rank]. */
+   The steps by the factor of M before and after [factor] or [rank]. L = NULL: L = 1. */
 
-/* x = D^-1 L^-T x. */
+/* x = D^-1 L^-T x; D^-1. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
@@ -1114,7 +1111,7 @@ static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd
     }
 }
 
-/* Y = L^-T Y, if there is an L, of all rows, and b = target - Y'x; lanes behind a dof's rows are 0. */
+/* Y = L^-T Y and b = target - Y'x. Lanes behind a dof's span are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
@@ -1134,7 +1131,7 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
         }
 }
 
-/* Y'lambda / D of dof k. */
+/* Entry k of D^-1 Y lambda. */
 RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
@@ -1144,7 +1141,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     return rbdi_sum_lanes(sum) * c->D_inverse[k];
 }
 
-/* x = L^-1 (x + D^-1 Y lambda), if there is an L. */
+/* x = L^-1 (x + D^-1 Y lambda). */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
@@ -1157,15 +1154,16 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 
 /* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
-   A row's unit force (moment) acts on body 1 with one sign and on body 2 with the other, as wrenches K on
-   their links. After pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
-   the tree to the world. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
+   A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
+   After pass 2 of [aba], which eliminates one joint after the other, K goes down the tree to the world. The
+   acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
-   so that the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the
-   joints so far. At the common ancestor of the two links both wrenches become one, their sum. In the world y is
-   known, and [factor] gives lambda. Then u/D += Y'lambda / D, and pass 3 gives the accelerations. */
+   and the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
+   so far. At the common ancestor of the two links the two wrenches are added. In the world y is known, and
+   [factor] gives lambda from b = target - epsilon - K' y. Then u/D += Y'lambda / D, and pass 3 gives the
+   accelerations. */
 
 #if RBDI_BATCH > 1
 #define rbdi_wrenches_up rbdi_batch_up
@@ -1173,12 +1171,13 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, and its b, on the way down the tree. */
+/* K of a batch of rows, in the axes of the link that it has reached, and target - epsilon. */
 typedef struct rbdi_carried {
     rbdi_batch K[6], b;
 } rbdi_carried;
 
-/* K of rows r .. of a constraint on the link of a side, none on the world; p: where they act, world axes. */
+/* K of a batch of rows, from row r of the constraint on, on the link of a side; 0 on the world. p: origin of
+   frame 1, where the forces act. */
 RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
                                  const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
     const int link = k->link[k->link[side] < 0 ? 1 : side];
@@ -1200,7 +1199,7 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
                *(const rbdi_batch *)&h->x[1][r] * axis[j].y + *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
 }
 
-/* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
+/* Carries K past the joint of one-axis link i, into the parent's axes. Writes Y. */
 RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
                                 rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
@@ -1233,8 +1232,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Past the n dofs of block link i; their rows of Y are `stride` apart. Of a free base, which nothing of K
-   passes, U/D has only what its dofs before d need. */
+/* Carries K past the n dofs of block link i, whose rows of Y are `stride` apart. Nothing of K passes a free
+   base: its U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -1263,7 +1262,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     return on;
 }
 
-/* From link i down the tree to link `stop`; Y: of dof 0. */
+/* Carries K from link i down to link `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
                             rbdi_carried *carried, rbd_real *Y) {
     rbdi_carried on = *carried; /* in registers */
@@ -1278,7 +1277,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     *carried = on;
 }
 
-/* Y and b of rows r .. of a constraint. h, p: its axes and where it acts. */
+/* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
 static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
                            const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
@@ -1298,7 +1297,7 @@ static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi
     *(rbdi_batch *)&c->b[k->row + r] = on.b;
 }
 
-/* 1/D of the links on a path. */
+/* 1/D of the dofs on a path. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
@@ -1308,7 +1307,7 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* u/D of the links on a path, once lambda is known. */
+/* u/D += Y'lambda / D. */
 static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
@@ -1318,7 +1317,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. */
+/* Velocities, poses and bias wrenches of the links. The terms of gamma by accelerations come with K: they are
+   0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1331,11 +1331,11 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
         const int link = c->constraint[i / 2].link[i % 2];
         if (link < 0) continue;
         w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
-        if (!moving) w->kin[link].v = rbdi_vec0(); /* not computed, not used */
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* a number, but not used */
     }
 }
 
-/* x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
+/* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     rbdi_back_substitute(c);
@@ -1357,8 +1357,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
-   (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
+/* x += M^-1 J' lambda, lambda of least norm with J x = target; from Y = J' and x = D^-1 L^-T (right-hand
+   side). check: note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
@@ -1375,8 +1375,8 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_sweep_down(m, c, L);
 }
 
-/* The accelerations that a constraint's rows shall have, r - gamma: by Baumgarte; or the change of velocity in
-   an impact, if there is a restitution. */
+/* Targets of a constraint's rows: the accelerations of Baumgarte's stabilisation minus gamma; with a
+   restitution the change of velocity in an impact. */
 static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
         const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
@@ -1388,8 +1388,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
-   velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is in doubt. */
+/* Computes the accelerations x; with a restitution the change of velocity in an impact, which is the same
+   without gravity, velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is
+   in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -1416,7 +1417,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* The same by M = L'DL, for every state. */
+/* The same by M = L'DL, for all states. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
@@ -1442,7 +1443,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* By one or the other; lambda; and what the call returns. */
+/* Computes x and lambda by articulated bodies, or by M if these are in doubt. Returns the status of the call.
+   */
 static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
@@ -1476,7 +1478,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* The rows, and the motion of all links without gravity. */
+/* Computes the rows, and the motion of all links without gravity. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
@@ -1503,17 +1505,17 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
 /* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M the same steps solve other problems, L = 1. Least squares: x + D^-1
-   J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
+   With a diagonal matrix D in place of M, so L = 1, the same steps solve least squares: they add D^-1 J'
+   lambda to x, the change with the least sum of D (.)^2 that gives J x = target. */
 
-/* n weights are above 0; NULL: all are 1. */
+/* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k)
         if (!(weight[k] > 0)) return 0;
     return 1;
 }
 
-/* Without a motor: what is not said to have one; by default floating joints at a root. */
+/* Whether dof k has no motor: its flag is 0; without flags, it is of a floating joint at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
@@ -1548,9 +1550,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
-   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the
-   linear picture may be trusted; the last ones only close. */
+   Newton's method: each step d has J d = -e, and of all such steps the one that makes the remaining distance
+   d + rbd_difference(q, q_near) shortest. A step is cut to RBDI_LONGEST_STEP, for which J may be trusted. The
+   last steps only reduce e. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1562,9 +1564,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
-   one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
-   they curve, steps with it may end too late or never. */
+/* The share of the distance that the next step takes back, by Barzilai and Borwein (1988): from this step x,
+   the one before it, c->before, and the shares of both. If the constraints are flat, a share of 1 is right;
+   if they curve, steps with it end too late or never. */
 static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
@@ -1581,7 +1583,7 @@ static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real sh
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
-/* Takes one step, with this share of the distance; returns its length. */
+/* Takes a step with this share of the distance; returns its length. */
 static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near, rbd_real share) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
@@ -1596,7 +1598,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     return length;
 }
 
-/* q_near, from q. */
+/* Computes q_near from q. */
 static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
     rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
@@ -1627,7 +1629,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
+        for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
             rbdi_clear(c->target, c->rows);
             rbdi_multipliers(m, c, NULL, 0);
         }
@@ -1681,7 +1683,7 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
     return k;
 }
 
-/* A rotation that turns z into this axis. */
+/* A rotation whose z axis is this axis. */
 static void rbdi_frame_along(const double axis[3], double R[9]) {
     rbdi_wide A[9], T[9];
     int least = 0;
@@ -1741,7 +1743,7 @@ static int rbdi_held_axes(const rbd_constraint *k) {
     return n;
 }
 
-/* Rows from one dof to the next: two batches may begin at any row. */
+/* The stride of rows: two batches may begin at any row. */
 static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
@@ -1757,7 +1759,7 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
     return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
 
-/* The link that carries a body, -1 = world. */
+/* The link of a body, -1 = world. */
 static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
 static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
@@ -1774,7 +1776,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     } while (0)
     RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
     RBDI_REQUIRE(k->body1 >= 0 || k->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 RBDI_TEXT("both bodies are -1, the world, or what no name of a body was found as"));
+                 RBDI_TEXT("both bodies are -1: the world, or a name that no body has"));
     RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));
@@ -1789,7 +1791,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     return RBD_OK;
 }
 
-/* A frame on a body as a frame on the link that carries it; returns the link. */
+/* Converts a frame on a body to a frame on its link; returns the link. */
 static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], const double p[3],
                             rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
@@ -1811,7 +1813,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest link that carries both or is one of them, -1 = world: ancestors have smaller indices. */
+/* The nearest link that carries both or is one of them, -1 = world. Ancestors have smaller indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *behind = one > two ? &one : &two;
@@ -1839,23 +1841,16 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* The last dof of the path to a link, mimic joints standing for those that they follow; -1 = none. */
-static int rbdi_tip_of(const rbd_model *m, int link) {
-    int tip = -1;
-    for (; link >= 0; link = m->link[link].parent)
-        for (int j = rbdi_link_dofs(m, &m->link[link]) - 1; j >= 0; --j) {
-            const int i = rbdi_source(m, m->link[link].iv + j);
-            if (tip < 0 || m->dof[i].depth > m->dof[tip].depth) tip = i;
-        }
-    return tip;
-}
-
 /* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
     int32_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
-        for (int i = rbdi_tip_of(m, k->link[side]); i >= 0; i = m->dof[i].lambda) ++reached[i];
+        for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
+            for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j)
+                for (int i = rbdi_source(m, m->link[link].iv + j); i >= 0 && !reached[i];
+                     i = m->dof[i].lambda)
+                    reached[i] = 1;
     k->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
         rbdi_span *s = &c->span[i];
@@ -1866,8 +1861,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Whether articulated bodies would always find rows that depend on each other: more than there are dofs, more
-   than six between two links, or more than there are dofs between them. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
+   more than dofs, or between two links more than six or than dofs between these. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
@@ -2041,12 +2036,12 @@ RBDI_CODE_BEGIN
        M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
-   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
-   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
-   bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
-   axes, at the place p of frame 1: motions of the link-fixed point there. For such a dof k, which moves
-   body b, S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial
-   cross product, A spatial accelerations
+   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. By tau,
+   rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion of the
+   two bodies, so only on dofs that move one of them. All quantities are in world axes, at the origin p of
+   frame 1: motions of the link-fixed point there. For such a dof k, which moves body b, S = (z; s), negated
+   if b is body 2; P is its joint's parent; x between spatial vectors is the spatial cross product, A a
+   spatial acceleration:
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
@@ -2055,25 +2050,27 @@ RBDI_CODE_BEGIN
                    - 2 omega_2 x du                                                                 by q
        d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
 
-   where w, u is the velocity of body 1 against body 2 and (angular; linear) its rate. If b is body 2, which
-   turns the axes, there comes to these z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear), dw from
-   before, and by v (z x w; 2 z x u). Of J' lambda, m and f being moment and force of lambda, S_i of another
-   such dof:
+   where (w; u) is the velocity of body 1 relative to body 2 and (angular; linear) its rate. If b is body 2,
+   the axes turn with it, which adds z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear) with dw from
+   above, and by v (z x w; 2 z x u). With m and f the moment and force of lambda, and S_i that of another such
+   dof, J' lambda has
 
        d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
                          S_i . (s x f; 0)       else
 
    Checked against finite differences in tests/test_constraints.c. */
 
-typedef struct rbdi_encounter { /* of the two bodies of a constraint */
+/* Relative motion of the two bodies of a constraint, and their force. */
+typedef struct rbdi_encounter {
     rbdi_station body[2];
     rbdi_v3 w, u, angular, linear, m, f;
     rbdi_axes_held h;
-    rbdi_v3 turn, free[2]; /* log R; free axis of two held ones, of frame 2 and frame 1 */
-    rbd_real bend;         /* of the derivative of log R */
+    rbdi_v3 turn;    /* log R, world axes */
+    rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
+    rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
 } rbdi_encounter;
 
-/* Its derivatives by the position and velocity of a dof. */
+/* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
 typedef struct rbdi_change {
     rbdi_motion S, velocity, by_q, by_v;
 } rbdi_change;
@@ -2121,7 +2118,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_
     return x;
 }
 
-/* Dof j of a link on the path of body `side`. */
+/* By dof j of a link on the path of body `side`. */
 static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
@@ -2161,7 +2158,7 @@ static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *
     return d;
 }
 
-/* sigma of a dof: a column of rows. */
+/* Adds a dof's column of sigma. */
 static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
                            rbd_real *by_q, rbd_real *by_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];

@@ -103,14 +103,15 @@ extern "C" {
 
 /* ---- design [design] ----
    Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the paths
-   as well, and decides on the rank of the rows, [rank]. It serves derivatives, models with mimic joints, sets
-   that have more rows than can be independent, and each state in which a pivot of the other way is in doubt.
+   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the
+   paths as well. It serves derivatives, models with mimic joints, sets that have more rows than can be
+   independent, and each state in which a pivot of the other way is in doubt; [rank] then decides which rows
+   are independent.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
        rbd_aba                8119     17163
-       articulated bodies    18090     27207
+       articulated bodies    18541     27437
        factor of M           28067     49112
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and

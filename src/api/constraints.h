@@ -25,11 +25,11 @@
 
 /* ---- description [description] ---- */
 
-/* Frame 1 held to frame 2 along some axes. Zero is a sensible default for every field but the bodies, where
-   -1 is the world, and axes. */
+/* Holds frame 1 to frame 2 along some axes. Zero is a sensible default for every field but the bodies and
+   axes. */
 typedef struct rbd_constraint {
-    const char *name;    /* for findings; NULL = nameless */
-    int body1, body2;    /* index in the description, -1 = world (and what rbd_body_index says of no name) */
+    const char *name; /* for findings; NULL = nameless */
+    int body1, body2; /* index in the description; -1 = world, and also rbd_body_index of an unknown name */
     double rotation1[9]; /* 3 x 3, vectors of frame 1 into those of body 1; all 0 = identity */
     double position1[3]; /* of its origin, m */
     double rotation2[9]; /* the same of frame 2 in body 2 */
@@ -38,17 +38,16 @@ typedef struct rbd_constraint {
     double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
 } rbd_constraint;
 
-/* Rows for what is common. Every field may be changed afterwards.
-   Point of a body held at a place: 3 rows, forces in world axes. point: body axes; place: world, NULL = the
-   origin, which is as good as any without kp. */
+/* Common constraints. Every field may be changed afterwards. Holds a point of a body at a place: 3 rows,
+   forces in world axes. point: body axes; place: world, NULL = the origin. Without kp any place will do. */
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
-/* The same of a whole surface: 6 rows. Without kp its orientation is as good as any. */
+/* Holds a surface, the point and the orientation: 6 rows. Without kp any orientation will do. */
 RBDI_API rbd_constraint rbd_flat_contact(int body, const double point[3], const double place[3]);
 
 /* Loop joints between two bodies. Ball: point1 and point2, each in its body's axes, coincide; 3 rows. Hinge:
-   and so do the lines along axis1 and axis2 there; 5 rows, frames with these as z: an axis of no length is
-   refused as rotation1 or rotation2. */
+   the lines along axis1 and axis2 there coincide, too; 5 rows, in frames whose z is the axis. An axis of zero
+   length is refused as rotation1 or rotation2. */
 RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int body2, const double point2[3]);
 RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                        const double point2[3], const double axis2[3]);
@@ -60,14 +59,14 @@ RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const 
 typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
-   use. Contacts that come and go: a set for each phase; they may share the work.
-   list     n rows, not needed later but for their names; n may be 0
-   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+   use. If contacts come and go, make a set for each phase; the sets may share the work. list     n
+   constraints, only their names are needed later; n may be 0 memory   size bytes of any alignment.
+   RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
             RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
-   c        receives the set, which lies inside memory: do not move it; NULL after an error
-   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; with the row: _INDEX (a body is not there, or none of the two
-   moves against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   c        receives the set, which lies inside memory: do not move it; NULL after an error report   receives
+   the error: body is the constraint's index, field one of rbd_constraint's; may be NULL Errors: RBD_ERR_NULL,
+   _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint moves one against the
+   other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);
@@ -82,14 +81,14 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c);
 RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
-/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and its
-   derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
+/* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and
+   its derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
    (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend on each
-   other the state decides which can be left out, not your order; if several of those contradict the others,
-   this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend
+   on each other the state decides which can be left out, not your order; if several of those contradict the
+   others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----

@@ -6,15 +6,16 @@
 #include "constraints/solution.h"
 
 /* ---- articulated bodies [articulated] ----
-   A row's unit force (moment) acts on body 1 with one sign and on body 2 with the other, as wrenches K on
-   their links. After pass 2 of [aba], which eliminates the force of one joint after the other, K goes down
-   the tree to the world. With y = X y_p + c the acceleration of the joint's link but for S qdd, at each joint
+   A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
+   After pass 2 of [aba], which eliminates one joint after the other, K goes down the tree to the world. The
+   acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
-   so that the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the
-   joints so far. At the common ancestor of the two links both wrenches become one, their sum. In the world y is
-   known, and [factor] gives lambda. Then u/D += Y'lambda / D, and pass 3 gives the accelerations. */
+   and the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
+   so far. At the common ancestor of the two links the two wrenches are added. In the world y is known, and
+   [factor] gives lambda from b = target - epsilon - K' y. Then u/D += Y'lambda / D, and pass 3 gives the
+   accelerations. */
 
 #if RBDI_BATCH > 1
 #define rbdi_wrenches_up rbdi_batch_up
@@ -22,12 +23,13 @@
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, and its b, on the way down the tree. */
+/* K of a batch of rows, in the axes of the link that it has reached, and target - epsilon. */
 typedef struct rbdi_carried {
     rbdi_batch K[6], b;
 } rbdi_carried;
 
-/* K of rows r .. of a constraint on the link of a side, none on the world; p: where they act, world axes. */
+/* K of a batch of rows, from row r of the constraint on, on the link of a side; 0 on the world. p: origin of
+   frame 1, where the forces act. */
 RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
                                  const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
     const int link = k->link[k->link[side] < 0 ? 1 : side];
@@ -49,7 +51,7 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
                *(const rbdi_batch *)&h->x[1][r] * axis[j].y + *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
 }
 
-/* Past the joint of one-axis link i, into the parent's axes; Y = S' K. */
+/* Carries K past the joint of one-axis link i, into the parent's axes. Writes Y. */
 RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
                                 rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
@@ -82,8 +84,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Past the n dofs of block link i; their rows of Y are `stride` apart. Of a free base, which nothing of K
-   passes, U/D has only what its dofs before d need. */
+/* Carries K past the n dofs of block link i, whose rows of Y are `stride` apart. Nothing of K passes a free
+   base: its U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -112,7 +114,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     return on;
 }
 
-/* From link i down the tree to link `stop`; Y: of dof 0. */
+/* Carries K from link i down to link `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
                             rbdi_carried *carried, rbd_real *Y) {
     rbdi_carried on = *carried; /* in registers */
@@ -127,7 +129,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     *carried = on;
 }
 
-/* Y and b of rows r .. of a constraint. h, p: its axes and where it acts. */
+/* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
 static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
                            const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
@@ -147,7 +149,7 @@ static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi
     *(rbdi_batch *)&c->b[k->row + r] = on.b;
 }
 
-/* 1/D of the links on a path. */
+/* 1/D of the dofs on a path. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
@@ -157,7 +159,7 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* u/D of the links on a path, once lambda is known. */
+/* u/D += Y'lambda / D. */
 static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
@@ -167,7 +169,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. */
+/* Velocities, poses and bias wrenches of the links. The terms of gamma by accelerations come with K: they are
+   0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -180,11 +183,11 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
         const int link = c->constraint[i / 2].link[i % 2];
         if (link < 0) continue;
         w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
-        if (!moving) w->kin[link].v = rbdi_vec0(); /* not computed, not used */
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* a number, but not used */
     }
 }
 
-/* x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
+/* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     rbdi_back_substitute(c);

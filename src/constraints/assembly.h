@@ -4,9 +4,9 @@
 #include "constraints/weights.h"
 
 /* ---- assembly [assembly] ----
-   Newton's method with what is left of the distance: the step d has J d = -e, and of all such steps it takes
-   delta + d = delta + rbd_difference(q, q_near) to the shortest. A step is cut to a length for which the
-   linear picture may be trusted; the last ones only close. */
+   Newton's method: each step d has J d = -e, and of all such steps the one that makes the remaining distance
+   d + rbd_difference(q, q_near) shortest. A step is cut to RBDI_LONGEST_STEP, for which J may be trusted. The
+   last steps only reduce e. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -18,9 +18,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* How much of the distance the next step takes back, by Barzilai and Borwein (1988): from this step x, the
-   one before it, c->before, and the shares of both. The share is 1 where the constraints are flat; where
-   they curve, steps with it may end too late or never. */
+/* The share of the distance that the next step takes back, by Barzilai and Borwein (1988): from this step x,
+   the one before it, c->before, and the shares of both. If the constraints are flat, a share of 1 is right;
+   if they curve, steps with it end too late or never. */
 static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
@@ -37,7 +37,7 @@ static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real sh
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
-/* Takes one step, with this share of the distance; returns its length. */
+/* Takes a step with this share of the distance; returns its length. */
 static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near, rbd_real share) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
@@ -52,7 +52,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     return length;
 }
 
-/* q_near, from q. */
+/* Computes q_near from q. */
 static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
     rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
@@ -83,7 +83,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        for (int pass = 0; pass < 2; ++pass) { /* the second takes the rounding of large lambda */
+        for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
             rbdi_clear(c->target, c->rows);
             rbdi_multipliers(m, c, NULL, 0);
         }

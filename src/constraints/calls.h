@@ -15,8 +15,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda with lambda of least norm so that J x = target, from Y = J' and x = D^-1 L^-T
-   (right-hand side); L = 1 if NULL. check: whether targets may contradict each other. */
+/* x += M^-1 J' lambda, lambda of least norm with J x = target; from Y = J' and x = D^-1 L^-T (right-hand
+   side). check: note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
@@ -33,8 +33,8 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_sweep_down(m, c, L);
 }
 
-/* The accelerations that a constraint's rows shall have, r - gamma: by Baumgarte; or the change of velocity in
-   an impact, if there is a restitution. */
+/* Targets of a constraint's rows: the accelerations of Baumgarte's stabilisation minus gamma; with a
+   restitution the change of velocity in an impact. */
 static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
     for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
         const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
@@ -46,8 +46,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Accelerations x; or, if there is a restitution, the change of velocity in an impact: without gravity,
-   velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is in doubt. */
+/* Computes the accelerations x; with a restitution the change of velocity in an impact, which is the same
+   without gravity, velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is
+   in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -74,7 +75,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* The same by M = L'DL, for every state. */
+/* The same by M = L'DL, for all states. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
@@ -100,7 +101,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* By one or the other; lambda; and what the call returns. */
+/* Computes x and lambda by articulated bodies, or by M if these are in doubt. Returns the status of the call.
+   */
 static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
@@ -134,7 +136,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* The rows, and the motion of all links without gravity. */
+/* Computes the rows, and the motion of all links without gravity. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};

@@ -12,12 +12,12 @@
        M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
-   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. Of
-   tau rho = -1 and sigma = 0. d ID is rbd_id_derivatives. The rest depends on the motion of the two
-   bodies against each other alone, and so only on the dofs of one of them. All that follows is in world
-   axes, at the place p of frame 1: motions of the link-fixed point there. For such a dof k, which moves
-   body b, S = (z; s), with the other sign where b is body 2; P its joint's parent, and with x the spatial
-   cross product, A spatial accelerations
+   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. By tau,
+   rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion of the
+   two bodies, so only on dofs that move one of them. All quantities are in world axes, at the origin p of
+   frame 1: motions of the link-fixed point there. For such a dof k, which moves body b, S = (z; s), negated
+   if b is body 2; P is its joint's parent; x between spatial vectors is the spatial cross product, A a
+   spatial acceleration:
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
@@ -26,25 +26,27 @@
                    - 2 omega_2 x du                                                                 by q
        d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
 
-   where w, u is the velocity of body 1 against body 2 and (angular; linear) its rate. If b is body 2, which
-   turns the axes, there comes to these z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear), dw from
-   before, and by v (z x w; 2 z x u). Of J' lambda, m and f being moment and force of lambda, S_i of another
-   such dof:
+   where (w; u) is the velocity of body 1 relative to body 2 and (angular; linear) its rate. If b is body 2,
+   the axes turn with it, which adds z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear) with dw from
+   above, and by v (z x w; 2 z x u). With m and f the moment and force of lambda, and S_i that of another such
+   dof, J' lambda has
 
        d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
                          S_i . (s x f; 0)       else
 
    Checked against finite differences in tests/test_constraints.c. */
 
-typedef struct rbdi_encounter { /* of the two bodies of a constraint */
+/* Relative motion of the two bodies of a constraint, and their force. */
+typedef struct rbdi_encounter {
     rbdi_station body[2];
     rbdi_v3 w, u, angular, linear, m, f;
     rbdi_axes_held h;
-    rbdi_v3 turn, free[2]; /* log R; free axis of two held ones, of frame 2 and frame 1 */
-    rbd_real bend;         /* of the derivative of log R */
+    rbdi_v3 turn;    /* log R, world axes */
+    rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
+    rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
 } rbdi_encounter;
 
-/* Its derivatives by the position and velocity of a dof. */
+/* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
 typedef struct rbdi_change {
     rbdi_motion S, velocity, by_q, by_v;
 } rbdi_change;
@@ -92,7 +94,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_
     return x;
 }
 
-/* Dof j of a link on the path of body `side`. */
+/* By dof j of a link on the path of body `side`. */
 static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
@@ -132,7 +134,7 @@ static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *
     return d;
 }
 
-/* sigma of a dof: a column of rows. */
+/* Adds a dof's column of sigma. */
 static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
                            rbd_real *by_q, rbd_real *by_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];

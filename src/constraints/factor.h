@@ -6,13 +6,13 @@
 #include "constraints/tolerances.h"
 
 /* ---- factor [factor] ----
-   Delta = Y' D^-1 Y of both ways of [design] and its Cholesky factor:
+   Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
    beta is column `rows` of R, as Delta has b there. */
 
-/* sum of x_k y_k */
+/* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
     rbdi_batch lanes = rbdi_zero_batch();
     rbd_real sum = rbdi_zero();
@@ -24,7 +24,8 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     return sum;
 }
 
-/* c->noise: RBDI_MOTIONLESS of the levers of J's entries, as the dofs on the paths magnify them. */
+/* Computes c->noise from the levers of J's entries, the distances of the links from the world's origin, and
+   from 1/D of the dofs on the paths. */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), give = rbdi_zero();
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
@@ -36,8 +37,8 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: of its dofs where
-   their rows of Y start, and 1/D. */
+/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: where the rows of Y
+   of its dofs start, and their 1/D. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constraint *k, int i, int n) {
     const rbd_real *inverse = c->stack, *Y = c->Y;
     const int32_t *path = c->path;
@@ -79,7 +80,7 @@ static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k) {
     }
 }
 
-/* Two batches of row t, from column j on, less what the rows before it take. */
+/* Two batches of row t from column j on, minus the products of the rows before it. */
 typedef struct rbdi_batches {
     rbdi_batch x, y;
 } rbdi_batches;
@@ -94,7 +95,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int 
     return b;
 }
 
-/* Row t of R, and beta, in place of that of Delta. Returns whether its pivot is in doubt. */
+/* Replaces row t of Delta, and b_t, by those of R and beta. Returns whether the pivot is in doubt. */
 RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
@@ -110,7 +111,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
     }
 }
 
-/* lambda from beta; it is 0 behind the last row. */
+/* R lambda = beta. lambda is 0 behind the last row. */
 static void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
@@ -121,7 +122,7 @@ static void rbdi_back_substitute(rbd_constraint_set *c) {
     }
 }
 
-/* R and beta from Y, D and b. Returns whether a pivot is in doubt. */
+/* Computes R and beta from Y, D and b. Returns whether a pivot is in doubt. */
 static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbd_real noise;

@@ -12,7 +12,7 @@ typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-/* The world, link -1, accelerates upward by -gravity if the links do. */
+/* Motion of the point of a link that is at p. The world, link -1, accelerates by -gravity if the links do. */
 RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
     rbdi_station s;
     s.p = p;
@@ -32,21 +32,21 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     return s;
 }
 
-/* The origin of a frame of a constraint, fixed in its link. */
+/* Motion of the origin of a constraint's frame. */
 RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
     return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
 }
 
-/* Orientation of the frame in the world. */
+/* Orientation of that frame in the world. */
 static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_mat R = rbdi_mat_c(on->R[side]);
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
 
-/* The turn that a rotation matrix is: log R. Of the quaternion that belongs to it four multiples are at hand,
-   by the component that they have as a positive sum of R's entries; the largest is taken. */
+/* log R, the rotation vector. Sums of R's entries are four multiples of its quaternion, by one of the
+   components each; the one with the largest factor is exact enough. */
 static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
@@ -66,7 +66,7 @@ static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     return rbdi_quaternion_difference(identity, q);
 }
 
-/* The angular part of the position error: [conventions]. */
+/* Angular part of the position error e, frame 2: [conventions]. */
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
@@ -77,8 +77,8 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, by component in the world, rows as lanes: of angular rows, of linear
-   ones. */
+/* The axes that a constraint holds, world axes, rows as lanes: components of the axes of angular rows, then
+   of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
@@ -95,7 +95,7 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constrain
     }
 }
 
-/* Adds the components of (angular; linear), world axes, that a constraint holds. */
+/* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
 RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
                                rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
@@ -109,8 +109,7 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
     }
 }
 
-/* gamma and J v of a constraint and, if `errors`, e. Returns the place of frame 1. Body 2 is mostly the world,
-   which is at rest. */
+/* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
                                            const rbdi_axes_held *h, int errors) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);

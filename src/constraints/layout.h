@@ -7,7 +7,7 @@
 
 /* ---- layout [layout] ---- */
 
-/* Scalars in the widest SIMD register that the file with the implementation may be compiled for. */
+/* Scalars in the widest SIMD register for which the file with the implementation may be compiled. */
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || \
     !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
 #define RBDI_ROW_BATCH 1
@@ -26,10 +26,10 @@ typedef struct rbdi_constraint {
     int16_t link[2];   /* -1 = world */
     int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
     int16_t row, rows; /* the first, and how many */
-    int16_t angular;   /* how many of them are angular; they come first */
+    int16_t angular;   /* number of angular rows, which come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
-    int16_t dofs;      /* number of: */
-    int16_t *dof;      /* on the path to one body or both, ascending */
+    int16_t dofs;      /* number of entries of: */
+    int16_t *dof;      /* dofs on the path to one body or both, ascending */
 } rbdi_constraint;
 
 /* The rows that a dof may have entries in, first .. end - 1. All others are zero. */
@@ -43,23 +43,24 @@ struct rbd_constraint_set {
     int n, rows, stride;          /* stride: of rows, padded */
     int links;                    /* number of links on a path */
     int infeasible;               /* row, -1 = none */
-    int exchanged;                /* whether the rows of R are in another order, `chosen` */
+    int exchanged;                /* whether R is that of [rank], its rows in another order, `chosen` */
     int factored;                 /* whether the factor of M is always used */
     int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
-    int moving;                   /* whether velocities of links' origins are wanted, but for impacts */
+    int moving;                   /* whether dynamics need the velocities of the links' origins */
     rbdi_constraint *constraint;  /* n */
-    int16_t *link;                /* those on a path to a body, ascending; none with mimic joints */
+    int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
     rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int32_t *path;                /* nv: of dofs, where their rows of Y start */
+    int32_t *path;                /* nv: of the dofs of a constraint, where their rows of Y start */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
-    rbd_real *x, *stack, *before; /* nv each: solution; of a path, by depth; the last step of assembly */
+    rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
     rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
                                                       position error, wanted J a */
-    rbd_real *demand; /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *square, *share,
-        *chosen;       /* stride each, [rank]: what is independent, 1 / what there is; exchanges */
+    rbd_real *demand;  /* stride: sum of the squares of b's terms, a measure of its rounding */
+    rbd_real *square;  /* stride, [rank]: the square of a row's part that is independent of the rows taken */
+    rbd_real *share;   /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *chosen;  /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
     rbd_real noise;    /* the square that rounding of J's entries may give a row */
     rbdi_v3 world;     /* acceleration of the world */

@@ -5,24 +5,23 @@
 #include "constraints/factor.h"
 
 /* ---- rank [rank] ----
-   Which rows are independent of each other is decided without Delta, whose condition is the square of that of
-   its rows. With Z = D^-1/2 Y, so that Delta = Z'Z,
+   Where a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is
+   the square root of that of Delta:
 
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
    Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
-   it with the row in its place. So the state decides on the order, and not the order in which the caller
-   lists the constraints. Once that share is rounding for the best row ([tolerances]), all rows left depend
-   on those that were taken: they are dropped, 1/R_tt = 0.
+   it with the row in its place. So the state decides the order, not the caller. Once the largest share is
+   rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
 
-   Q is not needed. R' w = b and R lambda = w give lambda, 0 for dropped rows, and a follows from lambda: the
-   first equation holds to rounding whatever the rank is, the second for all rows that were taken. For a
-   dropped row j, R n = 0 with n_j = 1 gives a null vector: J'n = 0. Its right-hand side must obey n'b = 0,
-   and n'b is what R' w = b leaves of b_j. lambda loses its components along the null vectors, made
-   orthogonal one after the other (Gram and Schmidt), and has the least norm.
+   Q is not needed. R' beta = b and R lambda = beta give lambda, 0 for dropped rows. The equation of motion
+   then holds to rounding whatever the rank is, and so do the rows taken. For a dropped row j, R n = 0 with
+   n_j = 1 gives a null vector: J'n = 0. The rows agree only if n'b = 0. The null vectors are made orthogonal
+   one after the other (Gram and Schmidt); lambda has the least norm once it has lost its components along
+   them.
 
-   There is no branch on data but on whether all lanes agree, so that lanes may differ in order and rank. */
+   Lanes may differ in order and rank: branches only ask whether all lanes agree. */
 
 static rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
@@ -33,8 +32,8 @@ static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
 }
 
-/* Entry t of x, which are `step` apart, changes places with that of the row that was chosen then; the same of
-   n - 1 other x, `next` apart. */
+/* Exchanges entry t of x with that of the row chosen for its place. Entries are `step` apart. Does so for n
+   vectors x, `next` apart. */
 static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
@@ -48,15 +47,15 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
     }
 }
 
-/* All exchanges: to the order of R, or back. */
-static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
-    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, x, step, n, next);
+/* X, of n columns, to the order of R; and back. */
+static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *X, int n) {
+    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, X, n, n, 1);
 }
-static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *x, int step, int n, int next) {
-    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, x, step, n, next);
+static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *X, int n) {
+    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, X, n, n, 1);
 }
 
-/* Of each row from t on the square of what is independent of the rows taken. */
+/* c->square of the rows from t on. */
 static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
@@ -68,7 +67,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Chooses the row of which the largest share is independent, and exchanges it with row t. */
+/* Exchanges row t with the row of which the largest share is independent. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
@@ -82,29 +81,29 @@ static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbdi_exchange(c, t, c->share, 1, 1, 0);
 }
 
-/* Householder's reflection that leaves of column t but R_tt nothing below row t. */
+/* Householder's reflection that makes R_tt the last entry of column t. */
 static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->R, *v = c->stack;
+    rbd_real *Z = c->R, *h = c->stack;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
                    scale = rbdi_reciprocal(length * (length + rbdi_abs(head)), RBDI_TINY, &none);
-    for (int k = t; k < nv; ++k) v[k] = Z[k * stride + t];
-    v[t] = head - R;
+    for (int k = t; k < nv; ++k) h[k] = Z[k * stride + t];
+    h[t] = head - R;
     for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
-        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * v[k];
+        for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * h[k];
         sum = sum * scale;
         for (int k = t; k < nv; ++k) {
             rbdi_batch *z = (rbdi_batch *)&Z[k * stride + j];
-            *z = *z - sum * v[k];
+            *z = *z - sum * h[k];
         }
     }
     Z[t * stride + t] = R;
 }
 
-/* By Householder: R of all rows, in c->R; 1/R_tt, 0 if row t depends on those before it. */
+/* R of all rows, and 1/R_tt: 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -132,11 +131,11 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* The null vector n of a dropped row t, R n = 0 and n_t = 1, up to entry t: row t of c->R to the diagonal, which
-   nothing else needs any more. It is 0 in lanes that took the row. */
+/* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
+   up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x loses its component along the null vector of row t. It has t + 1 entries or more. */
+/* x loses its component along the null vector of row t. */
 static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
     const rbd_real *n = rbdi_null(c, t);
     rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
@@ -165,8 +164,7 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* J v, gamma and e of a constraint are differences of such sizes: turns, and the velocities and accelerations
-   that come with them. */
+/* J v, gamma and e of a constraint are differences of terms. This bounds the terms of its target. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
@@ -177,20 +175,20 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
-/* By how much the right-hand sides may contradict each other: c->demand; it and
-   c->target are in the order of R then. */
+/* Replaces c->demand by the amount to which targets may contradict each other; brings it and c->target to the
+   order of R. */
 static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
         const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
         for (int r = k->row; r < k->row + k->rows; ++r)
             c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_to_order(c, c->demand, 1, 1, 0);
-    rbdi_to_order(c, c->target, 1, 1, 0);
+    rbdi_to_order(c, c->demand, 1);
+    rbdi_to_order(c, c->target, 1);
 }
 
-/* Notes the first of the dropped rows that contradict those they depend on: their targets have a component
-   along the null vector. */
+/* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
+   have a component along its null vector. */
 static void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->share;
     const rbd_real one = rbdi_set(RBD_C(1));
@@ -204,28 +202,26 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] =
             rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
     }
-    rbdi_from_order(c, bad, 1, 1, 0);
+    rbdi_from_order(c, bad, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* n columns, of rows n apart, lose their components along the null vectors. */
+/* The n columns of X lose their components along the null vectors. */
 static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
-    rbdi_mask any = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int t = 0; t < c->rows; ++t) any = rbdi_or(any, rbdi_dropped(c, t));
-    for (int column = 0; rbdi_any(any) && column < n; ++column) {
+    for (int column = 0; c->exchanged && column < n; ++column) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
         rbdi_project_rows(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
     }
 }
 
-/* X = Delta^-1 X, of least norm, for n columns of rows n apart. Where rows depend on others the right-hand side
-   is brought into agreement before: it loses its components along the null vectors, too. */
+/* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
+   components along the null vectors, too: they would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
-    rbdi_to_order(c, X, n, n, 1);
+    rbdi_to_order(c, X, n);
     rbdi_project_columns(c, X, n);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
@@ -237,10 +233,10 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
         rbdi_multiply(&X[t * n], c->inverse[t], n);
     }
     rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n, n, 1);
+    rbdi_from_order(c, X, n);
 }
 
-/* lambda; what a call returns, status of the pivots being known. */
+/* Gives lambda to the caller; returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);

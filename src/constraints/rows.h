@@ -7,7 +7,7 @@
 
 /* ---- rows [rows] ---- */
 
-/* Adds the motion that a dof gives to the point of constraint k, world axes: a column of J. */
+/* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
 RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                         const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                         rbdi_v3 linear) {
@@ -18,7 +18,7 @@ RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *
     rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
 }
 
-/* The columns of the dofs of a link that carries the point p. */
+/* Columns of the dofs of a link on a path; p: origin of frame 1. */
 RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
@@ -37,14 +37,14 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Runs the statement behind it for every link that moves only one of the two bodies; sign: 1 for body 1, else
-   -1. Links on both paths cancel. */
+/* Runs the statement behind it for each link that moves only one of the two bodies; sign: 1 for body 1, -1
+   for body 2. Links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, k, link, sign) \
     for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if moving, velocities of their origins; all turn as is known. */
+/* Poses of the links on a path and, if moving, velocities of their origins. Angular velocities are known. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
@@ -53,9 +53,9 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Motion of all links and poses of those on a path, into the work, in place of rbd_kinematics' own; with
-   `wrench` also the wrenches that the motion takes. Gravity is an acceleration of the world. rbdi_joints has
-   been called. */
+/* Writes the motion of all links and poses of those on a path into the work, replacing the results of
+   rbd_kinematics; with `wrench` also the wrenches of inverse dynamics. Gravity is an acceleration of the
+   world. rbdi_joints must have been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
@@ -66,14 +66,14 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Y = R = 0, before other entries than those of articulated bodies are written. */
+/* Y = R = 0. Needed before entries are written that articulated bodies do not overwrite. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     c->dirty = 1;
 }
 
-/* Y = J', gamma and J v of a constraint and, if `errors`, e. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
                                  int errors) {
     rbdi_axes_held h;

@@ -25,7 +25,7 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
     return k;
 }
 
-/* A rotation that turns z into this axis. */
+/* A rotation whose z axis is this axis. */
 static void rbdi_frame_along(const double axis[3], double R[9]) {
     rbdi_wide A[9], T[9];
     int least = 0;
@@ -85,7 +85,7 @@ static int rbdi_held_axes(const rbd_constraint *k) {
     return n;
 }
 
-/* Rows from one dof to the next: two batches may begin at any row. */
+/* The stride of rows: two batches may begin at any row. */
 static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
@@ -101,7 +101,7 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
     return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
 
-/* The link that carries a body, -1 = world. */
+/* The link of a body, -1 = world. */
 static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
 static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
@@ -118,7 +118,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     } while (0)
     RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
     RBDI_REQUIRE(k->body1 >= 0 || k->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 RBDI_TEXT("both bodies are -1, the world, or what no name of a body was found as"));
+                 RBDI_TEXT("both bodies are -1: the world, or a name that no body has"));
     RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));
@@ -133,7 +133,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     return RBD_OK;
 }
 
-/* A frame on a body as a frame on the link that carries it; returns the link. */
+/* Converts a frame on a body to a frame on its link; returns the link. */
 static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], const double p[3],
                             rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
@@ -155,7 +155,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest link that carries both or is one of them, -1 = world: ancestors have smaller indices. */
+/* The nearest link that carries both or is one of them, -1 = world. Ancestors have smaller indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *behind = one > two ? &one : &two;
@@ -183,23 +183,16 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     }
 }
 
-/* The last dof of the path to a link, mimic joints standing for those that they follow; -1 = none. */
-static int rbdi_tip_of(const rbd_model *m, int link) {
-    int tip = -1;
-    for (; link >= 0; link = m->link[link].parent)
-        for (int j = rbdi_link_dofs(m, &m->link[link]) - 1; j >= 0; --j) {
-            const int i = rbdi_source(m, m->link[link].iv + j);
-            if (tip < 0 || m->dof[i].depth > m->dof[tip].depth) tip = i;
-        }
-    return tip;
-}
-
 /* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
     int32_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
-        for (int i = rbdi_tip_of(m, k->link[side]); i >= 0; i = m->dof[i].lambda) ++reached[i];
+        for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
+            for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j)
+                for (int i = rbdi_source(m, m->link[link].iv + j); i >= 0 && !reached[i];
+                     i = m->dof[i].lambda)
+                    reached[i] = 1;
     k->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
         rbdi_span *s = &c->span[i];
@@ -210,8 +203,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Whether articulated bodies would always find rows that depend on each other: more than there are dofs, more
-   than six between two links, or more than there are dofs between them. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
+   more than dofs, or between two links more than six or than dofs between these. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;

@@ -6,9 +6,9 @@
 /* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
 
 /* ---- solution [solution] ----
-   By the factor of M: what comes before and behind [factor] or [rank]. */
+   The steps by the factor of M before and after [factor] or [rank]. L = NULL: L = 1. */
 
-/* x = D^-1 L^-T x. */
+/* x = D^-1 L^-T x; D^-1. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
@@ -20,7 +20,7 @@ static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd
     }
 }
 
-/* Y = L^-T Y, if there is an L, of all rows, and b = target - Y'x; lanes behind a dof's rows are 0. */
+/* Y = L^-T Y and b = target - Y'x. Lanes behind a dof's span are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
@@ -40,7 +40,7 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
         }
 }
 
-/* Y'lambda / D of dof k. */
+/* Entry k of D^-1 Y lambda. */
 RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
@@ -50,7 +50,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     return rbdi_sum_lanes(sum) * c->D_inverse[k];
 }
 
-/* x = L^-1 (x + D^-1 Y lambda), if there is an L. */
+/* x = L^-1 (x + D^-1 Y lambda). */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real *l = L ? &L[m->dof[k].row] : NULL;

@@ -4,14 +4,17 @@
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_CLEAR: each pivot must exceed this share of Delta's diagonal entry, or the factor of M decides: both
-   equations then hold to 1e-11 of their terms.
-   RBDI_RANK: of a row's square the square of its part that is independent of the rows before it must exceed
-   this, or the row counts as dependent. Rounding leaves some 1e-31 of it, in ill-conditioned models more; a
-   leg 1e-7 rad from straight has 1e-14. The part must also exceed RBDI_MOTIONLESS of J's levers, as the
-   lightest joints magnify them: such a row moves nothing but for rounding.
-   RBDI_FEASIBLE: a dependent row may ask for something else than the rows before it by this much of its
-   terms: drift contradicts itself by that. */
+/* RBDI_CLEAR: each pivot of Delta must exceed this share of Delta's diagonal entry, or the state is in doubt.
+   Both equations then hold to 1e-11 of their terms. The error of lambda is up to 1 / sqrt(RBDI_CLEAR) times
+   the one that its condition explains, because Delta squares the condition of the rows.
+   RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
+   exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
+   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS of J's levers, as the lightest
+   joints magnify them: a row below that moves nothing, its entries are rounding.
+   RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
+   positions drift.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
+   largest entry of e that is left must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
@@ -38,10 +41,7 @@
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows that are equal but for rounding the first is taken */
-
-/* Assembly ends RBDI_CLOSING_STEPS after a step, rad or m, below RBDI_SHORT_STEP; what is left of e must be
-   below RBDI_CLOSED. */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows with equal shares but for rounding the first is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_SHARE RBD_C(1e-3)
 #define RBDI_MOST_SHARE RBD_C(5)

@@ -3,17 +3,17 @@
 #include "constraints/calls.h"
 
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M the same steps solve other problems, L = 1. Least squares: x + D^-1
-   J' lambda, J of it = target, is what is nearest to x in the sum of D (.)^2. */
+   With a diagonal matrix D in place of M, so L = 1, the same steps solve least squares: they add D^-1 J'
+   lambda to x, the change with the least sum of D (.)^2 that gives J x = target. */
 
-/* n weights are above 0; NULL: all are 1. */
+/* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k)
         if (!(weight[k] > 0)) return 0;
     return 1;
 }
 
-/* Without a motor: what is not said to have one; by default floating joints at a root. */
+/* Whether dof k has no motor: its flag is 0; without flags, it is of a floating joint at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
