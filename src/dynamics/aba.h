@@ -221,11 +221,11 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
    before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
-                                 rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i_link];
     const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_motion c = w->scratch[i].c;
+    const rbdi_motion c = w->scratch[i_link].c;
     rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6];
     rbdi_abi Ia;
