@@ -309,7 +309,7 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G; /* rows x (rows + 1): the matrix of a Newton step, and its right-hand side */
+    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand side */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 
@@ -317,7 +317,8 @@ typedef struct rbdi_contact_solver {
     (RBDI_ALIGN + RBDI_ROUND((size_t)(contacts) * sizeof(rbdi_contact_law)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbd_contact_state)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(contacts, bounded) * sizeof(rbdi_contact_unknown)) + \
-     sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * (6 + RBDI_CONTACT_ROWS(contacts, bounded)))
+     sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * \
+         (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
 /* A contact of a set. */
@@ -723,32 +724,44 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
+/* From one row of G to the next, of n unknowns: whole batches, of which column n is the right-hand side. */
+RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+
+/* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
+RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_contact_unknown *x) {
+    const rbd_real *delta = &s->given.delta[x->first * s->rows];
+    if (x->rows == 1) return delta;
+    for (int j = 0; j < s->rows; ++j)
+        s->scratch[j] =
+            x->row[0] * delta[j] + x->row[1] * delta[s->rows + j] + x->row[2] * delta[2 * s->rows + j];
+    return s->scratch;
+}
+
 /* G and -T'u behind it, of n unknowns. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
+    const int stride = rbdi_newton_stride(n);
+    rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        rbd_real *g = &s->G[i * (n + 1)], *row = s->scratch;
-        rbdi_clear(row, s->rows); /* minus the row of T' Delta */
-        g[n] = rbdi_zero();
-        for (int j = 0; j < x->rows; ++j) {
-            if (!(x->row[j] < 0 || x->row[j] > 0)) continue;
-            rbdi_subtract(row, x->row[j], &s->given.delta[(x->first + j) * s->rows], s->rows);
-            g[n] = g[n] - x->row[j] * s->u[x->first + j];
-        }
+        const rbd_real *row = rbdi_newton_row(s, x);
+        rbd_real *g = &s->G[i * stride];
         for (int k = 0; k < n; ++k) {
             const rbdi_contact_unknown *y = &s->unknown[k];
-            g[k] = -row[y->first] * y->column[0];
+            g[k] = row[y->first];
             if (y->rows == 3)
-                g[k] = g[k] - row[y->first + 1] * y->column[1] - row[y->first + 2] * y->column[2];
+                g[k] =
+                    g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
+        for (int j = 0; j < x->rows; ++j) g[n] = g[n] - x->row[j] * s->u[x->first + j];
     }
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    rbd_real *own = &s->G[k * (n + 1)], *best = own;
-    for (rbd_real *g = own; g < &s->G[n * (n + 1)]; g += n + 1)
+    const int stride = rbdi_newton_stride(n);
+    rbd_real *own = &s->G[k * stride], *best = own;
+    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride)
         if (rbdi_abs(g[k]) > rbdi_abs(best[k])) best = g;
     for (int j = k; best != own && j <= n; ++j) {
         const rbd_real x = own[j];
@@ -757,19 +770,24 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     return rbdi_abs(own[k]) > 0;
 }
 
-/* dx in place of the right-hand side. Returns 0 if G is singular. */
+/* dx in place of the right-hand side. Returns 0 if G is singular. Rows are eliminated from a whole batch on:
+   nobody reads what that changes before column k. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
     for (int k = 0; k < n; ++k) {
-        const rbd_real *own = &s->G[k * (n + 1)];
+        const rbd_real *own = &s->G[k * stride];
+        const int from = k / RBDI_BATCH * RBDI_BATCH;
+        rbd_real inverse;
         if (!rbdi_newton_pivot(s, n, k)) return 0;
+        inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
-            rbd_real *g = &s->G[i * (n + 1)];
-            rbdi_subtract(g + k + 1, g[k] / own[k], own + k + 1, n - k);
+            rbd_real *g = &s->G[i * stride];
+            rbdi_subtract(g + from, g[k] * inverse, own + from, stride - from);
         }
     }
     for (int k = n - 1; k >= 0; --k) {
-        rbd_real *g = &s->G[k * (n + 1)], x = g[n];
-        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * (n + 1) + n];
+        rbd_real *g = &s->G[k * stride], x = g[n];
+        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * stride + n];
         g[n] = x / g[k];
     }
     return 1;
@@ -796,9 +814,10 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
 
 /* p + S dx. */
 RBDI_PART void rbdi_add_increments(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        const rbd_real dx = s->G[i * (n + 1) + n];
+        const rbd_real dx = s->G[i * stride + n];
         for (int j = 0; j < x->rows; ++j) s->p[x->first + j] = s->p[x->first + j] + x->column[j] * dx;
     }
 }
@@ -920,7 +939,7 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
         (rbd_contact_state *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)bounded * sizeof(rbd_contact_state)));
     s->unknown = (rbdi_contact_unknown *)rbdi_take(&memory, 1,
                                                    RBDI_ROUND((size_t)rows * sizeof(rbdi_contact_unknown)));
-    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 6), sizeof(rbd_real));
+    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 5 + RBDI_CHUNK), sizeof(rbd_real));
     s->u = x, s->start = x + rows, s->aim = x + 2 * rows, s->best = x + 3 * rows, s->scratch = x + 4 * rows;
     s->G = x + 5 * rows;
 }
@@ -1303,18 +1322,25 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), both triangles, in s->R: rows x rows. */
+/* Delta of (4), in s->R: first the upper triangle, in rows of s->stride and whole batches, for the lanes
+   behind a dof's rows of Y are 0; then both triangles, rows x rows. */
 static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
-    const int n = s->rows;
+    const int n = s->rows, stride = s->stride;
     rbd_real *delta = s->R;
-    rbdi_clear(delta, n * n);
+    rbdi_clear(delta, n * stride);
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &s->Y[k * s->stride];
-        for (int r = s->span[k].first; r < s->span[k].end; ++r)
-            rbdi_subtract(&delta[r * n + r], -(y[r] * s->D_inverse[k]), &y[r], s->span[k].end - r);
+        const rbd_real *y = &s->Y[k * stride];
+        for (int r = s->span[k].first; r < s->span[k].end; ++r) {
+            const rbd_real give = y[r] * s->D_inverse[k];
+            rbd_real *row = &delta[r * stride];
+            for (int j = r; j < s->span[k].end; j += RBDI_BATCH)
+                *(rbdi_batch *)&row[j] = *(const rbdi_batch *)&row[j] + *(const rbdi_batch *)&y[j] * give;
+        }
     }
-    for (int r = 1; r < n; ++r)
+    for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
+        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * stride + t];
+    }
 }
 
 /* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the

@@ -728,8 +728,8 @@ START_TEST(bad_calls_are_refused) {
 }
 END_TEST
 
-/* A robot with joints of all kinds, some with limits or friction, begun beyond a limit and off a loop: what was
-   wrong is taken back, at rest. */
+/* A robot with joints of all kinds, some with limits or friction, begun beyond a limit and off its place:
+   what was wrong is taken back, at rest. */
 START_TEST(errors_are_taken_back) {
     rbd_body body[6] = {box(1, 1, 1, 1), rod(), rod(), rod(), rod(), rod()};
     rbd_contact_options o = {

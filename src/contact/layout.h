@@ -36,7 +36,7 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G; /* rows x (rows + 1): the matrix of a Newton step, and its right-hand side */
+    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand side */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 
@@ -44,7 +44,8 @@ typedef struct rbdi_contact_solver {
     (RBDI_ALIGN + RBDI_ROUND((size_t)(contacts) * sizeof(rbdi_contact_law)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbd_contact_state)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(contacts, bounded) * sizeof(rbdi_contact_unknown)) + \
-     sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * (6 + RBDI_CONTACT_ROWS(contacts, bounded)))
+     sizeof(rbd_real) * RBDI_CONTACT_ROWS(contacts, bounded) * \
+         (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
 /* A contact of a set. */

@@ -59,32 +59,44 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
+/* From one row of G to the next, of n unknowns: whole batches, of which column n is the right-hand side. */
+RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+
+/* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
+RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_contact_unknown *x) {
+    const rbd_real *delta = &s->given.delta[x->first * s->rows];
+    if (x->rows == 1) return delta;
+    for (int j = 0; j < s->rows; ++j)
+        s->scratch[j] =
+            x->row[0] * delta[j] + x->row[1] * delta[s->rows + j] + x->row[2] * delta[2 * s->rows + j];
+    return s->scratch;
+}
+
 /* G and -T'u behind it, of n unknowns. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
+    const int stride = rbdi_newton_stride(n);
+    rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        rbd_real *g = &s->G[i * (n + 1)], *row = s->scratch;
-        rbdi_clear(row, s->rows); /* minus the row of T' Delta */
-        g[n] = rbdi_zero();
-        for (int j = 0; j < x->rows; ++j) {
-            if (!(x->row[j] < 0 || x->row[j] > 0)) continue;
-            rbdi_subtract(row, x->row[j], &s->given.delta[(x->first + j) * s->rows], s->rows);
-            g[n] = g[n] - x->row[j] * s->u[x->first + j];
-        }
+        const rbd_real *row = rbdi_newton_row(s, x);
+        rbd_real *g = &s->G[i * stride];
         for (int k = 0; k < n; ++k) {
             const rbdi_contact_unknown *y = &s->unknown[k];
-            g[k] = -row[y->first] * y->column[0];
+            g[k] = row[y->first];
             if (y->rows == 3)
-                g[k] = g[k] - row[y->first + 1] * y->column[1] - row[y->first + 2] * y->column[2];
+                g[k] =
+                    g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
+        for (int j = 0; j < x->rows; ++j) g[n] = g[n] - x->row[j] * s->u[x->first + j];
     }
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    rbd_real *own = &s->G[k * (n + 1)], *best = own;
-    for (rbd_real *g = own; g < &s->G[n * (n + 1)]; g += n + 1)
+    const int stride = rbdi_newton_stride(n);
+    rbd_real *own = &s->G[k * stride], *best = own;
+    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride)
         if (rbdi_abs(g[k]) > rbdi_abs(best[k])) best = g;
     for (int j = k; best != own && j <= n; ++j) {
         const rbd_real x = own[j];
@@ -93,19 +105,24 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     return rbdi_abs(own[k]) > 0;
 }
 
-/* dx in place of the right-hand side. Returns 0 if G is singular. */
+/* dx in place of the right-hand side. Returns 0 if G is singular. Rows are eliminated from a whole batch on:
+   nobody reads what that changes before column k. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
     for (int k = 0; k < n; ++k) {
-        const rbd_real *own = &s->G[k * (n + 1)];
+        const rbd_real *own = &s->G[k * stride];
+        const int from = k / RBDI_BATCH * RBDI_BATCH;
+        rbd_real inverse;
         if (!rbdi_newton_pivot(s, n, k)) return 0;
+        inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
-            rbd_real *g = &s->G[i * (n + 1)];
-            rbdi_subtract(g + k + 1, g[k] / own[k], own + k + 1, n - k);
+            rbd_real *g = &s->G[i * stride];
+            rbdi_subtract(g + from, g[k] * inverse, own + from, stride - from);
         }
     }
     for (int k = n - 1; k >= 0; --k) {
-        rbd_real *g = &s->G[k * (n + 1)], x = g[n];
-        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * (n + 1) + n];
+        rbd_real *g = &s->G[k * stride], x = g[n];
+        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * stride + n];
         g[n] = x / g[k];
     }
     return 1;
@@ -132,9 +149,10 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
 
 /* p + S dx. */
 RBDI_PART void rbdi_add_increments(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        const rbd_real dx = s->G[i * (n + 1) + n];
+        const rbd_real dx = s->G[i * stride + n];
         for (int j = 0; j < x->rows; ++j) s->p[x->first + j] = s->p[x->first + j] + x->column[j] * dx;
     }
 }

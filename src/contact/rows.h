@@ -118,18 +118,25 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), both triangles, in s->R: rows x rows. */
+/* Delta of (4), in s->R: first the upper triangle, in rows of s->stride and whole batches, for the lanes
+   behind a dof's rows of Y are 0; then both triangles, rows x rows. */
 static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
-    const int n = s->rows;
+    const int n = s->rows, stride = s->stride;
     rbd_real *delta = s->R;
-    rbdi_clear(delta, n * n);
+    rbdi_clear(delta, n * stride);
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &s->Y[k * s->stride];
-        for (int r = s->span[k].first; r < s->span[k].end; ++r)
-            rbdi_subtract(&delta[r * n + r], -(y[r] * s->D_inverse[k]), &y[r], s->span[k].end - r);
+        const rbd_real *y = &s->Y[k * stride];
+        for (int r = s->span[k].first; r < s->span[k].end; ++r) {
+            const rbd_real give = y[r] * s->D_inverse[k];
+            rbd_real *row = &delta[r * stride];
+            for (int j = r; j < s->span[k].end; j += RBDI_BATCH)
+                *(rbdi_batch *)&row[j] = *(const rbdi_batch *)&row[j] + *(const rbdi_batch *)&y[j] * give;
+        }
     }
-    for (int r = 1; r < n; ++r)
+    for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
+        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * stride + t];
+    }
 }
 
 /* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the

@@ -78,7 +78,7 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
         (rbd_contact_state *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)bounded * sizeof(rbd_contact_state)));
     s->unknown = (rbdi_contact_unknown *)rbdi_take(&memory, 1,
                                                    RBDI_ROUND((size_t)rows * sizeof(rbdi_contact_unknown)));
-    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 6), sizeof(rbd_real));
+    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 5 + RBDI_CHUNK), sizeof(rbd_real));
     s->u = x, s->start = x + rows, s->aim = x + 2 * rows, s->best = x + 3 * rows, s->scratch = x + 4 * rows;
     s->G = x + 5 * rows;
 }
