@@ -1183,7 +1183,7 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
     const int link = k->link[k->link[side] < 0 ? 1 : side];
     const rbdi_pose X = c->w->kin[link].X;
     const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(k->link[0] >= 0));
-    const rbdi_v3 arm = rbdi_mul(X.E, rbdi_sub(p, X.r));
+    const rbdi_v3 arm = side ? rbdi_mul(X.E, rbdi_sub(p, X.r)) : rbdi_vec_c(k->p[0]);
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(X.E.xx, X.E.xy, X.E.xz)),
                              rbdi_scale(sign, rbdi_vec(X.E.yx, X.E.yy, X.E.yz)),
                              rbdi_scale(sign, rbdi_vec(X.E.zx, X.E.zy, X.E.zz))};
