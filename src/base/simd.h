@@ -74,15 +74,33 @@ RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #endif
 }
 
-/* Four scalars that go together, in SIMD registers. GCC takes what is wider than one through memory. */
+/* Four scalars that go together: an axis or origin and a fourth that is not used, or parameters of a body. By
+   address: clang without AVX warns of vectors of four doubles as values. GCC takes what is wider than a batch
+   through memory. */
 #if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
-#define RBDI_FOURS
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    const rbdi_four x = {a, b, c, d};
+    *y = x;
+}
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
 #else
 typedef struct rbdi_four {
     rbd_real x[4];
 } rbdi_four;
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return x->x[k]; }
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
+}
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    RBDI_UNROLL_SIX for (int j = 0; j < 4; ++j) { y->x[j] = x->x[j] * k; }
+}
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
+    RBDI_UNROLL_SIX for (int j = 0; j < 4; ++j) { y->x[j] = y->x[j] + x->x[j] * k; }
+}
 #endif
 /* Four components of a batch, lane by lane. */
 #if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE

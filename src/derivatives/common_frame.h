@@ -193,8 +193,8 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
 }
 
 /* To one of the link's dofs, x to z in such an order that the last is the dof's own axis. */
-RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_axis *x, const rbdi_axis *y, const rbdi_axis *z,
-                               const rbdi_axis *origin) {
+RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
+                               const rbdi_four *origin) {
     rbdi_store_vec(out, rbdi_axis_vec(x));
     rbdi_store_vec(out + 3 * RBDI_BATCH, rbdi_axis_vec(y));
     rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));

@@ -5,37 +5,6 @@
 
 /* ---- regressors and inertial parameters [identification code] ---- */
 
-/* Four figures that go together: of a body's ten those of mass and its first moment, or four of its
-   inertia. */
-#ifdef RBDI_FOURS
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    const rbdi_four x = {a, b, c, d};
-    *y = x;
-}
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
-RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y - *x * k; }
-RBDI_INLINE void rbdi_halve_first(rbdi_four *y) {
-    const rbdi_four k = {RBD_C(0.5), RBD_C(1), RBD_C(1), RBD_C(1)};
-    *y = *y * k;
-}
-#else
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
-}
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return x->x[k]; }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    for (int j = 0; j < 4; ++j) y->x[j] = x->x[j] * k;
-}
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] + x->x[j] * k;
-}
-RBDI_INLINE void rbdi_subtract_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    for (int j = 0; j < 4; ++j) y->x[j] = y->x[j] - x->x[j] * k;
-}
-RBDI_INLINE void rbdi_halve_first(rbdi_four *y) { y->x[0] = y->x[0] * RBD_C(0.5); }
-#endif
 /* a_1 x_1 + a_2 x_2 + a_3 x_3, and with y added. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
     rbdi_add_four(y, a.x, &x[0]), rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
@@ -120,11 +89,11 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         rbdi_four n;
         rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
-        rbdi_subtract_four(&n, rbdi_one_of(&f[j], 0), &p->row[k]);
+        rbdi_add_four(&n, -rbdi_one_of(&f[j], 0), &p->row[k]);
         rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
-        rbdi_subtract_four(&n, rbdi_one_of(&p->row[k], 0), &f[j]);
-        rbdi_halve_first(&n);
+        rbdi_add_four(&n, -rbdi_one_of(&p->row[k], 0), &f[j]);
         *(rbdi_four *)&K[i * stride] = n;
+        K[i * stride] = K[i * stride] * RBD_C(0.5);
     }
 }
 

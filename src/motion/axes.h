@@ -4,35 +4,19 @@
 #include "base/simd.h"
 #include "algebra/vectors.h"
 
-/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis, rbdi_axis_vec, rbdi_load_axes,
-   rbdi_set_axis, rbdi_world_axes */
+/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis_vec, rbdi_load_axes, rbdi_set_axis,
+   rbdi_world_axes */
 
 /* ---- axes and origins of links [axes] ---- */
 
-/* Axes and origin of a link, in the world's or other axes: vectors of three components, in SIMD registers. */
-#ifdef RBDI_FOURS
-typedef rbdi_four rbdi_axis;
-RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) {
-    const rbdi_axis axis = {v.x, v.y, v.z, v.z}; /* the fourth is not used */
-    *a = axis;
-}
-RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return rbdi_vec((*a)[0], (*a)[1], (*a)[2]); }
-RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = -*b; }
-RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *b * k; }
-RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = *a + *b * k; }
-#else
-typedef rbdi_v3 rbdi_axis;
-RBDI_INLINE void rbdi_set_axis(rbdi_axis *a, rbdi_v3 v) { *a = v; }
-RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_axis *a) { return *a; }
-RBDI_INLINE void rbdi_negate_axis(rbdi_axis *a, const rbdi_axis *b) { *a = rbdi_vec(-b->x, -b->y, -b->z); }
-RBDI_INLINE void rbdi_scale_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) { *a = rbdi_scale(k, *b); }
-RBDI_INLINE void rbdi_add_axis(rbdi_axis *a, rbd_real k, const rbdi_axis *b) {
-    *a = rbdi_add(*a, rbdi_scale(k, *b));
-}
-#endif
+/* Axes and origin of a link, in the axes of the world or of a base. */
 typedef struct rbdi_axes {
-    rbdi_axis x, y, z, origin;
+    rbdi_four x, y, z, origin;
 } rbdi_axes;
+RBDI_INLINE void rbdi_set_axis(rbdi_four *a, rbdi_v3 v) { rbdi_set_four(a, v.x, v.y, v.z, v.z); }
+RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_four *a) {
+    return rbdi_vec(rbdi_one_of(a, 0), rbdi_one_of(a, 1), rbdi_one_of(a, 2));
+}
 
 RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
@@ -56,47 +40,47 @@ RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
 }
 
 /* The axes a, b turned in their plane, as in rbdi_turn_z. */
-RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_axis *a, rbdi_axis *b) {
-    const rbdi_axis from = *a;
+RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
+    const rbdi_four from = *a;
     if (flags & RBDI_TWIST_0) return;
     if (flags & RBDI_TWIST_90) {
         *a = *b;
-        rbdi_negate_axis(b, &from);
+        rbdi_scale_four(b, rbdi_set(RBD_C(-1)), &from);
         return;
     }
-    rbdi_scale_axis(a, c, a);
-    rbdi_add_axis(a, s, b);
-    rbdi_scale_axis(b, c, b);
-    rbdi_add_axis(b, -s, &from);
+    rbdi_scale_four(a, c, a);
+    rbdi_add_four(a, s, b);
+    rbdi_scale_four(b, c, b);
+    rbdi_add_four(b, -s, &from);
 }
 
 /* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
 RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
     if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
-        rbdi_add_axis(&p->origin, rbdi_set(l->r.x), &p->x);
+        rbdi_add_four(&p->origin, rbdi_set(l->r.x), &p->x);
         if (flags & RBDI_SHIFT_XYZ) {
-            rbdi_add_axis(&p->origin, rbdi_set(l->r.y), &p->y);
-            rbdi_add_axis(&p->origin, rbdi_set(l->r.z), &p->z);
+            rbdi_add_four(&p->origin, rbdi_set(l->r.y), &p->y);
+            rbdi_add_four(&p->origin, rbdi_set(l->r.z), &p->z);
         }
     }
     if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
     rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
     rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_axis(&p->origin, t.d, &p->z);
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_four(&p->origin, t.d, &p->z);
 }
 
 /* The same of a block. */
 RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
-    const rbdi_axis x = p->x, y = p->y, z = p->z;
-    if (!root) rbdi_add_axis(&p->origin, X->r.x, &x);
-    if (!root) rbdi_add_axis(&p->origin, X->r.y, &y);
-    if (!root) rbdi_add_axis(&p->origin, X->r.z, &z);
-    rbdi_scale_axis(&p->x, X->E.xx, &x), rbdi_add_axis(&p->x, X->E.xy, &y);
-    rbdi_scale_axis(&p->y, X->E.yx, &x), rbdi_add_axis(&p->y, X->E.yy, &y);
-    rbdi_scale_axis(&p->z, X->E.zx, &x), rbdi_add_axis(&p->z, X->E.zy, &y);
-    rbdi_add_axis(&p->x, X->E.xz, &z);
-    rbdi_add_axis(&p->y, X->E.yz, &z);
-    rbdi_add_axis(&p->z, X->E.zz, &z);
+    const rbdi_four x = p->x, y = p->y, z = p->z;
+    if (!root) rbdi_add_four(&p->origin, X->r.x, &x);
+    if (!root) rbdi_add_four(&p->origin, X->r.y, &y);
+    if (!root) rbdi_add_four(&p->origin, X->r.z, &z);
+    rbdi_scale_four(&p->x, X->E.xx, &x), rbdi_add_four(&p->x, X->E.xy, &y);
+    rbdi_scale_four(&p->y, X->E.yx, &x), rbdi_add_four(&p->y, X->E.yy, &y);
+    rbdi_scale_four(&p->z, X->E.zx, &x), rbdi_add_four(&p->z, X->E.zy, &y);
+    rbdi_add_four(&p->x, X->E.xz, &z);
+    rbdi_add_four(&p->y, X->E.yz, &z);
+    rbdi_add_four(&p->z, X->E.zz, &z);
 }
 
 #endif
