@@ -38,28 +38,15 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* Link i of a built model as the build had it, without its mass; its parent, if it has one, is links[0]. */
-static rbdi_build_link rbdi_rebuild_link(const rbd_model *m, int i) {
+/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has collected,
+   pair[0] an empty parent. */
+static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
-    rbdi_build_link out;
-    rbdi_clear_link(&out);
-    out.parent = l->parent < 0 ? -1 : 0;
-    out.kind = l->kind;
-    out.rho = (rbdi_wide)l->rho, out.kappa = (rbdi_wide)l->kappa;
-    out.X = rbdi_link_place(m, l);
-    if (l->kind == RBDI_BLOCK) out.type = m->block[l->block].type;
-    return out;
-}
-
-/* pair[1] becomes link i with the mass that pair[0] has collected, pair[0] an empty parent. */
-static void rbdi_build_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
-    const rbdi_build_link all = pair[0];
-    pair[1] = rbdi_rebuild_link(m, i);
-    for (int k = 0; k < 6; ++k) pair[1].Sigma[k] = all.Sigma[k];
-    for (int k = 0; k < 3; ++k) pair[1].h[k] = all.h[k];
-    pair[1].mass = all.mass;
-    pair[1].trace = all.trace, pair[1].moment = all.moment, pair[1].all_mass = all.all_mass;
-    pair[1].reach = all.reach;
+    pair[1] = pair[0];
+    pair[1].parent = l->parent < 0 ? -1 : 0;
+    pair[1].kind = l->kind, pair[1].type = l->kind == RBDI_BLOCK ? m->block[l->block].type : 0;
+    pair[1].rho = (rbdi_wide)l->rho, pair[1].kappa = (rbdi_wide)l->kappa;
+    pair[1].X = rbdi_link_place(m, l);
     rbdi_clear_link(&pair[0]);
 }
 
@@ -79,7 +66,7 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
     rbdi_build_mass(&load, place, pair);
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
-        rbdi_build_climb(m, i, pair);
+        rbdi_payload_climb(m, i, pair);
         for (int b = 0; b < m->nb; ++b) {
             const rbdi_c3 at = m->frame[b].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
@@ -106,7 +93,7 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
         rbdi_csym *S = &link[i].Sigma, x;
-        rbdi_build_climb(m, i, pair);
+        rbdi_payload_climb(m, i, pair);
         rbdi_build_regroup(pair, 1);
         x = rbdi_round6(pair[1].Sigma);
         S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
