@@ -5337,7 +5337,7 @@ RBDI_API int rbd_dof_body(const rbd_model *m, int dof) {
 }
 
 /* ==== src/model/text.h ==== */
-/* Interface: rbdi_append, rbdi_append_number */
+/* Interface: rbdi_write_finding */
 
 /* ---- text [text code] ---- */
 
@@ -5386,43 +5386,32 @@ RBDI_API const char *rbd_status_string(rbd_status status) {
     return "unknown status";
 }
 
-static size_t rbdi_append(char *text, size_t size, size_t at, const char *more) {
-    for (; *more && at + 1 < size; ++more) text[at++] = *more;
+/* A finding as a sentence; what: the rows of the description, in the singular. */
+static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
+    const char *parts[12];
+    char number[12];
+    size_t at = 0;
+    int n = 0, digit = 11;
+    if (!finding || !text || size == 0) return text;
+    if (finding->body >= 0) {
+        int rest = finding->body;
+        number[digit] = 0;
+        do number[--digit] = (char)('0' + rest % 10);
+        while (rest /= 10);
+        parts[n++] = what, parts[n++] = " ", parts[n++] = &number[digit];
+        if (finding->name) parts[n++] = " '", parts[n++] = finding->name, parts[n++] = "'";
+        parts[n++] = ", ";
+    }
+    if (finding->field) parts[n++] = "field '", parts[n++] = finding->field, parts[n++] = "': ";
+    parts[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
+    for (int k = 0; k < n; ++k)
+        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
     text[at] = 0;
-    return at;
-}
-
-static size_t rbdi_append_number(char *text, size_t size, size_t at, int number) {
-    char digits[12];
-    int n = 11;
-    digits[n] = 0;
-    do {
-        digits[--n] = (char)('0' + number % 10);
-        number /= 10;
-    } while (number > 0);
-    return rbdi_append(text, size, at, &digits[n]);
+    return text;
 }
 
 RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {
-    size_t at = 0;
-    if (!finding || !text || size == 0) return text;
-    if (finding->body >= 0) {
-        at = rbdi_append(text, size, at, "body ");
-        at = rbdi_append_number(text, size, at, finding->body);
-        if (finding->name) {
-            at = rbdi_append(text, size, at, " '");
-            at = rbdi_append(text, size, at, finding->name);
-            at = rbdi_append(text, size, at, "'");
-        }
-        at = rbdi_append(text, size, at, ", ");
-    }
-    if (finding->field) {
-        at = rbdi_append(text, size, at, "field '");
-        at = rbdi_append(text, size, at, finding->field);
-        at = rbdi_append(text, size, at, "': ");
-    }
-    rbdi_append(text, size, at, finding->text ? finding->text : rbd_status_string(finding->status));
-    return text;
+    return rbdi_write_finding(finding, "body", text, size);
 }
 
 /* ==== src/rbd.h ==== */
@@ -6635,8 +6624,8 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has collected,
-   pair[0] an empty parent. */
+/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has
+   collected, pair[0] an empty parent. */
 static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
     pair[1] = pair[0];

@@ -1718,23 +1718,7 @@ RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const 
 }
 
 RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
-    rbd_finding rest;
-    size_t at = 0;
-    if (!finding || !text || size == 0) return text;
-    rest = *finding;
-    rest.body = -1;
-    if (finding->body >= 0) {
-        at = rbdi_append(text, size, at, "constraint ");
-        at = rbdi_append_number(text, size, at, finding->body);
-        if (finding->name) {
-            at = rbdi_append(text, size, at, " '");
-            at = rbdi_append(text, size, at, finding->name);
-            at = rbdi_append(text, size, at, "'");
-        }
-        at = rbdi_append(text, size, at, ", ");
-    }
-    rbd_finding_text(&rest, text + at, size - at);
-    return text;
+    return rbdi_write_finding(finding, "constraint", text, size);
 }
 
 static int rbdi_held_axes(const rbd_constraint *k) {

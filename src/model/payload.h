@@ -38,8 +38,8 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has collected,
-   pair[0] an empty parent. */
+/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has
+   collected, pair[0] an empty parent. */
 static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
     pair[1] = pair[0];

@@ -33,7 +33,7 @@ analyse() {
     frama-c -eva -machdep x86_64 -cpp-extra-args="-I$folder -U__GNUC__ $*" \
         -warn-special-float none -warn-invalid-pointer -warn-signed-overflow -warn-signed-downcast \
         -eva-slevel 0 -eva-min-loop-unroll 160 -eva-auto-loop-unroll 3000 \
-        -eva-slevel-function "$build:200" -eva-slevel-function prove_one:200 -eva-slevel-function rbdi_append_number:50 \
+        -eva-slevel-function "$build:200" -eva-slevel-function prove_one:200 -eva-slevel-function rbdi_write_finding:50 \
         -eva-split-return-function "$build:0" -eva-alloc-builtin fresh -eva-no-alloc-returns-null \
         -eva-no-show-progress -eva-msg-key=-initial-state,-final-states,-malloc "$here/$harness.c" 2>&1 |
         grep -v 'superposing\|allocating variable\|loop-unroll' >"$log"
