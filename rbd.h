@@ -5448,11 +5448,6 @@ static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3],
 static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
-static RBDI_UNUSED void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide B[9];
-    rbdi_w_transpose(A, B);
-    rbdi_w_apply(B, x, y);
-}
 static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
     rbdi_wide D[9];
     for (int i = 0; i < 9; ++i)
@@ -5480,8 +5475,10 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
 /* Pose of C in A, from that of C in B and of B in A. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
+    rbdi_wide T[9];
+    rbdi_w_transpose(BA->E, T);
     rbdi_w_product(CB->E, BA->E, X.E);
-    rbdi_w_apply_t(BA->E, CB->r, X.r);
+    rbdi_w_apply(T, CB->r, X.r);
     for (int k = 0; k < 3; ++k) X.r[k] += BA->r[k];
     return X;
 }
@@ -5708,9 +5705,6 @@ static int rbdi_links_of(int type) {
     while (fact->axes[n]) ++n;
     return n == 0 && fact->nv > 0 ? 1 : n;
 }
-static int rbdi_is_block(int type) {
-    return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0];
-}
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
@@ -5904,7 +5898,7 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
         n.nl += rbdi_links_of((int)bodies[i].type);
-        n.nblock += rbdi_is_block((int)bodies[i].type);
+        n.nblock += fact->nv > 0 && !fact->axes[0];
         n.ndof += fact->nv;
         n.nmimic += bodies[i].mimic != NULL;
         if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
@@ -6129,12 +6123,6 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
                3 * rbdi_build_lever(l, 0);
 }
 
-/* The same for a link without a child in Denavit-Hartenberg form, which moves only to save the shift d: its
-   subtree may get 4 times farther away. */
-static int rbdi_build_near_alone(const rbdi_build_link *l, rbdi_wide distance) {
-    return rbdi_build_spread(l, distance) <= 16 * rbdi_build_spread(l, 0);
-}
-
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
@@ -6146,7 +6134,8 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
     if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
-        const int moves = l->dh && rbdi_build_near_alone(l, rbdi_w_abs(l->d));
+        /* it moves only to save the shift d: its subtree may get 4 times farther away */
+        const int moves = l->dh && rbdi_build_spread(l, rbdi_w_abs(l->d)) <= 16 * rbdi_build_spread(l, 0);
         rbdi_build_angles(l);
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
@@ -6182,19 +6171,14 @@ static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
 }
 
 /* ==== src/model/regroup.h ==== */
-/* Whether a joint moves points by more than their turn. */
-static int rbdi_build_slides(const rbdi_build_link *l) {
-    return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
-}
+/* Step 7, leaves to root: a bound of the inertia that the joint moves, in any configuration: of the subtree
+   about the link's origin; of the link's own inertia only the part about the axis. A pivot is the difference
+   of numbers of this size.
 
-/* Step 7, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
-   configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia only
-   what is about the axis counts.
-
-   Of what should not turn about the axis at all RBDI_ROD counts, so that a pivot of no more than 16 roundings
-   of the description is in doubt: of a rod, and of the levers that the description has. These begin where
-   the user's frames are: |b| from the link's origin, and as far as fixed bodies are placed (reach, of this
-   link or one behind it). A slide is taken to move by 1. */
+   RBDI_ROD of the inertia about all axes is added. Otherwise a pivot of 16 roundings of the description would
+   be out of doubt where nothing should turn about the axis, as with a rod. This inertia is taken about points
+   as far away as the user's frames: solver.r from the link's origin to its own, and reach, the farthest fixed
+   body on this link or a later one. A slide is taken to move by 1. */
 static void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i], *up;
     rbdi_wide r[3], distance, reach,
@@ -6212,7 +6196,8 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
-    reach += rbdi_build_slides(l);
+    reach +=
+        l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa); /* whether it slides */
     rbdi_build_reach(up, reach);
 }
 
@@ -6299,15 +6284,13 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
 
 static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
-    rbdi_wide one[9];
     rbdi_block out;
-    rbdi_w_identity(one);
     out.type = (int16_t)l->type;
     out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
     out.identity = 1;
     for (int k = 0; k < 9; ++k) {
         out.E[k] = RBD_C(l->X.E[k]);
-        if (rbdi_nonzero(l->X.E[k] - one[k])) out.identity = 0;
+        if (rbdi_nonzero(l->X.E[k] - (k % 4 == 0))) out.identity = 0;
     }
     return out;
 }
@@ -6334,7 +6317,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
             d->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
             const rbdi_link *up = &m->link[link->parent];
-            d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
+            d->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
         }
         d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
         d->armature = RBD_C(b->armature[l->joint_dof + k]);
@@ -6512,9 +6495,8 @@ static void rbdi_emit_order(const rbdi_build *b) {
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        const int dofs = l->block < 0 ? 1 : b->block[l->block].n;
         l->first = (int16_t)next;
-        for (int k = 0; k < dofs; ++k, ++next) {
+        for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
             const rbdi_dof *d = &b->dof[l->iv + k];
             b->order[next].dof = (int16_t)(l->iv + k);
             b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;

@@ -46,9 +46,6 @@ static int rbdi_links_of(int type) {
     while (fact->axes[n]) ++n;
     return n == 0 && fact->nv > 0 ? 1 : n;
 }
-static int rbdi_is_block(int type) {
-    return rbdi_joint_facts(type)->nv > 0 && !rbdi_joint_facts(type)->axes[0];
-}
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
@@ -242,7 +239,7 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
         n.nl += rbdi_links_of((int)bodies[i].type);
-        n.nblock += rbdi_is_block((int)bodies[i].type);
+        n.nblock += fact->nv > 0 && !fact->axes[0];
         n.ndof += fact->nv;
         n.nmimic += bodies[i].mimic != NULL;
         if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;

@@ -1,5 +1,6 @@
 #ifndef RBDI_MODEL_EMIT_H
 #define RBDI_MODEL_EMIT_H
+#include "model/joints.h"
 #include "model/regroup.h"
 
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
@@ -59,15 +60,13 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
 
 static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
-    rbdi_wide one[9];
     rbdi_block out;
-    rbdi_w_identity(one);
     out.type = (int16_t)l->type;
     out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
     out.identity = 1;
     for (int k = 0; k < 9; ++k) {
         out.E[k] = RBD_C(l->X.E[k]);
-        if (rbdi_nonzero(l->X.E[k] - one[k])) out.identity = 0;
+        if (rbdi_nonzero(l->X.E[k] - (k % 4 == 0))) out.identity = 0;
     }
     return out;
 }
@@ -94,7 +93,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
             d->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
             const rbdi_link *up = &m->link[link->parent];
-            d->before = (int16_t)(up->iv + (up->kind == RBDI_BLOCK ? m->block[up->block].n : 1) - 1);
+            d->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
         }
         d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
         d->armature = RBD_C(b->armature[l->joint_dof + k]);
@@ -272,9 +271,8 @@ static void rbdi_emit_order(const rbdi_build *b) {
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *l = &b->link[p];
-        const int dofs = l->block < 0 ? 1 : b->block[l->block].n;
         l->first = (int16_t)next;
-        for (int k = 0; k < dofs; ++k, ++next) {
+        for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
             const rbdi_dof *d = &b->dof[l->iv + k];
             b->order[next].dof = (int16_t)(l->iv + k);
             b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;

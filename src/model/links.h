@@ -218,12 +218,6 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
                3 * rbdi_build_lever(l, 0);
 }
 
-/* The same for a link without a child in Denavit-Hartenberg form, which moves only to save the shift d: its
-   subtree may get 4 times farther away. */
-static int rbdi_build_near_alone(const rbdi_build_link *l, rbdi_wide distance) {
-    return rbdi_build_spread(l, distance) <= 16 * rbdi_build_spread(l, 0);
-}
-
 /* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
    by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
    Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
@@ -235,7 +229,8 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
     if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
-        const int moves = l->dh && rbdi_build_near_alone(l, rbdi_w_abs(l->d));
+        /* it moves only to save the shift d: its subtree may get 4 times farther away */
+        const int moves = l->dh && rbdi_build_spread(l, rbdi_w_abs(l->d)) <= 16 * rbdi_build_spread(l, 0);
         rbdi_build_angles(l);
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;

@@ -2,19 +2,14 @@
 #define RBDI_MODEL_REGROUP_H
 #include "model/links.h"
 
-/* Whether a joint moves points by more than their turn. */
-static int rbdi_build_slides(const rbdi_build_link *l) {
-    return l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa);
-}
+/* Step 7, leaves to root: a bound of the inertia that the joint moves, in any configuration: of the subtree
+   about the link's origin; of the link's own inertia only the part about the axis. A pivot is the difference
+   of numbers of this size.
 
-/* Step 7, leaves to root: how large the inertia of the subtree can get about the link's origin, whatever the
-   configuration: the size of the numbers of which a pivot is the difference. Of the link's own inertia only
-   what is about the axis counts.
-
-   Of what should not turn about the axis at all RBDI_ROD counts, so that a pivot of no more than 16 roundings
-   of the description is in doubt: of a rod, and of the levers that the description has. These begin where
-   the user's frames are: |b| from the link's origin, and as far as fixed bodies are placed (reach, of this
-   link or one behind it). A slide is taken to move by 1. */
+   RBDI_ROD of the inertia about all axes is added. Otherwise a pivot of 16 roundings of the description would
+   be out of doubt where nothing should turn about the axis, as with a rod. This inertia is taken about points
+   as far away as the user's frames: solver.r from the link's origin to its own, and reach, the farthest fixed
+   body on this link or a later one. A slide is taken to move by 1. */
 static void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i], *up;
     rbdi_wide r[3], distance, reach,
@@ -32,7 +27,8 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
-    reach += rbdi_build_slides(l);
+    reach +=
+        l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa); /* whether it slides */
     rbdi_build_reach(up, reach);
 }
 

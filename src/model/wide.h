@@ -34,11 +34,6 @@ static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3],
 static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
-static RBDI_UNUSED void rbdi_w_apply_t(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide B[9];
-    rbdi_w_transpose(A, B);
-    rbdi_w_apply(B, x, y);
-}
 static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
     rbdi_wide D[9];
     for (int i = 0; i < 9; ++i)
@@ -66,8 +61,10 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
 /* Pose of C in A, from that of C in B and of B in A. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
+    rbdi_wide T[9];
+    rbdi_w_transpose(BA->E, T);
     rbdi_w_product(CB->E, BA->E, X.E);
-    rbdi_w_apply_t(BA->E, CB->r, X.r);
+    rbdi_w_apply(T, CB->r, X.r);
     for (int k = 0; k < 3; ++k) X.r[k] += BA->r[k];
     return X;
 }
