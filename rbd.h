@@ -6196,8 +6196,8 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
     up->all_mass += l->all_mass;
-    reach +=
-        l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa); /* whether it slides */
+    /* a joint that slides */
+    if (l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa)) reach += 1;
     rbdi_build_reach(up, reach);
 }
 
