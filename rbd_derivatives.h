@@ -103,9 +103,9 @@ RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, con
 
 /* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity_torque) and
    dM/dt - 2 C skew: C = sum over the bodies of J' (I dJ/dt + B J),
-   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
-   the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
-   where v are rates of q. Echeandia and Wensing (2021). */
+   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J the body's Jacobian and V its velocity. Among all
+   such matrices it is the one without torsion: for joints whose v are rates of q it consists of Christoffel
+   symbols. Echeandia and Wensing (2021). */
 RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                  rbd_real *matrix);
 
@@ -140,9 +140,9 @@ RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_deriv
                                                    rbd_real *dg_dq);
 
 /* Matrices of these calls, of rbd_coriolis and of rbd_regressor are written whole. With keep other than 0
-   what is zero in all states, dofs on different branches, bodies that a dof does not move, need not be
-   written any more, for a caller who cleared the matrix once (as 0 or not at all: less memory passes). Not
-   with mimic joints. Errors: RBD_ERR_NULL. */
+   the calls may leave out entries that are zero in all states, those of dofs on different branches and of
+   bodies that a dof does not move, for a caller who cleared the matrix once. Not with mimic joints. Errors:
+   RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */
@@ -433,7 +433,7 @@ RBDI_CODE_BEGIN
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   A free base, of whose six dofs all others are behind (d->base), can have its own axes for the frame's.
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes.
    There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
    + w x v - gravity). Of its dofs, e a unit vector, are then
 
@@ -459,7 +459,7 @@ typedef struct rbdi_bforce {
     rbdi_b3 n, f;
 } rbdi_bforce;
 
-/* What is summed over subtrees, in nines. */
+/* Quantities that are summed over subtrees. */
 typedef struct rbdi_sums {
     rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
     rbdi_b3 h;
@@ -556,13 +556,13 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
 }
 
-/* Where dof k of a link has its axis among x, y, z. */
+/* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
     return l->kind == RBDI_BLOCK ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
-/* Pose of a link in the common frame, x_link = E (x - r): its last dof has it, the axes turned if that dof's
-   own is not z, which is so in planar joints only. */
+/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
+   that dof are in another order. */
 RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
     const rbdi_link *l = &m->link[link];
     const int last = rbdi_last_dof(m, link);
@@ -581,7 +581,8 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     return X;
 }
 
-/* To one of the link's dofs, x to z in such an order that the last is the dof's own axis. */
+/* Stores axes and origin of a link for one of its dofs. The axes come in such an order that z is the dof's
+   own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
     rbdi_store_vec(out, rbdi_axis_vec(x));
@@ -590,13 +591,13 @@ RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_fou
     rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
 }
 
-/* The common origin moves from the root's own to link i's. */
+/* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
 }
 
-/* To the dofs of a block from k on. */
+/* Stores axes and origin for the dofs of a block from k on. */
 RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
                                      const rbdi_axes *p) {
     for (; k < d->entry[l->first].joint; ++k) {
@@ -651,9 +652,9 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp or Ap, of dV or dA, which begin so far apart; world: that of the roots' parent, or
-   with base that of its link. Where the frame moves with its origin's link, that is what the velocities
-   before it add up to. */
+/* Sums over ancestors: Vp of dV or Ap of dA, which begin apart scalars behind. world: V or A of the roots'
+   parent, with a base that of its link. moves: the frame moves with the link of its origin, whose velocity
+   is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -688,7 +689,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Components of v, or a, in whose order the lanes are, from k on: 0 or a free base's end. */
+/* Copies v or a, whose order the lanes have, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -698,7 +699,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
     for (; k < n; ++k) *out++ = v[k];
 }
 
-/* What the layer is asked for beyond F, which needs q only. */
+/* Quantities that a call needs beyond F, which depends on q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
@@ -706,7 +707,7 @@ enum {
     RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
 };
 
-/* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */
+/* V_p, dV, Psi and, if it is needed, U. For a Coriolis matrix U is V x S. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
                                  int need) {
     const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
@@ -815,7 +816,7 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
                         O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
 }
 
-/* As many of them as need asks for. */
+/* Stores the sums that need asks for. */
 RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
     out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
     out->h = s->h;
@@ -914,7 +915,7 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
+/* Phi and E of the dofs behind a base, from A_p and f. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -940,7 +941,8 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
     c->F = rbdi_inertia_times(s, k->subtree, S);
 }
 
-/* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
+/* Sweep towards the leaves: the motion of all dofs. It reads v, a and gravity only if need asks for them.
+   */
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
@@ -955,7 +957,7 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The base's own, in its axes, in which V = (omega; 0). */
+/* The base's own sums, in its axes, with V = (omega; 0). */
 RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
     const rbdi_link *l = m->link;
     const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
@@ -1001,8 +1003,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
-   columns of forces. */
+/* The whole computation for one need, which the compiler knows: motion, then masses, momenta and wrenches,
+   their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
@@ -1013,8 +1015,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, at
-   v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base it is in the base's
+   axes, and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
@@ -1038,9 +1040,9 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
        dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
 
-   and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
-   with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
-   from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
+   and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
+   dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
+   columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
    those of its subtree, by the left one. */
 
 /* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
@@ -1340,8 +1342,8 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
-/* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
-   others, so that both matrices have as many to solve for. */
+/* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
+   the places of its other columns, so that both matrices have the same number of columns to solve for. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
@@ -1384,12 +1386,12 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* x = 0 unless every entry will be written. */
+/* Clears a matrix unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
-/* What they are: themselves, or sides of rbd_fd_derivatives. */
+/* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
 enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
@@ -1401,7 +1403,7 @@ RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int
     if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
 }
 
-/* All entries of the matrices that are wanted but a base's own. */
+/* All entries of the wanted matrices. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
@@ -1430,8 +1432,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 
 /* ---- memory [memory code] ---- */
 
-/* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
-   would feel v_dot, and not v_dot + w x v - gravity, which [forward dynamics code] solves of. */
+/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its
+   coordinates come first. A rotor would feel v_dot, and not v_dot + w x v - gravity, the unknown of
+   [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
@@ -1571,8 +1574,8 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 }
 #endif
 
-/* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
-   end. */
+/* Chooses the link that has the origin of a root's tree: the first that rotates, or the last of a chain of
+   links that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
@@ -1644,7 +1647,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     return RBD_OK;
 }
 
-/* What every call asks first: rbdi_check, and that the constants are of this model. */
+/* The checks of every call: arguments, work, and whether the constants are of this model. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
     return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
@@ -1653,7 +1656,7 @@ RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_deri
 /* ==== src/derivatives/momentum.h ==== */
 /* ---- momentum [momentum code] ---- */
 
-/* Where the common origin of a root's tree is in the world. */
+/* Position in the world of the common origin of a root's tree. */
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
     const rbdi_link *l = &m->link[root];
     const rbdi_pose X = rbdi_common_pose(m, d, root);
@@ -1663,7 +1666,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* Places, F and wrenches of the other roots' trees from the first root's origin. */
+/* Positions, F and wrenches of the other roots' trees are moved to the first root's origin. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
@@ -1738,8 +1741,8 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     }
 }
 
-/* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
-   a scale. */
+/* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
+   f only, times scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
     const int nv = d->model->nv;
@@ -1811,11 +1814,11 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 
 /* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
-   tau - f of the base, into its A: I y = tau - f, by the two laws of the centre of mass c. In the common
-   frame all links accelerate by y: f_i + I_i y are their wrenches, of which the subtrees' sums give the
-   torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
-   rbd_hybrid. */
+   At A = 0 of the base the wrenches f_i of the links sum up to f. The wrench tau - f that is missing gives
+   the base's A = y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass
+   c. In the common frame all links accelerate by y: their wrenches are f_i + I_i y, and the sums of these
+   over subtrees give the torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a
+   y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
@@ -2171,8 +2174,8 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* What moves the unit wrenches of all bodies on a link, in places of no more use: Omega in the rows of
-   X, acc in P, omega and omega_dot in U. */
+/* The motion of a link, which the unit wrenches of its bodies depend on, stored in unused fields: Omega in
+   the rows of X, acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
     for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];

@@ -65,9 +65,9 @@ RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, con
 
 /* The matrix C(q, v), nv x nv, with C v = c - g (rbd_bias without wrenches less rbd_gravity_torque) and
    dM/dt - 2 C skew: C = sum over the bodies of J' (I dJ/dt + B J),
-   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J
-   the body's Jacobian and V its velocity. Of all such matrices the one without torsion: Christoffel symbols
-   where v are rates of q. Echeandia and Wensing (2021). */
+   B x = (V x* I x - I (V x x) + x x* I V) / 2, with J the body's Jacobian and V its velocity. Among all
+   such matrices it is the one without torsion: for joints whose v are rates of q it consists of Christoffel
+   symbols. Echeandia and Wensing (2021). */
 RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                  rbd_real *matrix);
 
@@ -102,9 +102,9 @@ RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_deriv
                                                    rbd_real *dg_dq);
 
 /* Matrices of these calls, of rbd_coriolis and of rbd_regressor are written whole. With keep other than 0
-   what is zero in all states, dofs on different branches, bodies that a dof does not move, need not be
-   written any more, for a caller who cleared the matrix once (as 0 or not at all: less memory passes). Not
-   with mimic joints. Errors: RBD_ERR_NULL. */
+   the calls may leave out entries that are zero in all states, those of dofs on different branches and of
+   bodies that a dof does not move, for a caller who cleared the matrix once. Not with mimic joints. Errors:
+   RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep);
 
 /* ---- derivatives of forward dynamics [forward dynamics] ---- */

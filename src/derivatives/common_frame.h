@@ -44,7 +44,7 @@ RBDI_CODE_BEGIN
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   A free base, of whose six dofs all others are behind (d->base), can have its own axes for the frame's.
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes.
    There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
    + w x v - gravity). Of its dofs, e a unit vector, are then
 
@@ -70,7 +70,7 @@ typedef struct rbdi_bforce {
     rbdi_b3 n, f;
 } rbdi_bforce;
 
-/* What is summed over subtrees, in nines. */
+/* Quantities that are summed over subtrees. */
 typedef struct rbdi_sums {
     rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
     rbdi_b3 h;
@@ -167,13 +167,13 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
 }
 
-/* Where dof k of a link has its axis among x, y, z. */
+/* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
     return l->kind == RBDI_BLOCK ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
-/* Pose of a link in the common frame, x_link = E (x - r): its last dof has it, the axes turned if that dof's
-   own is not z, which is so in planar joints only. */
+/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
+   that dof are in another order. */
 RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
     const rbdi_link *l = &m->link[link];
     const int last = rbdi_last_dof(m, link);
@@ -192,7 +192,8 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     return X;
 }
 
-/* To one of the link's dofs, x to z in such an order that the last is the dof's own axis. */
+/* Stores axes and origin of a link for one of its dofs. The axes come in such an order that z is the dof's
+   own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
     rbdi_store_vec(out, rbdi_axis_vec(x));
@@ -201,13 +202,13 @@ RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_fou
     rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
 }
 
-/* The common origin moves from the root's own to link i's. */
+/* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
 }
 
-/* To the dofs of a block from k on. */
+/* Stores axes and origin for the dofs of a block from k on. */
 RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
                                      const rbdi_axes *p) {
     for (; k < d->entry[l->first].joint; ++k) {
@@ -262,9 +263,9 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp or Ap, of dV or dA, which begin so far apart; world: that of the roots' parent, or
-   with base that of its link. Where the frame moves with its origin's link, that is what the velocities
-   before it add up to. */
+/* Sums over ancestors: Vp of dV or Ap of dA, which begin apart scalars behind. world: V or A of the roots'
+   parent, with a base that of its link. moves: the frame moves with the link of its origin, whose velocity
+   is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -299,7 +300,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Components of v, or a, in whose order the lanes are, from k on: 0 or a free base's end. */
+/* Copies v or a, whose order the lanes have, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -309,7 +310,7 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
     for (; k < n; ++k) *out++ = v[k];
 }
 
-/* What the layer is asked for beyond F, which needs q only. */
+/* Quantities that a call needs beyond F, which depends on q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
     RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
@@ -317,7 +318,7 @@ enum {
     RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
 };
 
-/* V_p, dV, Psi and, if it is needed, U: of a Coriolis matrix V x S, without Psi. */
+/* V_p, dV, Psi and, if it is needed, U. For a Coriolis matrix U is V x S. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
                                  int need) {
     const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
@@ -426,7 +427,7 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
                         O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
 }
 
-/* As many of them as need asks for. */
+/* Stores the sums that need asks for. */
 RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
     out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
     out->h = s->h;

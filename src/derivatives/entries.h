@@ -10,9 +10,9 @@
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
        dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
 
-   and zero for dofs of different branches. Within a joint the first of the last line would turn the axes of i
-   with those of j, which are the same: there it is as the second with i and j exchanged. C is as dtau/dv,
-   from halved columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
+   and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
+   dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
+   columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
    those of its subtree, by the left one. */
 
 /* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
@@ -312,8 +312,8 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
-/* For rbd_fd_derivatives, at v = 0 without gravity: of the base's columns those by w only, in the places of
-   others, so that both matrices have as many to solve for. */
+/* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
+   the places of its other columns, so that both matrices have the same number of columns to solve for. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
@@ -356,12 +356,12 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* x = 0 unless every entry will be written. */
+/* Clears a matrix unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
     if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
-/* What they are: themselves, or sides of rbd_fd_derivatives. */
+/* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
 enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
 RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
     const rbdi_columns *c = d->columns;
@@ -373,7 +373,7 @@ RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int
     if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
 }
 
-/* All entries of the matrices that are wanted but a base's own. */
+/* All entries of the wanted matrices. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int what) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);

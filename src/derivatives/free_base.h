@@ -3,11 +3,11 @@
 #include "derivatives/memory.h"
 
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the links' wrenches f_i sum up to f. The inertia I of the whole turns what lacks,
-   tau - f of the base, into its A: I y = tau - f, by the two laws of the centre of mass c. In the common
-   frame all links accelerate by y: f_i + I_i y are their wrenches, of which the subtrees' sums give the
-   torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by
-   rbd_hybrid. */
+   At A = 0 of the base the wrenches f_i of the links sum up to f. The wrench tau - f that is missing gives
+   the base's A = y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass
+   c. In the common frame all links accelerate by y: their wrenches are f_i + I_i y, and the sums of these
+   over subtrees give the torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a
+   y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */

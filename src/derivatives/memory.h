@@ -6,8 +6,9 @@
 
 /* ---- memory [memory code] ---- */
 
-/* The dofs of a free base without rotors that all others hang on, else 0: its coordinates come first. A rotor
-   would feel v_dot, and not v_dot + w x v - gravity, which [forward dynamics code] solves of. */
+/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its
+   coordinates come first. A rotor would feel v_dot, and not v_dot + w x v - gravity, the unknown of
+   [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
@@ -147,8 +148,8 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 }
 #endif
 
-/* The link that has the origin of a root's tree: the first that rotates, or where the links that only slide
-   end. */
+/* Chooses the link that has the origin of a root's tree: the first that rotates, or the last of a chain of
+   links that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
@@ -220,7 +221,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     return RBD_OK;
 }
 
-/* What every call asks first: rbdi_check, and that the constants are of this model. */
+/* The checks of every call: arguments, work, and whether the constants are of this model. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
     return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;

@@ -4,7 +4,7 @@
 
 /* ---- momentum [momentum code] ---- */
 
-/* Where the common origin of a root's tree is in the world. */
+/* Position in the world of the common origin of a root's tree. */
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
     const rbdi_link *l = &m->link[root];
     const rbdi_pose X = rbdi_common_pose(m, d, root);
@@ -14,7 +14,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* Places, F and wrenches of the other roots' trees from the first root's origin. */
+/* Positions, F and wrenches of the other roots' trees are moved to the first root's origin. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
@@ -89,8 +89,8 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     }
 }
 
-/* F of all dofs into a matrix, in world axes, moments about the centre of mass; or of three rows, f only, to
-   a scale. */
+/* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
+   f only, times scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
     const int nv = d->model->nv;

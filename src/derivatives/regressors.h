@@ -46,8 +46,8 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* What moves the unit wrenches of all bodies on a link, in places of no more use: Omega in the rows of
-   X, acc in P, omega and omega_dot in U. */
+/* The motion of a link, which the unit wrenches of its bodies depend on, stored in unused fields: Omega in
+   the rows of X, acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
     for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];

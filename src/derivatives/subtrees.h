@@ -73,7 +73,7 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* Phi and E of the dofs behind a base, when A_p and f are what they shall be. */
+/* Phi and E of the dofs behind a base, from A_p and f. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -99,7 +99,8 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
     c->F = rbdi_inertia_times(s, k->subtree, S);
 }
 
-/* The layer's sweep towards the leaves: what moves how. v, a and gravity are read as far as need asks. */
+/* Sweep towards the leaves: the motion of all dofs. It reads v, a and gravity only if need asks for them.
+   */
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
@@ -114,7 +115,7 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The base's own, in its axes, in which V = (omega; 0). */
+/* The base's own sums, in its axes, with V = (omega; 0). */
 RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
     const rbdi_link *l = m->link;
     const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
@@ -160,8 +161,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* All of it, of one need that the compiler knows: then masses, momenta and wrenches, their sums, and the
-   columns of forces. */
+/* The whole computation for one need, which the compiler knows: motion, then masses, momenta and wrenches,
+   their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
@@ -172,8 +173,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for q alone, for C, for the wrench alone, and else for everything; in the axes of a free base, at
-   v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base it is in the base's
+   axes, and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
