@@ -1433,7 +1433,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
-#define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
+#define RBDI_UNROLL_ROW _Pragma("GCC unroll 8")
 #define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
 #else
 #define RBDI_UNROLL_SIX
@@ -3775,7 +3775,7 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
 }
 
 #if RBDI_BATCH > 1 || defined RBD_LANES
-#define RBDI_ROW 12
+#define RBDI_ROW 8
 #else
 #define RBDI_ROW 4
 #endif
@@ -3791,10 +3791,6 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
         RBDI_OF_NUMBER(number, most, 6, call) \
         RBDI_OF_NUMBER(number, most, 7, call) \
         RBDI_OF_NUMBER(number, most, 8, call) \
-        RBDI_OF_NUMBER(number, most, 9, call) \
-        RBDI_OF_NUMBER(number, most, 10, call) \
-        RBDI_OF_NUMBER(number, most, 11, call) \
-        RBDI_OF_NUMBER(number, most, 12, call) \
     }
 #define RBDI_OF_NUMBER(number, most, n, call) \
     case n: { \

@@ -93,7 +93,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
-#define RBDI_UNROLL_ROW _Pragma("GCC unroll 12")
+#define RBDI_UNROLL_ROW _Pragma("GCC unroll 8")
 #define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
 #else
 #define RBDI_UNROLL_SIX

@@ -49,7 +49,7 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
 }
 
 #if RBDI_BATCH > 1 || defined RBD_LANES
-#define RBDI_ROW 12
+#define RBDI_ROW 8
 #else
 #define RBDI_ROW 4
 #endif
@@ -65,10 +65,6 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
         RBDI_OF_NUMBER(number, most, 6, call) \
         RBDI_OF_NUMBER(number, most, 7, call) \
         RBDI_OF_NUMBER(number, most, 8, call) \
-        RBDI_OF_NUMBER(number, most, 9, call) \
-        RBDI_OF_NUMBER(number, most, 10, call) \
-        RBDI_OF_NUMBER(number, most, 11, call) \
-        RBDI_OF_NUMBER(number, most, 12, call) \
     }
 #define RBDI_OF_NUMBER(number, most, n, call) \
     case n: { \
