@@ -2170,8 +2170,8 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, co
     }
 }
 
-/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The columns S are in those of
-   d, which are no longer needed. */
+/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The dofs' motions
+   S stand in the columns Phi of d, which are no longer needed. Those of S are: d keeps a free base's. */
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
                          const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
@@ -2182,7 +2182,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = moved == side ? sf : mz, force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, S));
+            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi));
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
             *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
         }
@@ -2199,7 +2199,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
-            rbdi_store_motion(RBDI_OF(d, l->first + j, S), by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), by.S);
             rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }
@@ -2208,7 +2208,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
-            rbdi_put_rho(m, d, k, &x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, l->first + j, S)),
+            rbdi_put_rho(m, d, k, &x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, l->first + j, Phi)),
                          rho_q + rbdi_source(m, l->iv + j));
     }
 }

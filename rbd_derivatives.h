@@ -1587,7 +1587,7 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
-/* The motion columns of a free base's dofs, unit vectors. */
+/* The motion columns S of a free base's dofs, unit vectors: no call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
         rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());

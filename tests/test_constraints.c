@@ -1579,6 +1579,36 @@ START_TEST(derivatives_by_v_alone_are_those_of_all) {
 }
 END_TEST
 
+/* Nothing that the derivatives of constrained dynamics leave in memory changes later results. */
+START_TEST(derivatives_are_the_same_after_those_with_constraints) {
+    static double before[3][MAX_V * MAX_V], after[3][MAX_V * MAX_V];
+    const ref_control *hyq = control_named("control_hyq");
+    robot r = robot_build(hyq->model->name, hyq->model->bodies, hyq->model->nb);
+    const ref_control_state *s = &hyq->states[0];
+    const size_t size = sizeof(double) * (size_t)(r.nv * r.nv);
+    const double point[3] = {0, 0, 0};
+    const rbd_constraint k = rbd_point_contact(r.nb - 1, point, NULL);
+    void *memory;
+    rbd_derivatives *d = derivatives_of(&r, &memory);
+    set c = set_of(&r, &k, 1);
+    static double with[2][MAX_V * MAX_V], lambda[MAX_ROWS * MAX_V];
+    ck_assert_int_eq(r.bodies[0].type, RBD_FLOATING);
+    for (int i = 0; i < 2; i++) {
+        double(*y)[MAX_V * MAX_V] = i ? after : before;
+        ck_assert_int_eq(rbd_id_derivatives(r.m, d, s->q, s->v, s->tau, NULL, y[0], y[1], y[2]), RBD_OK);
+        ck_assert_int_eq(rbd_constrained_fd_derivatives(
+                             r.m, c.c, d, s->q, s->v, s->tau, NULL,
+                             &(rbd_constrained_fd_results){.da_dq = with[i], .dlambda_dq = lambda}),
+                         RBD_OK);
+    }
+    for (int x = 0; x < 3; x++) ck_assert_mem_eq(before[x], after[x], size);
+    ck_assert_mem_eq(with[0], with[1], size);
+    free(c.memory);
+    free(memory);
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(text_of_a_finding) {
     rbd_finding f = {.status = RBD_ERR_AXIS, .body = 4, .field = "axes"};
     char text[80] = "as before", expected[80];
@@ -1819,6 +1849,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, floating_joint_of_a_link_has_motors);
     tcase_add_test(c, derivatives_may_have_an_input_for_a);
     tcase_add_test(c, derivatives_by_v_alone_are_those_of_all);
+    tcase_add_test(c, derivatives_are_the_same_after_those_with_constraints);
     tcase_add_test(c, text_of_a_finding);
     tcase_add_test(c, bad_rows_are_refused_by_name);
     tcase_add_test(c, bad_calls_are_refused);
