@@ -180,25 +180,25 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
 }
 
 /* Force (n; f) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
-   branch turn, shift. Written once for T = one scalar and T = a batch of them, of one link; or, with U = T as
-   well, of as many links. SET makes a constant of a link a U. */
-#define RBDI_DEFINE_FORCE_UP(name, T, U, SET, LINK, TRIG) \
-    RBDI_INLINE void name##_turn(int flags, U c, U s, T *x, T *y) { \
+   branch turn, shift. Written once for T = one scalar and T = a batch of them. */
+#define RBDI_DEFINE_FORCE_UP(name, T) \
+    RBDI_INLINE void name##_turn(int flags, rbd_real c, rbd_real s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
         if (flags & RBDI_TWIST_0) return; \
         *x = -y0, *y = x0; \
         if (flags & RBDI_TWIST_90) return; \
         *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const LINK *l, int flags, TRIG t, T *x) { \
+    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *x) { \
         if (flags & RBDI_SHIFT_Z) { \
             x[0] = x[0] - x[4] * t.d; \
             x[1] = x[1] + x[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
             name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(flags, SET(l->ca), SET(l->sa), &x[k + 1], &x[k + 2]); \
-            if (flags & RBDI_BRANCH_TURN) name##_turn(0, SET(l->cb), SET(l->sb), &x[k], &x[k + 1]); \
+            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
+            if (flags & RBDI_BRANCH_TURN) \
+                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
         } \
         if (!(flags & RBDI_SHIFT_R)) return; \
         x[1] = x[1] - x[5] * l->r.x; \
@@ -209,9 +209,9 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
             x[2] = x[2] - x[3] * l->r.y; \
         } \
     }
-RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
+RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
 #if RBDI_BATCH > 1
-RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch, rbd_real, rbdi_set, rbdi_link, rbdi_trig)
+RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 #endif
 
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
