@@ -1683,17 +1683,19 @@ RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
 RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
 #else
 typedef struct rbdi_four {
-    rbd_real x[4];
+    rbd_real x, y, z, w;
 } rbdi_four;
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return x->x[k]; }
+RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
+    return k == 0 ? x->x : k == 1 ? x->y : k == 2 ? x->z : x->w;
+}
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    y->x[0] = a, y->x[1] = b, y->x[2] = c, y->x[3] = d;
+    y->x = a, y->y = b, y->z = c, y->w = d;
 }
 RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    RBDI_UNROLL_SIX for (int j = 0; j < 4; ++j) { y->x[j] = x->x[j] * k; }
+    rbdi_set_four(y, x->x * k, x->y * k, x->z * k, x->w * k);
 }
 RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    RBDI_UNROLL_SIX for (int j = 0; j < 4; ++j) { y->x[j] = y->x[j] + x->x[j] * k; }
+    rbdi_set_four(y, y->x + x->x * k, y->y + x->y * k, y->z + x->z * k, y->w + x->w * k);
 }
 #endif
 /* Four components of a batch, lane by lane. */

@@ -363,15 +363,6 @@ RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
 
 /* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
 enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
-RBDI_INLINE void rbdi_put_all(const rbd_derivatives *d, int want, int zeros, int what, rbdi_wanted out) {
-    const rbdi_columns *c = d->columns;
-    if (d->base) rbdi_base_columns(d, want);
-    if (d->base && want & RBDI_WANT_Q) rbdi_put_base_rows(d, (const rbd_real *)&c->E, out.at[RBDI_BY_Q]);
-    if (d->base && want & RBDI_WANT_V) rbdi_put_base_rows(d, (const rbd_real *)&c->D, out.at[RBDI_BY_V]);
-    if (d->base && want & RBDI_WANT_M) rbdi_put_base_rows(d, (const rbd_real *)&c->F, out.at[RBDI_MASS]);
-    rbdi_put_rows(d, want, zeros, out);
-    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
-}
 
 /* All entries of the wanted matrices. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
@@ -383,16 +374,23 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
         for (int r = 0; r < RBDI_RESULTS; ++r)
             if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
+    if (d->base) {
+        rbdi_base_columns(d, want);
+        if (by_q) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->E, by_q);
+        if (by_v) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->D, by_v);
+        if (M) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->F, M);
+    }
     if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, what, out);
+        rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (want == RBDI_WANT_V)
-        rbdi_put_all(d, RBDI_WANT_V, zeros, what, out);
+        rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
 #if RBDI_BATCH > 1
     else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
-        rbdi_put_all(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, what, out);
+        rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, out);
 #endif
     else
-        rbdi_put_all(d, want, zeros, what, out);
+        rbdi_put_rows(d, want, zeros, out);
+    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
