@@ -35,7 +35,7 @@ cat >"$scratch/lanes.c" <<'END'
 #ifndef RBDI_POLYNOMIAL_SINCOS
 #error "sine and cosine are libm's"
 #endif
-#ifndef RBDI_SHUFFLE_LOW_1
+#ifndef RBDI_EXCHANGE
 #error "lanes are exchanged one by one"
 #endif
 END

@@ -439,6 +439,7 @@ START_TEST(massless_model_has_its_com_at_zero) {
     const double q[1] = {1}, zero[3] = {0};
     double com[3], velocity[3], acceleration[3];
     ck_assert(!(rbd_mass(r.m) > 0));
+    ck_assert(!(rbd_mass(NULL) > 0));
     ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, q, q), RBD_OK);
     ck_assert_int_eq(rbd_com(r.m, r.w, com, velocity, acceleration), RBD_OK);
     same("com", com, zero, 3);
