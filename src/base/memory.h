@@ -8,8 +8,8 @@
 /* x = 0, a batch at a time: a call of memset costs more than it stores. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
+#if RBDI_BATCH > 1 || defined RBD_LANES
+    const rbdi_batch zero = rbdi_zero_batch();
     for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
         RBDI_ONE_INDEX(p); /* or the compiler sees through it */
