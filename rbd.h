@@ -6783,7 +6783,7 @@ typedef RBD_REAL rbdi_lane_row
     __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
 /* x[k] lane s = component k of state s, of `width` components; the lanes of states beyond the rest repeat the
-   last one. Rows go in blocks of RBD_LANES columns, of which the last may overlap the one before. The rows of
+   last one. Rows go in blocks of RBD_LANES columns; the last block may overlap the one before. The rows of
    the next states are fetched meanwhile: the processor does not foresee so many streams. */
 static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;

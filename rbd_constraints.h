@@ -720,6 +720,13 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
+/* Y = J', gamma, J v and, if `errors`, e of all constraints. */
+static void rbdi_all_rows(const rbd_model *m, rbd_constraint_set *c, int errors) {
+    rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (int i = 0; i < c->n; ++i) rbdi_constraint_rows(m, c, &c->constraint[i], errors);
+}
+
 /* ==== src/constraints/factor.h ==== */
 /* ---- factor [factor] ----
    Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
@@ -859,7 +866,7 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
+   Each step takes the row that depends least, by its share, on the rows taken before, and P exchanges
    it with the row in its place. So the state decides the order, not the caller. Once the largest share is
    rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
 
@@ -915,7 +922,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Exchanges row t with the row of which the largest share is independent. */
+/* Exchanges row t with the row whose independent share is largest. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
@@ -1432,12 +1439,9 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
+    rbdi_all_rows(m, c, !restitution);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_set_target(c, k, restitution);
-    }
     rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
@@ -1484,10 +1488,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, c
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, errors);
+    rbdi_all_rows(m, c, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -121,13 +121,12 @@ typedef struct rbd_contact {
     int body1, body2; /* index in the description, -1 = world */
     double point[3];  /* link axes of body 1, m */
     double radius;    /* m; 0 = a point */
-    double normal
-        [3]; /* of the plane, link axes of body 2, towards body 1; need not be of unit length; all 0 = z */
+    double normal[3]; /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
     double height;      /* of the plane along the unit normal, m */
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
-    double stiffness,
-        damping; /* N/m, N s/m: p/dt = -(stiffness gap + damping d gap/dt); stiffness 0 = rigid */
+    double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
+    double damping;     /* N s/m */
 } rbd_contact;
 
 /* 0 is the default in brackets. */
@@ -197,8 +196,9 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 /* Forgets the last impulses, with which a step begins: after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
-/* What contact i did in the last step: its state, RBD_APART without such a contact. gap: before the step, m;
-   force: p/dt on body 1, world axes. Each may be NULL. */
+/* Returns the state of contact i in the last step; RBD_APART without such a contact.
+   gap        before the step, m; may be NULL
+   force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
 /* Residual and iterations of the last step; all 0 without a set or a step. */
@@ -473,7 +473,7 @@ RBDI_INLINE rbdi_contact_trial rbdi_contact_try(const rbdi_contact_law *law, con
     return x;
 }
 
-/* What Newton's method on 1/|p_t| - 1/(mu p_n) adds to alpha. */
+/* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. */
 RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *x,
                                       rbd_real alpha) {
     const rbd_real bound = law->friction * x->normal, r0 = x->t[0] / (law->l[0] + alpha),
@@ -724,7 +724,7 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
-/* From one row of G to the next, of n unknowns: whole batches, of which column n is the right-hand side. */
+/* Entries from one row of G to the next: n unknowns, the right-hand side as column n, up to a whole batch. */
 RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
@@ -1272,7 +1272,7 @@ static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
     for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
 }
 
-/* Which rows the step has; returns the number of contacts among them. */
+/* Lists the rows of the step; returns the number of contacts among them. */
 static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
                           rbd_real dt) {
     rbd_constraint_set *s = c->rows;
@@ -1384,7 +1384,7 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* What takes a penetration back, m/s; gap is below 0 where it is deep. */
+/* Velocity that takes a penetration back, m/s; the gap of a penetration is negative. */
 RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
     const rbd_real deep = gap + RBD_C(c->options.slop);
     return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();

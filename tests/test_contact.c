@@ -335,7 +335,7 @@ START_TEST(few_iterations_leave_the_cones_intact) {
 }
 END_TEST
 
-/* What cannot move, or moves as nothing does, or is huge, leaves finite numbers. */
+/* Rows of Delta scaled by 0 to 1e120, b and mu by 1e-300 to 1e300. */
 START_TEST(strange_numbers_stay_finite) {
     uint64_t seed = 6;
     for (int k = 0; k < 2000; k++) {

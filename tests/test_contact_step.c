@@ -622,7 +622,7 @@ START_TEST(same_bits_on_each_run) {
 }
 END_TEST
 
-/* What is wrong is told by its name. */
+/* Each wrong field is reported by its own status. */
 static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, rbd_status status,
                    const char *field) {
     unsigned char memory[20000];

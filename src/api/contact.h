@@ -64,13 +64,12 @@ typedef struct rbd_contact {
     int body1, body2; /* index in the description, -1 = world */
     double point[3];  /* link axes of body 1, m */
     double radius;    /* m; 0 = a point */
-    double normal
-        [3]; /* of the plane, link axes of body 2, towards body 1; need not be of unit length; all 0 = z */
+    double normal[3]; /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
     double height;      /* of the plane along the unit normal, m */
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
-    double stiffness,
-        damping; /* N/m, N s/m: p/dt = -(stiffness gap + damping d gap/dt); stiffness 0 = rigid */
+    double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
+    double damping;     /* N s/m */
 } rbd_contact;
 
 /* 0 is the default in brackets. */
@@ -140,8 +139,9 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 /* Forgets the last impulses, with which a step begins: after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
-/* What contact i did in the last step: its state, RBD_APART without such a contact. gap: before the step, m;
-   force: p/dt on body 1, world axes. Each may be NULL. */
+/* Returns the state of contact i in the last step; RBD_APART without such a contact.
+   gap        before the step, m; may be NULL
+   force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
 /* Residual and iterations of the last step; all 0 without a set or a step. */

@@ -11,7 +11,7 @@
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   Each step takes the row of which the largest share is independent of the rows taken before, and P exchanges
+   Each step takes the row that depends least, by its share, on the rows taken before, and P exchanges
    it with the row in its place. So the state decides the order, not the caller. Once the largest share is
    rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
 
@@ -67,7 +67,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Exchanges row t with the row of which the largest share is independent. */
+/* Exchanges row t with the row whose independent share is largest. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {

@@ -83,4 +83,11 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
 }
 
+/* Y = J', gamma, J v and, if `errors`, e of all constraints. */
+static void rbdi_all_rows(const rbd_model *m, rbd_constraint_set *c, int errors) {
+    rbdi_clear_rows(m, c);
+    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
+    for (int i = 0; i < c->n; ++i) rbdi_constraint_rows(m, c, &c->constraint[i], errors);
+}
+
 #endif

@@ -59,7 +59,7 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
-/* From one row of G to the next, of n unknowns: whole batches, of which column n is the right-hand side. */
+/* Entries from one row of G to the next: n unknowns, the right-hand side as column n, up to a whole batch. */
 RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */

@@ -73,7 +73,7 @@ RBDI_INLINE rbdi_contact_trial rbdi_contact_try(const rbdi_contact_law *law, con
     return x;
 }
 
-/* What Newton's method on 1/|p_t| - 1/(mu p_n) adds to alpha. */
+/* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. */
 RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *x,
                                       rbd_real alpha) {
     const rbd_real bound = law->friction * x->normal, r0 = x->t[0] / (law->l[0] + alpha),

@@ -68,7 +68,7 @@ static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
     for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
 }
 
-/* Which rows the step has; returns the number of contacts among them. */
+/* Lists the rows of the step; returns the number of contacts among them. */
 static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
                           rbd_real dt) {
     rbd_constraint_set *s = c->rows;
@@ -180,7 +180,7 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* What takes a penetration back, m/s; gap is below 0 where it is deep. */
+/* Velocity that takes a penetration back, m/s; the gap of a penetration is negative. */
 RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
     const rbd_real deep = gap + RBD_C(c->options.slop);
     return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();
