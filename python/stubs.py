@@ -90,8 +90,8 @@ def output(call, name, flag):
 
 def result_tuples():
     """The named tuples of the calls."""
-    calls = [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet) for method in vars(owner).values()
-             if hasattr(method, "_rbd_call")]
+    calls = [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet, rbd.ContactSet)
+             for method in vars(owner).values() if hasattr(method, "_rbd_call")]
     fields = {call.tuple: [output(call, *x) for x in zip(call.outputs, call.flags)]
               for call in calls if call.tuple}
     for kind in rbd._HYBRID, rbd._MOMENTA:

@@ -57,7 +57,8 @@ from typing import Any, Iterable, Literal, Mapping, NamedTuple, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Frame", "JointInfo", "JointType", "Library",
+__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
+           "ContactSet", "ContactSolution", "ContactState", "Frame", "JointInfo", "JointType", "Library",
            "Model", "Placement", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
            "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
 
@@ -85,7 +86,7 @@ def _find_sources():
 
 SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
 _HEADERS = {name: (SOURCES / name).read_text() for name in
-            ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_spatial.h", "rbd_urdf.h")}
+            ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_spatial.h", "rbd_urdf.h")}
 _TEXT = "\n".join(_HEADERS.values())
 __version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 
@@ -110,20 +111,21 @@ def _enum(python_name, c_name, prefix):
 Status = _enum("Status", "rbd_status", "RBD_")
 UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
+ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
 
 
 @functools.lru_cache(maxsize=None)
 def structure(name, real=ctypes.c_double, text=_TEXT):
-    """A C struct of a header as a ctypes.Structure of the same layout; `real` is the scalar of rbd_const."""
+    """A C struct of a header as a ctypes.Structure of the same layout; `real` is rbd_real and rbd_const."""
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
-             "rbd_const": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
+             "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
              "rbd_joint_type": ctypes.c_int}
     body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
     members = []
     for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:
         base, rest = re.fullmatch(r"\s*(?:const )?(\w+)\s*(.*)", declaration, re.S).groups()
         for declarator in rest.split(","):
-            member, length = re.search(r"(\w+)(?:\[(\w+)\])?$", declarator.strip()).groups()
+            member, length = re.search(r"(\w+)\s*(?:\[(\w+)\])?$", declarator.strip()).groups()
             if declarator.count("*") == 1 and base == "char":
                 kind = ctypes.c_char_p
             elif "*" in declarator:
@@ -281,7 +283,7 @@ def _compile(units, command, libraries=(), what=""):
 _SINGLE = """
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
-#include "rbd_constraints.h"
+#include "rbd_contact.h"
 #include "rbd_spatial.h"
 """
 _BATCH = """
@@ -383,6 +385,45 @@ class Library:
             raise RbdError(Status(status), f"set_parameters: {self.status_string(status)}")
         return replace(body, mass=row.mass, com=tuple(row.com), inertia=tuple(row.inertia))
 
+    def contact_solve(self, delta: ArrayLike, b: ArrayLike, friction: ArrayLike, lower: ArrayLike = (),
+                      upper: ArrayLike = (), start: ArrayLike | None = None, tolerance: float = 0.0,
+                      iterations: int = 0) -> tuple[Array, Sequence[ContactState], ContactSolution]:
+        """Impulses p of contacts from u = delta p + b, for those who have a delta: rbd_contact_solve. Gives p,
+        the contacts' states, and how well it is solved. Rows: three of each contact in the order tangent,
+        tangent, normal, then the bounded ones.
+
+            delta       rows x rows: J M^-1 J', symmetric and positive semidefinite, 1/kg
+            b           rows: u where p = 0, m/s
+            friction    contacts: mu
+            lower       bounded rows: lower <= p <= upper, N s; +-1e30 = no bound
+            upper       bounded rows
+            start       rows: where to begin; None = 0
+            tolerance   of the residual, m/s; 0 = 1e-6, of float 1e-5
+            iterations  at most; 0 = 40
+        """
+        name, dtype = "contact_solve", self.dtype
+        friction = _numbers(name, "friction", friction, (None,), dtype)
+        lower = _numbers(name, "lower", np.asarray(lower, float), (None,), dtype)
+        upper = _numbers(name, "upper", np.asarray(upper, float), lower.shape, dtype)
+        n, bounded = len(friction), len(lower)
+        rows = 3 * n + bounded
+        arrays = {"delta": _numbers(name, "delta", delta, (rows, rows), dtype), "friction": friction,
+                  "b": _numbers(name, "b", b, (rows,), dtype), "lower": lower, "upper": upper}
+        p = np.zeros(rows, dtype) if start is None else _numbers(name, "start", start, (rows,), dtype).copy()
+        state = (ctypes.c_int * max(n, 1))()
+        problem = structure("rbd_contact_problem", self.scalar)(
+            contacts=n, bounded=bounded, tolerance=_number(name, "tolerance", tolerance),
+            iterations=_int(_whole(name, "iterations", iterations)),
+            **{key: array.ctypes.data for key, array in arrays.items()})
+        size = self.call("contact_solve_size", n, bounded, result=ctypes.c_size_t)
+        solution = structure("rbd_contact_solution", self.scalar)()
+        status = self.call(name, problem, ctypes.create_string_buffer(max(size, 1)), ctypes.c_size_t(size), p,
+                           state, solution)
+        if status:
+            raise RbdError(Status(status), f"{name}: {self.status_string(status)}")
+        return (p, [ContactState(x) for x in state[:n]],
+                ContactSolution(*(getattr(solution, field) for field in ContactSolution._fields)))
+
     def __reduce__(self):
         return Library, self._settings
 
@@ -472,6 +513,7 @@ dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
 actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
 weight        rows     above 0; None = 1
+damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
 body          -        index, or name of the link
@@ -480,7 +522,7 @@ axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
 _SCALARS = ["dt", "restitution"]             # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
-_GAINS = ["restitution", "weight"]           # have a range: ERR_RANGE
+_GAINS = ["restitution", "weight", "dt"]     # have a range: ERR_RANGE
 _MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
 
 
@@ -635,10 +677,12 @@ def _number(call, name, value):
 
 # ---- calls ----
 
-def _c(memory, gives="", batch=False, struct=False, **shapes):
+def _c(memory, gives="", batch=False, struct=False, c_name="", c_inputs="", **shapes):
     """Makes a method from its signature and docstring: it calls the C function of that name, after `rbd_`.
 
     The method's parameters are the inputs, in C's order, and then keywords that leave results out.
+    c_name   the C function, where the method has another name
+    c_inputs the inputs in C's order, where the method has another
     memory   the memory that C computes in, besides the model
     gives    the results in C's order; "dtau_dq?" is left out where the keyword dtau_dq is False, "A_dot_v?v"
              where v is None
@@ -647,7 +691,7 @@ def _c(memory, gives="", batch=False, struct=False, **shapes):
     shapes   of quantities that have another shape here than in the table
     """
     def make(method):
-        call = _Call(method, memory, gives, batch, struct, shapes)
+        call = _Call(method, memory, gives, batch, struct, c_name, c_inputs, shapes)
         parameters = ", ".join(list(inspect.signature(method).parameters)[1:])
         # A lambda with this signature: Python itself then sorts out the arguments.
         source = (f"lambda {str(inspect.signature(method))[1:-1]}: "
@@ -668,13 +712,15 @@ def _results(call, *names):
 class _Call:
     """A method's call of C: memory, inputs, outputs."""
 
-    def __init__(self, method, memory, gives, batch, struct, shapes):
+    def __init__(self, method, memory, gives, batch, struct, c_name, c_inputs, shapes):
         self.name = method.__name__
+        self.c_name = c_name or self.name
         self.memory = memory.split()
         self.batch = batch
         self.struct = struct
         parameters = list(inspect.signature(method).parameters.values())[1:]
         self.inputs = [p.name for p in parameters if p.kind is not p.KEYWORD_ONLY]
+        self.c_inputs = c_inputs.split() or self.inputs
         self.optional = {p.name for p in parameters
                          if p.default is None or "None = " in _QUANTITIES.get(p.name, ("", ""))[1]}
         names = [p.name for p in parameters]
@@ -686,7 +732,7 @@ class _Call:
             self.flags.append(names.index(flag or name) if question else None)
         self.shapes = {name: shapes.get(name, _QUANTITIES[name][0]) for name in self.inputs + self.outputs}
         self.symbols = {name: tuple(shape.replace("-", "").split()) for name, shape in self.shapes.items()}
-        self.tuple = _results(self.name, *self.outputs) if len(self.outputs) > 1 else None
+        self.tuple = _results(self.c_name, *self.outputs) if len(self.outputs) > 1 else None
 
     def results(self, values):
         """One result, or a named tuple of several, or None."""
@@ -715,9 +761,9 @@ class _Bound:
         self.call, self.owner, self.lock = call, owner, owner._lock
         library = owner.library
         self.cores = {name: _shape(shape, owner._dims) for name, shape in call.shapes.items()}
-        self.function = library.function(call.name, arguments=[
+        self.function = library.function(call.c_name, arguments=[
             library.scalar if name in _SCALARS else ctypes.c_int if name in _INTEGERS else ctypes.c_void_p
-            for name in ["model", *call.memory, *call.inputs, *(["out"] if call.struct else call.outputs)]])
+            for name in ["model", *call.memory, *call.c_inputs, *(["out"] if call.struct else call.outputs)]])
         arrays = [name for name in call.inputs if name not in _SCALARS + _INTEGERS]
         self.arena, views = self._carve([name for name in arrays if name != "actuated"])
         if "actuated" in arrays:
@@ -725,9 +771,9 @@ class _Bound:
         self.output, results = self._carve(call.outputs)
         self.views = list(results.values())
         self.arguments = [owner._address(kind).value for kind in ["model", *call.memory]]
-        self.inputs = [(place, name, views.get(name), name in call.optional)
-                       for place, name in enumerate(call.inputs, len(self.arguments))]
-        self.arguments += [views[name].ctypes.data if name in views else None for name in call.inputs]
+        self.inputs = [(len(self.arguments) + call.c_inputs.index(name), name, views.get(name),
+                        name in call.optional) for name in call.inputs]
+        self.arguments += [views[name].ctypes.data if name in views else None for name in call.c_inputs]
         self.results_at = len(self.arguments)
         self.arguments += [view.ctypes.data for view in self.views]
         self.flagged = [(place, flag) for place, flag in enumerate(call.flags, self.results_at)
@@ -885,7 +931,7 @@ def _state(number, loop):
 
 
 class _Owner:
-    """What Model and ConstraintSet have in common: memory for C, and the calls in it."""
+    """What Model, ConstraintSet and ContactSet have in common: memory for C, and the calls in it."""
 
     def __init__(self, library, lock):
         self.library, self._lock = library, lock
@@ -972,11 +1018,43 @@ class Constraint:
     kd: float = 0.0                     #: 1/s
 
 
+@dataclass
+class Contact:
+    """A point of body 1, or a ball about it, that may touch a plane of body 2: rbd_contact of rbd_contact.h.
+    Bodies by index, or name of the link; -1 is the world."""
+    name: str | None = None             #: for messages
+    body1: int | str = -1
+    body2: int | str = -1
+    point: Numbers = (0, 0, 0)          #: link axes of body 1, m
+    radius: float = 0.0                 #: m; 0 = a point
+    normal: Numbers = (0, 0, 0)         #: of the plane, axes of body 2, towards body 1; all 0 = z
+    height: float = 0.0                 #: of the plane along the unit normal, m
+    friction: float = 0.0               #: mu
+    restitution: float = 0.0            #: 0 (does not rebound) to 1
+    stiffness: float = 0.0              #: N/m; 0 = rigid
+    damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
+
+
+@dataclass
+class ContactOptions:
+    """rbd_contact_options of rbd_contact.h; 0 is the default in brackets."""
+    margin: float = 0.0         #: closer contacts are rows, m [0.005]
+    slop: float = 0.0           #: penetration that is left, m [1e-5]
+    correction: float = 0.0     #: share of the rest that a step takes back [0.2]
+    bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
+    tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
+    iterations: int = 0         #: at most [40]
+    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_friction: bool = False    #: the description's friction holds, or brakes
+    joint_damping: bool = False     #: the description's damping, implicitly
+
+
 _PER_DOF = ("armature", "damping", "friction")
+_BODIES = ("parent", "body1", "body2")
 
 
 def _to_c(values, row, where):
-    """Writes a Body or a Constraint into a C struct."""
+    """Writes a Body, Constraint, Contact or ContactOptions into a C struct."""
     for member, kind in row._fields_:
         value = getattr(values, member)
         if issubclass(kind, ctypes.Array):
@@ -1001,7 +1079,8 @@ def _to_c(values, row, where):
                 value = JointType[value.upper()] if isinstance(value, str) else JointType(value)
             elif kind is ctypes.c_int:
                 if not hasattr(value, "__index__"):
-                    raise TypeError(f"must be an index or a name, not {value!r}")
+                    raise TypeError("must be " + ("an index or a name" if member in _BODIES else
+                                                  "a whole number") + f", not {value!r}")
                 value = _int(operator.index(value))
             setattr(row, member, value)
         except KeyError:
@@ -1911,6 +1990,14 @@ class Model(_Owner):
         """The same, and the lines along axis1 and axis2 there coincide; 5 rows."""
         return self._constraint("hinge_loop", body1, point1, axis1, body2, point2, axis2)
 
+    # -- contacts: rbd_contact.h --
+
+    def contacts(self, rows: Iterable[Contact], held: Iterable[Constraint] = (),
+                 options: ContactOptions | None = None) -> ContactSet:
+        """Contacts that open and slip, from a list of Contact, for simulation: see ContactSet. held: a list of
+        Constraint that hold at the same time, as loops; their kp and kd have no meaning here."""
+        return ContactSet(self, rows, held, options)
+
     # -- for firmware --
 
     def c_model(self, name: str, source: str = "a Model in Python") -> str:
@@ -1932,6 +2019,23 @@ def _again(bodies, gravity, library, layout):
 
 # ---- constraints ----
 
+def _pairs(model, rows, kind, what):
+    """Constraints or contacts as a list, and as an array of the C struct."""
+    word = kind.__name__.lower()
+    if isinstance(rows, kind) or not hasattr(rows, "__iter__"):
+        raise TypeError(f"{what} must be a list of {kind.__name__}, not {type(rows).__name__}")
+    rows = list(rows)
+    array = (structure(f"rbd_{word}") * len(rows))()
+    for number, row in enumerate(rows):
+        if not isinstance(row, kind):
+            raise TypeError(f"{word} {number} must be a {kind.__name__}, not {type(row).__name__}")
+        where = f"{word} {number}" + (f" '{row.name}'" if row.name else "")
+        bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", world=True)
+                  for side in ("body1", "body2")}
+        _to_c(replace(row, **bodies), array[number], where)
+    return rows, array
+
+
 class ConstraintSet(_Owner):
     """Contacts and closed loops that hold together, rbd_constraint_set of a Model; made by
     Model.constraint_set(rows).
@@ -1945,17 +2049,8 @@ class ConstraintSet(_Owner):
 
     def __init__(self, model: Model, rows: Iterable[Constraint]):
         super().__init__(model.library, model._lock)
-        if isinstance(rows, Constraint) or not hasattr(rows, "__iter__"):
-            raise TypeError(f"constraint_set: rows must be a list of Constraint, not {type(rows).__name__}")
-        self.model, self.nv, self.list = model, model.nv, list(rows)
-        self._rows = (structure("rbd_constraint") * len(self.list))()
-        for number, constraint in enumerate(self.list):
-            if not isinstance(constraint, Constraint):
-                raise TypeError(f"constraint {number} must be a Constraint, not {type(constraint).__name__}")
-            where = f"constraint {number}" + (f" '{constraint.name}'" if constraint.name else "")
-            bodies = {side: model._body(getattr(constraint, side), f"{where}, field '{side}'", world=True)
-                      for side in ("body1", "body2")}
-            _to_c(replace(constraint, **bodies), self._rows[number], where)
+        self.model, self.nv = model, model.nv
+        self.list, self._rows = _pairs(model, rows, Constraint, "constraint_set: rows")
         self._prepare("constraint_set", "work")
         self.rows = self.library.call("constraint_rows", self._addresses["constraint_set"])
         self._dims = {**model._dims, "rows": self.rows}
@@ -2039,6 +2134,148 @@ class ConstraintSet(_Owner):
 
     def __repr__(self):
         return f"<rbd.ConstraintSet, {len(self.list)} with {self.rows} rows>"
+
+
+# ---- contacts: rbd_contact.h ----
+
+class ContactResult(NamedTuple):
+    """What a contact did in the last step."""
+    state: ContactState     #: APART, OPENS, STICKS or SLIPS
+    gap: float              #: before the step, m
+    force: Array            #: 3, on body 1, world axes, N
+
+
+class ContactSolution(NamedTuple):
+    """How well and how fast contacts were solved."""
+    residual: float         #: m/s: 0 where all laws hold
+    sweeps: int             #: Gauss-Seidel's
+    newton_steps: int
+
+
+class ContactSet(_Owner):
+    """Contacts that push only, slip and open, rbd_contact_set of a Model; made by Model.contacts(rows):
+
+        feet = model.contacts([rbd.Contact("left", "l_foot", friction=0.7), ...])
+        q, v = feet.step(q, v, tau, dt=1e-3)
+
+    docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
+    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    model: Model
+    list: Sequence[Contact]
+    held: Sequence[Constraint]
+    options: ContactOptions
+    nv: int                     #: number of degrees of freedom
+    library: Library
+
+    def __init__(self, model: Model, rows: Iterable[Contact], held: Iterable[Constraint] = (),
+                 options: ContactOptions | None = None):
+        super().__init__(model.library, model._lock)
+        self.model, self.nv, self._dims = model, model.nv, model._dims
+        self.list, self._rows = _pairs(model, rows, Contact, "contacts: rows")
+        self.held, self._held = _pairs(model, held, Constraint, "contacts: held")
+        self.options = ContactOptions() if options is None else options
+        if not isinstance(self.options, ContactOptions):
+            raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
+        self._options = structure("rbd_contact_options")()
+        _to_c(self.options, self._options, "options")
+        self._address("contact_set")
+
+    def _prepare(self, kind):
+        """Makes the memory of the set."""
+        call, model, work = self.library.call, self.model._address("model"), self.model._address("work")
+        given = len(self.list), self._held, len(self.held), self._options
+        size = call("contact_set_size", model, *given, result=ctypes.c_size_t)
+        memory, address = ctypes.create_string_buffer(max(size, 1)), ctypes.c_void_p()
+        report = structure("rbd_report", self.library.scalar)()
+        status = call("contact_set_init", model, work, self._rows, *given, memory, ctypes.c_size_t(size),
+                      ctypes.byref(address), report)
+        if status:
+            text = self.library.finding_text(report.error, "constraint_finding_text")
+            number, first_held = report.error.body, len(self.list)
+            if number >= 0:
+                text = text.replace(f"constraint {number}", f"contact {number}" if number < first_held else
+                                    f"held constraint {number - first_held}", 1)
+            raise RbdError(Status(status), f"contacts: {text}")
+        self._memories[kind], self._addresses[kind] = memory, address
+
+    def _address(self, kind):
+        return super()._address(kind) if kind == "contact_set" else self.model._address(kind)
+
+    def __reduce__(self):
+        return ContactSet, (self.model, list(self.list), list(self.held), self.options)
+
+    def _layout(self):
+        return self.model._layout()
+
+    def _error(self, call, status, results=None, states=None):
+        return self.model._error(call, status, results, states)
+
+    def _contact(self, call, contact):
+        """The number of a contact, from its name too."""
+        names = [row.name for row in self.list]
+        if isinstance(contact, str):
+            if contact in names:
+                return names.index(contact)
+            near = difflib.get_close_matches(contact, filter(None, names), 1)
+            raise KeyError(f"{call}: no contact is called '{contact}'" +
+                           (f"; did you mean '{near[0]}'?" if near else ""))
+        number = _whole(call, "contact", contact)
+        if not 0 <= number < len(names):
+            raise IndexError(f"{call}: no such contact: {number}; the set has {len(names)}")
+        return number
+
+    @_c("contact_set", "q_next v_next", c_name="contact_step", c_inputs="q v tau f_ext damping dt")
+    def step(self, q, v, tau, dt, f_ext=None, damping=None):
+        """A time step with contacts: q and v after dt. States and forces: get, forces; how well it is solved:
+        last. Of many states each begins with the impulses of the one before."""
+
+    @_c("contact_set", "a", c_name="contact_fd", c_inputs="q v tau f_ext damping dt")
+    def fd(self, q, v, tau, dt, f_ext=None, damping=None):
+        """The step's acceleration alone: Model.step with it gives the step's v_next, and q_next where nothing
+        penetrates."""
+
+    def plane(self, contact: int | str, normal: ArrayLike = (0, 0, 1), height: float = 0.0) -> None:
+        """Another plane under a contact from the next step on: the tangent plane of terrain.
+
+            contact   index, or name
+            normal    3, axes of body 2, towards body 1
+            height    along the unit normal, m
+        """
+        number = self._contact("plane", contact)
+        normal = _numbers("plane", "normal", normal, (3,))
+        height = ctypes.c_double(_number("plane", "height", height))
+        with self._lock:
+            self.library.call("contact_plane", self._address("model"), self._address("contact_set"), number,
+                              normal, height)
+
+    def reset(self) -> None:
+        """Forgets the last impulses, with which a step begins: after a jump of the state."""
+        with self._lock:
+            self.library.call("contact_reset", self._address("contact_set"), result=None)
+
+    def get(self, contact: int | str) -> ContactResult:
+        """What a contact, index or name, did in the last step."""
+        number, gap = self._contact("get", contact), self.library.scalar()
+        force = np.zeros(3, self.library.dtype)
+        with self._lock:
+            state = self.library.call("contact_get", self._address("contact_set"), number,
+                                      ctypes.byref(gap), force)
+        return ContactResult(ContactState(state), gap.value, force)
+
+    def forces(self) -> Array:
+        """Forces of all contacts in the last step: one row each, world axes, N."""
+        return np.array([self.get(k).force for k in range(len(self.list))],
+                        self.library.dtype).reshape(-1, 3)
+
+    def last(self) -> ContactSolution:
+        """Residual and iterations of the last step; a residual above options.tolerance is not solved."""
+        kind = structure("rbd_contact_solution", self.library.scalar)
+        with self._lock:
+            found = self.library.call("contact_last", self._address("contact_set"), result=kind)
+        return ContactSolution(*(getattr(found, name) for name in ContactSolution._fields))
+
+    def __repr__(self):
+        return f"<rbd.ContactSet, {len(self.list)} contacts>"
 
 
 # ---- C tables: the writers of rbd-model ----

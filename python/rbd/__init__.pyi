@@ -20,6 +20,12 @@ __all__ = [
     "Body",
     "Constraint",
     "ConstraintSet",
+    "Contact",
+    "ContactOptions",
+    "ContactResult",
+    "ContactSet",
+    "ContactSolution",
+    "ContactState",
     "Frame",
     "JointInfo",
     "JointType",
@@ -208,6 +214,128 @@ class ConstraintSet:
         Axes before these count states, and are broadcast: one call of C for each state."""
 
 
+@dataclass
+class Contact:
+    """A point of body 1, or a ball about it, that may touch a plane of body 2: rbd_contact of rbd_contact.h.
+    Bodies by index, or name of the link; -1 is the world."""
+    name: str | None = None             #: for messages
+    body1: int | str = -1
+    body2: int | str = -1
+    point: Numbers = (0, 0, 0)          #: link axes of body 1, m
+    radius: float = 0.0                 #: m; 0 = a point
+    normal: Numbers = (0, 0, 0)         #: of the plane, axes of body 2, towards body 1; all 0 = z
+    height: float = 0.0                 #: of the plane along the unit normal, m
+    friction: float = 0.0               #: mu
+    restitution: float = 0.0            #: 0 (does not rebound) to 1
+    stiffness: float = 0.0              #: N/m; 0 = rigid
+    damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
+
+
+@dataclass
+class ContactOptions:
+    """rbd_contact_options of rbd_contact.h; 0 is the default in brackets."""
+    margin: float = 0.0         #: closer contacts are rows, m [0.005]
+    slop: float = 0.0           #: penetration that is left, m [1e-5]
+    correction: float = 0.0     #: share of the rest that a step takes back [0.2]
+    bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
+    tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
+    iterations: int = 0         #: at most [40]
+    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_friction: bool = False    #: the description's friction holds, or brakes
+    joint_damping: bool = False     #: the description's damping, implicitly
+
+
+class ContactResult(NamedTuple):
+    """What a contact did in the last step."""
+    state: ContactState     #: APART, OPENS, STICKS or SLIPS
+    gap: float              #: before the step, m
+    force: Array            #: 3, on body 1, world axes, N
+
+
+class ContactSet:
+    """Contacts that push only, slip and open, rbd_contact_set of a Model; made by Model.contacts(rows):
+
+        feet = model.contacts([rbd.Contact("left", "l_foot", friction=0.7), ...])
+        q, v = feet.step(q, v, tau, dt=1e-3)
+
+    docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
+    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    model: Model
+    list: Sequence[Contact]
+    held: Sequence[Constraint]
+    options: ContactOptions
+    nv: int                     #: number of degrees of freedom
+    library: Library
+
+    def __init__(self, model: Model, rows: Iterable[Contact], held: Iterable[Constraint] = (),
+                 options: ContactOptions | None = None) -> None:
+        ...
+
+    def step(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: ArrayLike, f_ext: ArrayLike | None = None,
+             damping: ArrayLike | None = None) -> contact_step_results:
+        """A time step with contacts: q and v after dt. States and forces: get, forces; how well it is solved:
+        last. Of many states each begins with the impulses of the one before.
+
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            tau          nv        torque or force of each degree of freedom: N m, N
+            dt                     s
+            f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+        gives
+            q_next       nq        configuration
+            v_next       nv        velocity
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def fd(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: ArrayLike, f_ext: ArrayLike | None = None,
+           damping: ArrayLike | None = None) -> Array:
+        """The step's acceleration alone: Model.step with it gives the step's v_next, and q_next where nothing
+        penetrates.
+
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            tau          nv        torque or force of each degree of freedom: N m, N
+            dt                     s
+            f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+        gives
+            a            nv        acceleration dv/dt: rad/s^2, m/s^2
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def plane(self, contact: int | str, normal: ArrayLike = (0, 0, 1), height: float = 0.0) -> None:
+        """Another plane under a contact from the next step on: the tangent plane of terrain.
+
+        contact   index, or name
+        normal    3, axes of body 2, towards body 1
+        height    along the unit normal, m"""
+
+    def reset(self) -> None:
+        """Forgets the last impulses, with which a step begins: after a jump of the state."""
+
+    def get(self, contact: int | str) -> ContactResult:
+        """What a contact, index or name, did in the last step."""
+
+    def forces(self) -> Array:
+        """Forces of all contacts in the last step: one row each, world axes, N."""
+
+    def last(self) -> ContactSolution:
+        """Residual and iterations of the last step; a residual above options.tolerance is not solved."""
+
+
+class ContactSolution(NamedTuple):
+    """How well and how fast contacts were solved."""
+    residual: float         #: m/s: 0 where all laws hold
+    sweeps: int             #: Gauss-Seidel's
+    newton_steps: int
+
+
+class ContactState(IntEnum):
+    APART = 0
+    OPENS = 1
+    STICKS = 2
+    SLIPS = 3
+
+
 class Frame(NamedTuple):
     """A link of a URDF: its place on the bodies, as rbd_urdf_frame."""
     link: str
@@ -288,6 +416,22 @@ class Library:
 
     def set_parameters(self, body: Body, pi: ArrayLike) -> Body:
         """A copy of a Body with the mass, com and inertia of these ten inertial parameters."""
+
+    def contact_solve(self, delta: ArrayLike, b: ArrayLike, friction: ArrayLike, lower: ArrayLike = (),
+                      upper: ArrayLike = (), start: ArrayLike | None = None, tolerance: float = 0.0,
+                      iterations: int = 0) -> tuple[Array, Sequence[ContactState], ContactSolution]:
+        """Impulses p of contacts from u = delta p + b, for those who have a delta: rbd_contact_solve. Gives p,
+        the contacts' states, and how well it is solved. Rows: three of each contact in the order tangent,
+        tangent, normal, then the bounded ones.
+
+            delta       rows x rows: J M^-1 J', symmetric and positive semidefinite, 1/kg
+            b           rows: u where p = 0, m/s
+            friction    contacts: mu
+            lower       bounded rows: lower <= p <= upper, N s; +-1e30 = no bound
+            upper       bounded rows
+            start       rows: where to begin; None = 0
+            tolerance   of the residual, m/s; 0 = 1e-6, of float 1e-5
+            iterations  at most; 0 = 40"""
 
 
 class Model:
@@ -919,6 +1063,11 @@ class Model:
                    point2: ArrayLike, axis2: ArrayLike) -> Constraint:
         """The same, and the lines along axis1 and axis2 there coincide; 5 rows."""
 
+    def contacts(self, rows: Iterable[Contact], held: Iterable[Constraint] = (),
+                 options: ContactOptions | None = None) -> ContactSet:
+        """Contacts that open and slip, from a list of Contact, for simulation: see ContactSet. held: a list of
+        Constraint that hold at the same time, as loops; their kp and kd have no meaning here."""
+
     def c_model(self, name: str, source: str = 'a Model in Python') -> str:
         """The built model as a C table for firmware, for a file NAME_model.h: the same as rbd-model --c-model
         NAME writes. It serves double and float. source: the origin that its head names."""
@@ -1414,6 +1563,11 @@ class constrained_fd_derivatives_results(NamedTuple):
     dlambda_dq: Array | _MaybeNone
     dlambda_dv: Array | _MaybeNone
     dlambda_dtau: Array | _MaybeNone
+
+
+class contact_step_results(NamedTuple):
+    q_next: Array
+    v_next: Array
 
 
 class hybrid_results(NamedTuple):

@@ -54,6 +54,9 @@ ELSEWHERE = {
     "rbd_nb": "Model.nb", "rbd_nq": "Model.nq", "rbd_nv": "Model.nv",
     "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
     "rbd_constraint_finding_text": "ConstraintSet",
+    "rbd_contact_set_init": "ContactSet", "rbd_contact_set_size": "ContactSet",
+    "rbd_contact_solve_size": "Library.contact_solve",
+    **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
 }
 
@@ -78,7 +81,7 @@ def test_every_public_function_is_wrapped_or_excused():
     functions = public_functions()
     assert len(functions) > 150
     assert {"rbd_rnea", "rbd_batch_crba", "rbd_constrained_fd", "rbd_urdf_load", "rbd_motion_up"} <= functions
-    methods = {name for owner in (rbd.Model, rbd.ConstraintSet, rbd.Library, rbd.Spatial)
+    methods = {name for owner in (rbd.Model, rbd.ConstraintSet, rbd.ContactSet, rbd.Library, rbd.Spatial)
                for name, method in inspect.getmembers(owner, callable) if not name.startswith("_")}
     batches = {f"rbd_batch_{call.name}" for call in table_calls() if call.batch}
     wrapped = {f"rbd_{name}" for name in methods} | batches
@@ -90,8 +93,8 @@ def test_every_public_function_is_wrapped_or_excused():
 
 def table_calls():
     """The calls that the decorator made."""
-    return [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet) for method in vars(owner).values()
-            if hasattr(method, "_rbd_call")]
+    return [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet, rbd.ContactSet)
+            for method in vars(owner).values() if hasattr(method, "_rbd_call")]
 
 
 # Names of one letter are spelled out in C, where a macro may have that name; "lambda" is a keyword of Python.
@@ -104,12 +107,13 @@ def test_arguments_are_those_of_the_header():
     text = re.sub(r"/\*.*?\*/", "", rbd._TEXT, flags=re.S)
     assert len(table_calls()) >= 50
     for call in table_calls():
-        expected = [IN_C.get(x, x) for x in call.inputs + (["out"] if call.struct else call.outputs)]
+        expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
         for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
-            declared = re.search(rf"\b{prefix}{call.name}\(([^;]*)\);", text)[1]
+            declared = re.search(rf"\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
+            assert sorted(call.inputs) == sorted(call.c_inputs), call.name
             assert first == 1 + len(call.memory) + (prefix == "rbd_batch_"), call.name
         if call.struct:
             kind = re.search(rf"const (\w+) \*out\);", text[text.index(f"rbd_{call.name}("):])[1]
@@ -125,12 +129,15 @@ def test_help_shows_signature_shapes_and_units():
 
 def test_structures_are_those_of_the_header(double):
     assert {f.name for f in fields(rbd.Body)} == {name for name, _ in rbd.structure("rbd_body")._fields_}
-    members = {name for name, _ in rbd.structure("rbd_constraint")._fields_}
-    assert {f.name for f in fields(rbd.Constraint)} == members
+    for kind, name in ((rbd.Constraint, "rbd_constraint"), (rbd.Contact, "rbd_contact"),
+                       (rbd.ContactOptions, "rbd_contact_options")):
+        assert [f.name for f in fields(kind)] == [name for name, _ in rbd.structure(name)._fields_]
+    assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
+             "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
-    unit = '#include "rbd_constraints.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+    unit = '#include "rbd_contact.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(rbd._compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]

@@ -59,6 +59,20 @@ def test_example(tmp_path, monkeypatch, quick):
     assert "HYQ_MODEL_H" in (tmp_path / "hyq_model.h").read_text()
 
 
+def test_fall(tmp_path, monkeypatch, quick):
+    """It lies still in the end, no energy came from nothing, and all frames are there."""
+    monkeypatch.setenv("PYTHONPATH", str(PYTHON))
+    printed = run(sys.executable, PYTHON / "examples/hyq_falls.py", tmp_path)
+    energy = [float(number) for number in re.findall(r"s: *([\d.]+) J", printed)]
+    assert len(energy) == 24 and (np.diff(energy) <= 0).all() and energy[0] - energy[-1] > 300
+    force, weight = map(int, re.search(r"with (\d+) N on the ground, weight (\d+)", printed).groups())
+    assert abs(force - weight) < 10
+    unsolved, worst = re.search(r"of 1200 steps (\d+) .* than (\S+) m/s", printed).groups()
+    assert int(unsolved) < 40 and float(worst) < 0.05  # legs hit their limits and the ground at once
+    frames = sorted(tmp_path.glob("hyq_falls_*.png"))
+    assert len(frames) == 24 and all(path.read_bytes().startswith(b"\x89PNG") for path in frames)
+
+
 def test_package_installs_without_network(tmp_path, quick):
     """In a venv that sees the system's numpy, pip and setuptools, away from the repository."""
     run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
