@@ -117,11 +117,11 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
    every field but the bodies. */
 typedef struct rbd_contact {
-    const char *name; /* for findings; NULL = nameless */
-    int body1, body2; /* index in the description, -1 = world */
-    double point[3];  /* link axes of body 1, m */
-    double radius;    /* m; 0 = a point */
-    double normal[3]; /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
+    const char *name;   /* for findings; NULL = nameless */
+    int body1, body2;   /* index in the description, -1 = world */
+    double point[3];    /* link axes of body 1, m */
+    double radius;      /* m; 0 = a point */
+    double normal[3];   /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
     double height;      /* of the plane along the unit normal, m */
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
