@@ -703,10 +703,12 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Y = R = 0. Needed before entries are written that articulated bodies do not overwrite. */
+/* Y = R = 0, needed before entries are written that articulated bodies do not overwrite; J v, gamma and e
+   too. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
+    rbdi_clear(c->u, 3 * c->stride);
     c->dirty = 1;
 }
 
@@ -718,13 +720,6 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_set_axes(c, k, &h);
     p = rbdi_constraint_motion(c, k, &h, errors);
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
-}
-
-/* Y = J', gamma, J v and, if `errors`, e of all constraints. */
-static void rbdi_all_rows(const rbd_model *m, rbd_constraint_set *c, int errors) {
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (int i = 0; i < c->n; ++i) rbdi_constraint_rows(m, c, &c->constraint[i], errors);
 }
 
 /* ==== src/constraints/factor.h ==== */
@@ -1439,16 +1434,17 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
-    rbdi_all_rows(m, c, !restitution);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+    rbdi_clear_rows(m, c);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
+    }
     rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* Computes x and lambda by articulated bodies, or by M if these are in doubt. Returns the status of the call.
-   */
+/* x and lambda by articulated bodies, or by M if these are in doubt; returns the status of the call. */
 static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
@@ -1488,7 +1484,9 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, c
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
-    rbdi_all_rows(m, c, errors);
+    rbdi_clear_rows(m, c);
+    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+        rbdi_constraint_rows(m, c, k, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -77,10 +77,13 @@ orders=$(for a in $singles; do for b in $singles; do for c in $singles; do for d
     awk '$1 != $2 && $1 != $3 && $1 != $4 && $2 != $3 && $2 != $4 && $3 != $4 { print $1 $2 $3 $4 }' |
     grep r | grep d | grep s) # and c or k, which stands on it
 
-# All orders of two, and of four, on both sides. tcc takes no more than a moment for each.
+# All orders of two on one side with one header on the other, and of four on both. tcc takes no more than a moment for each.
 if command -v tcc >/dev/null 2>&1; then
-    for before in "" $singles $pairs; do
-        for behind in "" $singles $pairs cdc; do compile "$before" "$behind" tcc -std=c99 -c -o "$scratch/file.o"; done
+    for one in "" $singles; do
+        for two in "" $singles $pairs cdc; do
+            compile "$one" "$two" tcc -std=c99 -c -o "$scratch/file.o"
+            compile "$two" "$one" tcc -std=c99 -c -o "$scratch/file.o"
+        done
     done
     for order in $orders; do compile "$order" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi

@@ -1380,6 +1380,10 @@ class Model(_Owner):
         if urdf:
             gravity = urdf.gravity if gravity is None else gravity
             bodies = urdf.bodies
+        if isinstance(bodies, (str, bytes, os.PathLike, Body)) or not hasattr(bodies, "__iter__"):
+            file = isinstance(bodies, (str, os.PathLike))
+            raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
+                            f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
         self._setup(bodies, gravity, library or _default_library())
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
@@ -1391,10 +1395,6 @@ class Model(_Owner):
         if not isinstance(library, Library):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
-        if isinstance(bodies, (str, bytes, os.PathLike, Body)) or not hasattr(bodies, "__iter__"):
-            file = isinstance(bodies, (str, os.PathLike))
-            raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
-                            f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
         self._batch_layout = layout
         self.bodies = list(bodies)
         self._rows = _rows(self.bodies)

@@ -66,10 +66,12 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Y = R = 0. Needed before entries are written that articulated bodies do not overwrite. */
+/* Y = R = 0, needed before entries are written that articulated bodies do not overwrite; J v, gamma and e
+   too. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
+    rbdi_clear(c->u, 3 * c->stride);
     c->dirty = 1;
 }
 
@@ -81,13 +83,6 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_set_axes(c, k, &h);
     p = rbdi_constraint_motion(c, k, &h, errors);
     RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
-}
-
-/* Y = J', gamma, J v and, if `errors`, e of all constraints. */
-static void rbdi_all_rows(const rbd_model *m, rbd_constraint_set *c, int errors) {
-    rbdi_clear_rows(m, c);
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (int i = 0; i < c->n; ++i) rbdi_constraint_rows(m, c, &c->constraint[i], errors);
 }
 
 #endif
