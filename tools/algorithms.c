@@ -122,6 +122,17 @@ static rbd_status run_constrained(const state *s, double *out) {
     return rbd_constrained_fd(s->m, s->c, s->q, s->v, s->tau, NULL, out, out + rbd_nv(s->m));
 }
 
+/* Each state for itself: no impulses are kept. */
+static rbd_status run_contact_step(const state *s, double *out) {
+    double *v_next = out + rbd_nq(s->m), *to = v_next + rbd_nv(s->m);
+    rbd_contact_reset(s->contacts);
+    const rbd_status status =
+        rbd_contact_step(s->m, s->contacts, s->q, s->v, s->tau, NULL, NULL, s->dt, out, v_next);
+    for (int i = 0; i < s->ncontacts; i++, to += 5) to[0] = rbd_contact_get(s->contacts, i, &to[1], &to[2]);
+    *to = rbd_contact_last(s->contacts).residual;
+    return status;
+}
+
 /* clang-format off */
 static const algorithm algorithms[] = {
     {"id", "inverse dynamics (RNEA)", TAKES_V | TAKES_A, {{"tau", ONE, DOFS}}, run_id},
@@ -133,6 +144,9 @@ static const algorithm algorithms[] = {
      {{"a", ONE, DOFS}, {"tau", ONE, DOFS}}, run_hybrid},
     {"constrained_fd", "with --constraints FILE", TAKES_V | TAKES_TAU | TAKES_CONSTRAINTS,
      {{"a", ONE, DOFS}, {"lambda", ONE, HELD}}, run_constrained},
+    {"contact_step", "with --contacts FILE", TAKES_V | TAKES_TAU | TAKES_CONTACTS,
+     {{"q_next", ONE, COORDINATES}, {"v_next", ONE, DOFS}, {"contact", ONE, TOUCHES}, {"residual", ONE, ONE}},
+     run_contact_step},
     {"bias", "inverse dynamics, a = 0", TAKES_V, {{"tau", ONE, DOFS}}, run_bias},
     {"gravity_torque", "inverse dynamics, v = a = 0", 0, {{"tau", ONE, DOFS}}, run_gravity},
     {"coriolis", "Coriolis matrix", TAKES_V, {{"C", DOFS, DOFS}}, run_coriolis},
@@ -167,7 +181,8 @@ static const algorithm algorithms[] = {
 /* clang-format on */
 enum { ALGORITHMS = sizeof algorithms / sizeof *algorithms };
 
-static const char *const others[][2] = {{"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}, {"minverse", "minv"}};
+static const char *const others[][2] = {
+    {"rnea", "id"}, {"crba", "mm"}, {"aba", "fd"}, {"minverse", "minv"}, {"contact", "contact_step"}};
 enum { OTHERS = sizeof others / sizeof *others };
 
 void see_algorithms(nearest *n) {
@@ -184,9 +199,10 @@ const algorithm *find_algorithm(const char *name) {
 }
 
 void print_algorithms(void) {
-    static const char *const parts[] = {"",       ".XYZ",      ".ROW",      ".COORDINATE",
-                                        ".DOF",   ".LINK.PAR", ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...",
-                                        ".NUMBER"};
+    static const char *const parts[] = {
+        "",        ".XYZ",          ".ROW",      ".COORDINATE",
+        ".DOF",    ".LINK.PAR",     ".LINK.ROW", "p.LINK.x ..., R.LINK.xx ...",
+        ".NUMBER", ".CONTACT.TOUCH"};
     printf("  %-22s  %-27s  %-9s  %s\n", "name", "what", "takes", "gives");
     for (int i = 0; i < ALGORITHMS; i++) {
         const algorithm *a = &algorithms[i];
@@ -272,6 +288,12 @@ static void add_rows(columns *c, const state *s) {
     }
 }
 
+static void add_contacts(columns *c, const state *s) {
+    static const char *const parts[] = {"state", "gap", "fx", "fy", "fz"};
+    for (int i = 0; i < s->ncontacts; i++)
+        for (int k = 0; k < 5; k++) add_name(c, s->contact_name[i], parts[k], "");
+}
+
 static void add_axis(columns *c, const state *s, axis a) {
     static const char *const xyz[] = {"x", "y", "z"};
     switch (a) {
@@ -288,6 +310,7 @@ static void add_axis(columns *c, const state *s, axis a) {
     case WRENCHES: add_links(c, s->m, six, 6); break;
     case POSES: add_poses(c, s->m); break;
     case HELD: add_rows(c, s); break;
+    case TOUCHES: add_contacts(c, s); break;
     }
 }
 

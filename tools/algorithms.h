@@ -2,10 +2,10 @@
 #ifndef TOOLS_ALGORITHMS_H
 #define TOOLS_ALGORITHMS_H
 
+#include "constraints.h"
 #include "nearest.h"
 #include "print.h"
 
-#include "rbd_constraints.h"
 #include "rbd_derivatives.h"
 
 /* A state, and what a call needs. */
@@ -14,6 +14,10 @@ typedef struct state {
     rbd_work *w;
     rbd_derivatives *d;
     rbd_constraint_set *c; /* NULL: none given */
+    rbd_contact_set *contacts;
+    char (*contact_name)[ITEM_NAME]; /* ncontacts */
+    int ncontacts;
+    double dt;
     double *q, *v, *a, *tau;
     void *memory; /* of w, d and given */
     int body;     /* where the algorithm is one of a point */
@@ -22,8 +26,9 @@ typedef struct state {
 } state;
 
 /* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the coordinates,
-   the degrees of freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold. */
-typedef enum axis { ONE, XYZ, SIX, COORDINATES, DOFS, PARAMETERS, WRENCHES, POSES, HELD } axis;
+   the degrees of freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold,
+   what contacts do. */
+typedef enum axis { ONE, XYZ, SIX, COORDINATES, DOFS, PARAMETERS, WRENCHES, POSES, HELD, TOUCHES } axis;
 
 typedef struct output {
     const char *name; /* NULL: no more */
@@ -36,13 +41,14 @@ enum {
     TAKES_TAU = 4,
     TAKES_POINT = 8,
     TAKES_GIVEN = 16,
-    TAKES_CONSTRAINTS = 32
+    TAKES_CONSTRAINTS = 32,
+    TAKES_CONTACTS = 64
 }; /* beside q */
 
 typedef struct algorithm {
     const char *name, *what;
     int takes;
-    output gives[4];
+    output gives[5];
     rbd_status (*run)(const state *s, double *out);
 } algorithm;
 

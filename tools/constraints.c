@@ -9,46 +9,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The columns: twelve numbers of either frame, and these. */
-enum { BODY1 = 24, BODY2, AXES, KP, KD, COLUMNS };
+/* The columns of a table: their names, ended by NULL; at first those that must be there. */
+typedef struct kind {
+    const char *const *names;
+    int needed;
+} kind;
 
-static void column_name(int i, char name[24]) {
-    static const char *const others[] = {"body1", "body2", "axes", "kp", "kd"};
-    const int body = i / 12 + 1, k = i % 12;
-    if (i >= BODY1)
-        snprintf(name, 24, "%s", others[i - BODY1]);
-    else if (k < 3)
-        snprintf(name, 24, "%c%d", "xyz"[k], body);
-    else
-        snprintf(name, 24, "r%d_%d", body, k - 3);
-}
+enum { COLUMNS = 29 }; /* of a table at most */
 
-static int report_unknown(const csv *header, const char *cell) {
+/* Constraints: these, then twelve numbers of either frame. */
+enum { BODY1, AXES, BODY2, KP, KD, FRAME1, FRAME2 = FRAME1 + 12 };
+static const char *const constraint_names[COLUMNS + 1] = {
+    "body1", "axes", "body2", "kp",   "kd",   "x1",   "y1",   "z1",   "r1_0", "r1_1",
+    "r1_2",  "r1_3", "r1_4",  "r1_5", "r1_6", "r1_7", "r1_8", "x2",   "y2",   "z2",
+    "r2_0",  "r2_1", "r2_2",  "r2_3", "r2_4", "r2_5", "r2_6", "r2_7", "r2_8", NULL};
+static const kind constraints = {constraint_names, 2};
+
+/* Contacts: body1 and body2 stand at BODY1 and BODY2. */
+enum { NAME = 1, POINT = 3, NORMAL = 6, NUMBERS = 9 };
+static const char *const contact_names[] = {
+    "body1", "name",   "body2",  "x",        "y",           "z",         "nx",      "ny",
+    "nz",    "height", "radius", "friction", "restitution", "stiffness", "damping", NULL};
+static const kind contacts = {contact_names, 1};
+
+static int report_unknown(const csv *header, const kind *k, const char *cell) {
     nearest n = nearest_to(cell);
-    char name[24], hint[140];
-    for (int i = 0; i < COLUMNS; i++) {
-        column_name(i, name);
-        nearest_see(&n, name, strlen(name));
-    }
+    char hint[140];
+    for (int i = 0; k->names[i]; i++) nearest_see(&n, k->names[i], strlen(k->names[i]));
     return csv_error(header, "column '%s' is unknown%s", cell, nearest_hint(&n, hint));
 }
 
 /* where[i]: the cell of column i, -1 if the table has none. */
-static int find_cells(const csv *header, int where[COLUMNS]) {
-    char name[24];
+static int find_cells(const csv *header, const kind *k, int where[COLUMNS]) {
     for (int i = 0; i < COLUMNS; i++) where[i] = -1;
-    for (int k = 0; k < header->n; k++) {
+    for (int cell = 0; cell < header->n; cell++) {
         int i = 0;
-        for (; i < COLUMNS; i++) {
-            column_name(i, name);
-            if (strcmp(header->cells[k], name) == 0) break;
-        }
-        if (i == COLUMNS) return report_unknown(header, header->cells[k]);
-        if (where[i] >= 0) return csv_error(header, "column '%s' stands twice", name);
-        where[i] = k;
+        while (k->names[i] && strcmp(header->cells[cell], k->names[i]) != 0) i++;
+        if (!k->names[i]) return report_unknown(header, k, header->cells[cell]);
+        if (where[i] >= 0) return csv_error(header, "column '%s' stands twice", k->names[i]);
+        where[i] = cell;
     }
-    if (where[BODY1] < 0) return csv_error(header, "column 'body1' is missing");
-    if (where[AXES] < 0) return csv_error(header, "column 'axes' is missing");
+    for (int i = 0; i < k->needed; i++)
+        if (where[i] < 0) return csv_error(header, "column '%s' is missing", k->names[i]);
     return 0;
 }
 
@@ -58,43 +60,37 @@ static const char *cell_of(const csv *row, const int where[COLUMNS], int i) {
 }
 
 /* Leaves x as it is where the cell is empty. */
-static int read_number(const csv *row, const int where[COLUMNS], int i, double *x) {
+static int read_number(const csv *row, const kind *k, const int where[COLUMNS], int i, double *x) {
     const char *cell = cell_of(row, where, i);
-    char *end, name[24];
+    char *end;
     if (!*cell) return 0;
     *x = strtod(cell, &end);
     if (end != cell && !*end && isfinite(*x)) return 0;
-    column_name(i, name);
-    return csv_error(row, "column '%s': '%s' is not a finite number", name, cell);
+    return csv_error(row, "column '%s': '%s' is not a finite number", k->names[i], cell);
 }
 
 /* first: column of the frame's x. The rotation: none of the nine or all. */
 static int read_frame(const csv *row, const int where[COLUMNS], int first, double p[3], double R[9]) {
     int given = 0;
-    char name[24];
     for (int k = 0; k < 9; k++) R[k] = k % 4 == 0;
     for (int k = 0; k < 12; k++)
-        if (read_number(row, where, first + k, k < 3 ? &p[k] : &R[k - 3]) != 0) return -1;
+        if (read_number(row, &constraints, where, first + k, k < 3 ? &p[k] : &R[k - 3]) != 0) return -1;
     for (int k = 3; k < 12; k++) given += *cell_of(row, where, first + k) != 0;
-    for (int k = 3; k < 12 && given; k++) {
-        column_name(first + k, name);
+    for (int k = 3; k < 12 && given; k++)
         if (!*cell_of(row, where, first + k))
             return csv_error(row, "column '%s' is missing or empty: a rotation has nine numbers, or none",
-                             name);
-    }
+                             constraint_names[first + k]);
     return 0;
 }
 
 /* Of no name: the world, if it may be. */
 static int read_link(const csv *row, const int where[COLUMNS], int i, const robot *r, int *body) {
     const char *link = cell_of(row, where, i);
-    char reason[REASON], name[24];
+    char reason[REASON];
     *body = -1;
     if (strcmp(link, "world") == 0 || (!*link && i == BODY2)) return 0;
     *body = robot_link(r, link, reason);
-    if (*body >= 0) return 0;
-    column_name(i, name);
-    return csv_error(row, "column '%s': %s", name, reason);
+    return *body >= 0 ? 0 : csv_error(row, "column '%s': %s", constraint_names[i], reason);
 }
 
 static int read_axes(const csv *row, const char *cell, int axes[6]) {
@@ -107,45 +103,95 @@ static int read_axes(const csv *row, const char *cell, int axes[6]) {
     return 0;
 }
 
-static int read_row(const csv *row, const int where[COLUMNS], int width, const robot *r, rbd_constraint *k) {
+static int read_constraint(const csv *row, const int where[COLUMNS], const robot *r, rbd_constraint *k) {
     memset(k, 0, sizeof *k);
-    if (row->n != width)
-        return csv_error(row, "it has %d cell%s, the header %d", row->n, row->n == 1 ? "" : "s", width);
-    if (read_frame(row, where, 0, k->position1, k->rotation1) != 0) return -1;
-    if (read_frame(row, where, 12, k->position2, k->rotation2) != 0) return -1;
-    if (read_number(row, where, KP, &k->kp) != 0 || read_number(row, where, KD, &k->kd) != 0) return -1;
+    if (read_frame(row, where, FRAME1, k->position1, k->rotation1) != 0) return -1;
+    if (read_frame(row, where, FRAME2, k->position2, k->rotation2) != 0) return -1;
+    if (read_number(row, &constraints, where, KP, &k->kp) != 0) return -1;
+    if (read_number(row, &constraints, where, KD, &k->kd) != 0) return -1;
     if (read_link(row, where, BODY1, r, &k->body1) != 0) return -1;
     if (read_link(row, where, BODY2, r, &k->body2) != 0) return -1;
     return read_axes(row, cell_of(row, where, AXES), k->axes);
 }
 
-/* rows[i]: where constraint i stands in the table. */
-static int read_all(csv *table, const robot *r, rbd_constraint **list, int **rows) {
-    int where[COLUMNS], n = 0, room = 0, width, status = csv_read(table);
-    if (status == 0) return csv_error(table, "no header: the table is empty");
-    if (status < 0 || find_cells(table, where) != 0) return -1;
-    width = table->n;
-    for (; (status = csv_read(table)) > 0; n++) {
-        if (n == room) {
-            *list = grown(*list, (size_t)(room = 2 * room + 16) * sizeof **list);
-            *rows = grown(*rows, (size_t)room * sizeof **rows);
-        }
-        (*rows)[n] = table->line;
-        if (read_row(table, where, width, r, &(*list)[n]) != 0) return -1;
+static int read_contact(const csv *row, const int where[COLUMNS], const robot *r, rbd_contact *a) {
+    double *const numbers[] = {&a->height,      &a->radius,    &a->friction,
+                               &a->restitution, &a->stiffness, &a->damping};
+    memset(a, 0, sizeof *a);
+    for (int j = 0; j < 3; j++) {
+        if (read_number(row, &contacts, where, POINT + j, &a->point[j]) != 0) return -1;
+        if (read_number(row, &contacts, where, NORMAL + j, &a->normal[j]) != 0) return -1;
     }
-    return status < 0 ? -1 : n;
+    for (int j = 0; j < 6; j++)
+        if (read_number(row, &contacts, where, NUMBERS + j, numbers[j]) != 0) return -1;
+    if (read_link(row, where, BODY1, r, &a->body1) != 0) return -1;
+    return read_link(row, where, BODY2, r, &a->body2);
 }
 
-/* Prepares the set. Returns 0, or -1 after a message. */
-static int prepare(csv *table, const rbd_model *m, rbd_work *w, const rbd_constraint *list, int n,
-                   const int *rows, void **memory, rbd_constraint_set **c) {
-    const size_t size = rbd_constraint_set_size(m, list, n);
-    const rbd_finding *f;
-    rbd_report report;
-    *memory = allocate(size + 1, 1);
-    if (rbd_constraint_set_init(m, w, list, n, *memory, size, c, &report) == RBD_OK) return 0;
-    f = &report.error;
-    table->line = f->body < 0 ? 1 : rows[f->body];
+/* A table of either kind: its items, of this size; names, of contacts; rows[i]: where item i stands. */
+typedef struct items {
+    const kind *kind;
+    void *list;
+    size_t size;
+    char (*name)[ITEM_NAME];
+    int *rows, n;
+} items;
+
+/* Item x->n, a contact, is called as its cell says, or by its number. */
+static int read_name(const csv *row, const int where[COLUMNS], items *x) {
+    const char *cell = cell_of(row, where, NAME);
+    char *name = x->name[x->n];
+    if (strlen(cell) >= ITEM_NAME)
+        return csv_error(row, "column 'name': it has more than %d characters", ITEM_NAME - 1);
+    strcpy(name, cell);
+    if (!*name) snprintf(name, ITEM_NAME, "%d", x->n);
+    for (int i = 0; i < x->n; i++)
+        if (strcmp(x->name[i], name) == 0) return csv_error(row, "column 'name': '%s' stands twice", name);
+    return 0;
+}
+
+/* Returns 0, or -1 after a message. */
+static int read_all(csv *table, const robot *r, items *x) {
+    int where[COLUMNS], room = 0, width, status = csv_read(table);
+    if (status == 0) return csv_error(table, "no header: the table is empty");
+    if (status < 0 || find_cells(table, x->kind, where) != 0) return -1;
+    width = table->n;
+    for (; (status = csv_read(table)) > 0; x->n++) {
+        if (x->n == room) {
+            x->list = grown(x->list, (size_t)(room = 2 * room + 16) * x->size);
+            x->rows = grown(x->rows, (size_t)room * sizeof *x->rows);
+            x->name = grown(x->name, (size_t)room * sizeof *x->name);
+        }
+        x->rows[x->n] = table->line;
+        if (table->n != width)
+            return csv_error(table, "it has %d cell%s, the header %d", table->n, table->n == 1 ? "" : "s",
+                             width);
+        if (x->kind == &constraints)
+            status = read_constraint(table, where, r, (rbd_constraint *)x->list + x->n);
+        else if ((status = read_contact(table, where, r, (rbd_contact *)x->list + x->n)) == 0)
+            status = read_name(table, where, x);
+        if (status != 0) return -1;
+    }
+    return status;
+}
+
+/* Opens and reads. The caller closes. */
+static int read_file(csv *table, const char *path, const robot *r, items *x) {
+    int status;
+    table->name = path;
+    table->from = fopen(path, "r");
+    if (!table->from) {
+        fprintf(stderr, "%s: %s: %s\n", program, path, strerror(errno));
+        return -1;
+    }
+    status = read_all(table, r, x);
+    fclose(table->from);
+    return status;
+}
+
+/* What a report says of item f->body, at its row. */
+static int report_finding(csv *table, const items *x, const rbd_finding *f) {
+    table->line = f->body < 0 || f->body >= x->n ? 1 : x->rows[f->body];
     return csv_error(table, "%s%s%s", f->field ? f->field : "", f->field ? ": " : "",
                      f->text ? f->text : rbd_status_string(f->status));
 }
@@ -153,18 +199,38 @@ static int prepare(csv *table, const rbd_model *m, rbd_work *w, const rbd_constr
 int constraints_read(const char *path, const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
                      rbd_constraint_set **c) {
     csv table = {0};
-    int n, *rows = NULL;
-    *list = NULL, *memory = NULL;
-    table.name = path;
-    table.from = fopen(path, "r");
-    if (!table.from) {
-        fprintf(stderr, "%s: %s: %s\n", program, path, strerror(errno));
-        return -1;
+    items x = {&constraints, NULL, sizeof **list, NULL, NULL, 0};
+    rbd_report report;
+    int status = read_file(&table, path, r, &x);
+    *list = x.list, *memory = NULL;
+    if (status == 0) {
+        const size_t size = rbd_constraint_set_size(r->model, *list, x.n);
+        *memory = allocate(size + 1, 1);
+        if (rbd_constraint_set_init(r->model, w, *list, x.n, *memory, size, c, &report) != RBD_OK)
+            status = report_finding(&table, &x, &report.error);
     }
-    n = read_all(&table, r, list, &rows);
-    fclose(table.from);
-    if (n >= 0 && prepare(&table, r->model, w, *list, n, rows, memory, c) != 0) n = -1;
     csv_free(&table);
-    free(rows);
-    return n;
+    free(x.rows);
+    free(x.name);
+    return status == 0 ? x.n : -1;
+}
+
+int contacts_read(const char *path, const robot *r, rbd_work *w, const rbd_constraint *held, int n_held,
+                  char (**name)[ITEM_NAME], void **memory, rbd_contact_set **c) {
+    csv table = {0};
+    items x = {&contacts, NULL, sizeof(rbd_contact), NULL, NULL, 0};
+    rbd_report report;
+    int status = read_file(&table, path, r, &x);
+    *name = x.name, *memory = NULL;
+    if (status == 0) {
+        const size_t size = rbd_contact_set_size(r->model, x.n, held, n_held, NULL);
+        *memory = allocate(size + 1, 1);
+        if (rbd_contact_set_init(r->model, w, x.list, x.n, held, n_held, NULL, *memory, size, c, &report) !=
+            RBD_OK)
+            status = report_finding(&table, &x, &report.error);
+    }
+    csv_free(&table);
+    free(x.rows);
+    free(x.list);
+    return status == 0 ? x.n : -1;
 }

@@ -55,6 +55,18 @@ static const char help_columns[] =
     "the "
     "first\n"
     "                      of them. docs/tools.md has examples\n"
+    "  --contacts FILE     table of contacts, for contact_step: a row each with the column body1, and of "
+    "name "
+    "body2\n"
+    "                      x y z nx ny nz height radius friction restitution stiffness damping those that "
+    "are "
+    "wanted:\n"
+    "                      a point (0) of link body1, or a ball about it, over a plane of link body2 (world) "
+    "with this\n"
+    "                      normal (z). TOUCH is state (0 apart, 1 opens, 2 sticks, 3 slips) gap fx fy fz. "
+    "--constraints\n"
+    "                      adds loops that hold\n"
+    "  --dt SECONDS        of contact_step (0.001)\n"
     "  --layout            only print the names that the algorithm takes and gives\n";
 static const char help_end[] =
     "\n"
@@ -192,9 +204,9 @@ static int read_table(const algorithm *a, state *s, const columns *in, const col
 /* ---- command ---- */
 
 typedef struct options {
-    const char *model, *body, *constraints;
+    const char *model, *body, *constraints, *contacts;
     const algorithm *algorithm;
-    double point[3];
+    double point[3], dt;
     const char **given; /* ngiven */
     int ngiven, layout;
     settings settings;
@@ -213,6 +225,13 @@ static int report_algorithm(const char *name) {
     return usage_error("--algorithm: there is no '%s'", name);
 }
 
+static int read_dt(options *o, const char *text) {
+    char *end;
+    o->dt = strtod(text, &end);
+    if (end != text && !*end && o->dt > 0 && isfinite(o->dt)) return 0;
+    return usage_error("--dt: '%s' is not a number above 0", text);
+}
+
 static int read_own(options *o, char **argv, int *i) {
     const char *value;
     if (strcmp(argv[*i], "--layout") == 0) {
@@ -224,6 +243,8 @@ static int read_own(options *o, char **argv, int *i) {
     if (option_is(argv[*i], "--body")) return (o->body = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--constraints"))
         return (o->constraints = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (option_is(argv[*i], "--contacts")) return (o->contacts = option_value(argv, i)) ? 0 : EXIT_USAGE;
+    if (option_is(argv[*i], "--dt")) return (value = option_value(argv, i)) ? read_dt(o, value) : EXIT_USAGE;
     if (option_is(argv[*i], "--given"))
         return (o->given[o->ngiven++] = option_value(argv, i)) ? 0 : EXIT_USAGE;
     if (option_is(argv[*i], "--point"))
@@ -264,6 +285,8 @@ static int read_options(options *o, char **argv) {
         return 1 + usage_error("--body is missing: %s takes a point of a link", o->algorithm->name);
     if (o->algorithm->takes & TAKES_CONSTRAINTS && !o->constraints)
         return 1 + usage_error("--constraints is missing: %s takes a table of them", o->algorithm->name);
+    if (o->algorithm->takes & TAKES_CONTACTS && !o->contacts)
+        return 1 + usage_error("--contacts is missing: %s takes a table of them", o->algorithm->name);
     return 0;
 }
 
@@ -287,12 +310,16 @@ static int report_dof(const rbd_model *m, const char *name) {
     return EXIT_BAD;
 }
 
-/* The set of constraints of a table; returns 0, or EXIT_BAD after a message. */
-static int prepare_constraints(state *s, const char *path, const robot *r, void **memory) {
-    rbd_constraint *list;
-    const int n = constraints_read(path, r, s->w, &list, memory, &s->c);
+/* The sets of the tables that are given, in memory[2]; returns 0, or EXIT_BAD after a message. */
+static int prepare_sets(state *s, const options *o, const robot *r, void **memory) {
+    rbd_constraint *list = NULL;
+    int held = 0;
+    if (o->constraints) held = constraints_read(o->constraints, r, s->w, &list, &memory[0], &s->c);
+    if (held >= 0 && o->contacts)
+        s->ncontacts =
+            contacts_read(o->contacts, r, s->w, list, held, &s->contact_name, &memory[1], &s->contacts);
     free(list);
-    return n < 0 ? EXIT_BAD : 0;
+    return held < 0 || s->ncontacts < 0 ? EXIT_BAD : 0;
 }
 
 /* Everything of a state but its numbers. Returns 0, or EXIT_BAD after a message. */
@@ -307,6 +334,7 @@ static int prepare(state *s, const options *o, const robot *r) {
     rbd_derivatives_init(m, s->w, memory + size, more, &s->d);
     s->given = memory + size + more;
     memcpy(s->point, o->point, sizeof s->point);
+    s->dt = o->dt;
     s->body = o->body ? robot_link(r, o->body, reason) : -1;
     if (o->body && s->body < 0) {
         fprintf(stderr, "%s: --body: %s\n", program, reason);
@@ -320,9 +348,9 @@ static int prepare(state *s, const options *o, const robot *r) {
 static int run_on(const options *o, const robot *r) {
     columns in = {0}, out = {0};
     state s = {0};
-    void *constraints = NULL;
+    void *sets[2] = {NULL, NULL};
     int status = prepare(&s, o, r);
-    if (status == 0 && o->constraints) status = prepare_constraints(&s, o->constraints, r, &constraints);
+    if (status == 0) status = prepare_sets(&s, o, r, sets);
     add_inputs(&in, s.m, o->algorithm);
     add_outputs(&out, &s, o->algorithm);
     if (status == 0 && o->layout)
@@ -331,7 +359,9 @@ static int run_on(const options *o, const robot *r) {
         status = read_table(o->algorithm, &s, &in, &out);
     free_columns(&in);
     free_columns(&out);
-    free(constraints);
+    free(sets[0]);
+    free(sets[1]);
+    free(s.contact_name);
     free(s.memory);
     return status;
 }
@@ -339,7 +369,8 @@ static int run_on(const options *o, const robot *r) {
 static int run(options *o) {
     robot r;
     int status;
-    if (o->body || o->constraints || o->algorithm->gives[0].columns == POSES) o->settings.urdf.keep_all = 1;
+    if (o->body || o->constraints || o->contacts || o->algorithm->gives[0].columns == POSES)
+        o->settings.urdf.keep_all = 1;
     status = robot_open(&r, o->model, &o->settings);
     if (status == 0) {
         robot_print_warnings(&r);
@@ -357,6 +388,7 @@ int main(int argc, char **argv) {
     options o = {0};
     int status;
     o.settings = settings_new(argc, argv);
+    o.dt = 1e-3;
     o.given = allocate((size_t)argc, sizeof *o.given);
     status = read_options(&o, argv);
     status = status ? status - 1 : run(&o);

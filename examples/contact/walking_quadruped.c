@@ -74,22 +74,22 @@ static void foothold(int foot, int steps, double p[3]) {
 
 /* The middle of the feet but one, -1: of all; with the trunk's height over them. */
 static void middle(double place[FEET][3], int without, double p[3]) {
-    const double share = without < 0 ? 1. / FEET : 1. / (FEET - 1);
+    const int feet = without < 0 ? FEET : FEET - 1;
     memset(p, 0, 3 * sizeof *p);
     for (int i = 0; i < FEET; i++)
-        for (int j = 0; j < 3 && i != without; j++) p[j] += share * place[i][j];
+        for (int j = 0; j < 3 && i != without; j++) p[j] += place[i][j] / feet;
 }
 
 /* Where feet and trunk shall be: the trunk goes over the three feet that will stand, then the fourth swings.
    Gives the foot that swings, or -1. */
 static int plan(double t, double place[FEET][3], double trunk[3]) {
     const double period = shifts + swings;
-    const int swing = t < SWINGS * period ? (int)(t / period) : SWINGS, foot = turn[swing % FEET];
+    const int k = (int)(t / period), swing = k < SWINGS ? k : SWINGS, foot = turn[swing % FEET];
     const double phase = t - swing * period, x = (phase - shifts) / swings;
     double before[3], after[3], start[3];
     for (int i = 0; i < FEET; i++) {
         int steps = 0;
-        for (int k = 0; k < swing; k++) steps += turn[k % FEET] == i;
+        for (int j = 0; j < swing; j++) steps += turn[j % FEET] == i;
         foothold(i, steps, place[i]);
     }
     middle(place, swing > 0 ? turn[(swing + FEET - 1) % FEET] : -1, before);
@@ -225,7 +225,7 @@ int main(void) {
 
     const struct tick *last = &past[TICKS - 1];
     const double sum = last->force[0][2] + last->force[1][2] + last->force[2][2] + last->force[3][2];
-    const int walked = last->q[HYQ_Q_ROOT_X] > stride * STRIDES - 0.15;
+    const int walked = last->q[HYQ_Q_ROOT_X] > 1.6;
     const int stands = lowest > 0.35 && tilt < 0.15 && fabs(sum - rbd_mass(&hyq_model) * 9.81) < 5;
     const int right = residual <= 1e-6 && steepest <= friction * (1 + 1e-9) && deepest < 1e-3;
     fprintf(stderr, "up and down both steps: %s\n", walked ? "yes" : "no");

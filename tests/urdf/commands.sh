@@ -487,6 +487,61 @@ header "column '' is unknown" body1,axes,
 expect 1 "rbd-eval: constraints: row 1: no header: the table is empty" "$rbd_eval" --model "$root/models/cart_pole.urdf" \
     --algorithm constrained_fd --constraints constraints --layout
 
+# ---- rbd-eval: tables of contacts ----
+
+# a ball of 2 kg on the ground: it slides, rests, and is lifted; g = 9.81 m/s^2, 1 ms
+cat >ball.urdf <<'end'
+<robot name="ball"><link name="ball"><inertial><mass value="2"/>
+  <inertia ixx="0.008" ixy="0" ixz="0" iyy="0.008" iyz="0" izz="0.008"/></inertial></link></robot>
+end
+printf '%s\n' 'name,body1,friction,radius,height' 'ground,ball,0.5,0.1,0.2' ',ball,,,-3' >contacts
+position=q.root.x,q.root.y,q.root.z,q.root.qx,q.root.qy,q.root.qz,q.root.qw
+velocity=root.wx,root.wy,root.wz,root.vx,root.vy,root.vz
+{
+    printf '%s,v.%s,tau.%s\n' $position "$(echo $velocity | sed 's/,/,v./g')" "$(echo $velocity | sed 's/,/,tau./g')"
+    printf '0,0,0.3,0,0,0,1,0,0,0,%s\n' 1,0,0,0,0,0,0,0,0 0,0,0,0,0,0,0,0,0 0,0,0,0,0,0,0,0,30
+} >table
+for name in contact contact_step; do
+    "$rbd_eval" ball.urdf --floating --algorithm $name --contacts contacts --dt 0.001 <table >out 2>err || fail "a ball: $(cat err)"
+    awk -F, 'function is(name, x) { if ((cell[column[name]] - x) ^ 2 > 1e-16) { print name " is not " x; bad = 1 } }
+        NR == 1 { for (i = 1; i <= NF; i++) column[$i] = i; next }
+        { split($0, cell); is("residual", 0); is("contact.1.state", 0) }
+        NR == 2 { is("contact.ground.state", 3); is("contact.ground.fx", -9.81); is("contact.ground.fz", 19.62)
+                  is("v_next.root.vx", 1 - 0.5 * 9.81e-3); is("q_next.root.z", 0.3) }
+        NR == 3 { is("contact.ground.state", 2); is("contact.ground.fx", 0); is("contact.ground.fz", 19.62)
+                  is("v_next.root.vz", 0) }
+        NR == 4 { is("contact.ground.state", 1); is("contact.ground.fz", 0)
+                  is("v_next.root.vz", 1e-3 * (15 - 9.81)) }
+        END { exit NR != 4 || bad }' out || { fail "a ball on the ground, $name"; cat out; }
+done
+expect 2 "rbd-eval: --contacts is missing: contact_step takes a table of them; see rbd-eval --help" \
+    "$rbd_eval" ball.urdf --algorithm contact
+expect 2 "rbd-eval: --dt: '0' is not a number above 0; see rbd-eval --help" "$rbd_eval" ball.urdf --dt 0
+expect 1 "rbd-eval: nowhere.csv: No such file or directory" \
+    "$rbd_eval" ball.urdf --floating --algorithm contact --contacts nowhere.csv --layout
+# contacts MESSAGE ROW...: a table of these lines is refused
+contacts() {
+    message=$1
+    shift
+    printf '%s\n' "$@" >contacts
+    expect 1 "rbd-eval: contacts: $message" "$rbd_eval" ball.urdf --floating --algorithm contact --contacts contacts --layout
+}
+contacts "row 1: column 'body1' is missing" x,y,z
+contacts "row 1: column 'frictoin' is unknown; did you mean 'friction'?" body1,frictoin
+contacts "row 1: column 'x' stands twice" body1,x,x
+contacts "row 2: it has 1 cell, the header 2" body1,x ball
+contacts "row 2: column 'body1': the robot has no link 'bal'; did you mean 'ball'?" body1,x bal,0
+contacts "row 3: column 'friction': 'much' is not a finite number" body1,friction ball,1 ball,much
+contacts "row 3: friction: negative, not finite or out of range" body1,friction ball,1 ball,-1
+contacts "row 2: restitution: negative, not finite or out of range" body1,restitution ball,2
+contacts "row 3: column 'name': 'toe' stands twice" name,body1 toe,ball toe,ball
+contacts "row 3: column 'name': '1' stands twice" name,body1 1,ball ,ball
+contacts "row 2: column 'name': it has more than 63 characters" name,body1 "$(printf '%064d' 0),ball"
+printf 'body1,axes\nball,000000\n' >constraints
+printf 'body1\nball\n' >contacts
+expect 1 "rbd-eval: constraints: row 2: axes: none is held, or one is neither 0 nor 1" \
+    "$rbd_eval" ball.urdf --floating --algorithm contact --contacts contacts --constraints constraints --layout
+
 # what a table leaves out is the world, 0 and the identity
 printf 'q.rail,q.hinge,v.rail,v.hinge,tau.rail,tau.hinge\n0.1,0.2,0.3,0.4,5,6\n' >table
 # held COLUMNS ROW...: the cart-pole under these constraints
