@@ -345,7 +345,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 #define RBDI_CONSTRAINTS_LAYOUT
 
 /* ==== src/constraints/layout.h ==== */
-/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES */
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_ROW_BATCH */
 
 /* ---- layout [layout] ---- */
 

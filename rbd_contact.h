@@ -149,7 +149,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
              have no meaning here; errors of position are taken back as penetration is. May be NULL
    options   NULL: all defaults
-   memory    size bytes of any alignment; rbd_contact_set_size is exact
+   memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
+             rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
@@ -369,6 +370,10 @@ struct rbd_contact_set {
                                     RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
+/* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
+#define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
+    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */

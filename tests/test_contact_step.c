@@ -52,8 +52,12 @@ static void add_corners(scene *s, int body1, int body2, double lx, double ly, do
 
 static void begin_scene(scene *s) {
     const size_t size = rbd_contact_set_size(s->r.m, s->n, s->held, s->n_held, &s->options);
+    const rbd_contact_options *o = &s->options;
+    const int others = s->n_held || o->joint_limits || o->joint_friction;
+    const int bounded = others ? 6 * s->n_held + 2 * s->r.nv : 0;
     rbd_report report;
     char text[200];
+    ck_assert_uint_le(size, RBD_CONTACT_SET_SIZE(s->r.nv, s->n, bounded));
     s->memory = memset(malloc(size), 0xff, size); /* NaN: what was never written shows */
     ck_assert_msg(rbd_contact_set_init(s->r.m, s->r.w, s->list, s->n, s->held, s->n_held, &s->options,
                                        s->memory, size, &s->c, &report) == RBD_OK,

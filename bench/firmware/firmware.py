@@ -41,6 +41,9 @@ for name in ("mpc_cart_pole", "mpc_iiwa"):
     EXAMPLES["cortex-m7", name] = {"dynamics": r"dynamics and cost (\d+)", "derivatives": r"derivatives (\d+)",
                                    "backward": r"Riccati step (\d+)", "tick": r"together (\d+)", "worst": r"(\d+) at worst",
                                    "rate": r"(\d+) Hz", "stack": r"stack (\d+) bytes"}
+EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot": r"robot (\d+) instructions",
+                                     "worst": r"(\d+) at worst", "rate": r"(\d+) Hz", "set": r"set (\d+)",
+                                     "stack": r"stack (\d+) bytes"}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "model", "work", "stack", "frames"]
@@ -172,12 +175,13 @@ def prove(target, folder, scalars, levels):
                 problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
     if len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
-    for program in ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa"):
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc")):  # an FPU
+    for program in ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa",
+                    "standing"):
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
-        checked = program == "five_bar"  # rbd_constraint_set_init checks a description, which is in double
+        checked = program in ("five_bar", "standing")  # their ..._set_init checks a description, which is in double
         unwanted = sorted(n for n in names if DOUBLE.fullmatch(n) and not checked
                           or n in ("malloc", "free", "sbrk", "_sbrk"))
         lines.append(f"{program}: of {len(names)} symbols, {'' if checked else 'double arithmetic or '}a heap: "
@@ -470,6 +474,15 @@ def mpc_table(_, examples):
     return lines
 
 
+def standing_table(_, examples):
+    names = {"controller": "the controller, instructions", "robot": "the robot, `rbd_contact_step`, instructions",
+             "worst": "both, the worst tick", "rate": "ticks a second, of the worst",
+             "flash": "flash, of the whole program with `printf`, bytes",
+             "ram": "RAM without stack, bytes", "set": "of these the set of contacts", "stack": "stack, painted, bytes"}
+    return ["| | |", "|---|--:|", *(f"| {name} | {number(examples['cortex-m7', 'standing', figure])} |"
+                                    for figure, name in names.items())]
+
+
 def contacts_table(some, _):
     lines = ["| 12 rows, float, -O2 | flash | HyQ on four points: instructions | Atlas on two flat feet |", "|---|--:|--:|--:|"]
     for algorithm, call in {"fd": "rbd_aba", **KINDS["contacts"]}.items():
@@ -491,6 +504,7 @@ def alone_table(some, _):
 
 # In which document each stands, between <!-- firmware NAME --> and <!-- end -->.
 BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
+          "standing": ("examples/firmware/README.md", standing_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
 

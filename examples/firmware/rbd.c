@@ -2,4 +2,4 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 
-#include "rbd_constraints.h"
+#include "rbd_contact.h"

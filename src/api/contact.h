@@ -92,7 +92,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
              have no meaning here; errors of position are taken back as penetration is. May be NULL
    options   NULL: all defaults
-   memory    size bytes of any alignment; rbd_contact_set_size is exact
+   memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
+             rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the

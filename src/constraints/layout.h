@@ -3,7 +3,7 @@
 #include "model/work.h"
 #include "api/constraints.h"
 
-/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES */
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_ROW_BATCH */
 
 /* ---- layout [layout] ---- */
 

@@ -97,4 +97,8 @@ struct rbd_contact_set {
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
+/* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
+#define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
+    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+
 #endif
