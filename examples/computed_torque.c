@@ -66,8 +66,7 @@ int main(int argc, char **argv) {
             printf("%.2f s: error of the last joint%8.4f rad, expected%8.4f\n", t, error, expected);
         control(t, q, v, tau);
         if (rbd_aba(m, w, q, v, tau, NULL, a) != RBD_OK) fail("forward dynamics failed");
-        for (int i = 0; i < nv; i++) v[i] += a[i] * dt;
-        rbd_integrate(m, q, v, dt, q);
+        rbd_step(m, q, v, a, dt, q, v);
     }
     printf("all joints follow the expected error to 1 mrad: %s\n", worst < 1e-3 ? "yes" : "no");
     return worst < 1e-3 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -31,13 +31,12 @@ static void start(void) {
     v[HYQ_DOF_ROOT_WX] = 1, v[HYQ_DOF_ROOT_WY] = 6; /* turning about its x and y axes, rad/s */
 }
 
-/* Semi-implicit Euler: the velocity first, then the configuration by the new velocity. */
+/* Semi-implicit Euler: the velocity first, then the configuration by the new velocity. It keeps momentum. */
 static void step(void) {
     double tau[HYQ_NV] = {0}, a[HYQ_NV];
     for (int i = 0; i < LEGS; i++) tau[LEG + i] = stiffness * (rest[i] - legs[i]) - damping * legs_v[i];
     check(rbd_aba(&hyq_model, w, q, v, tau, NULL, a));
-    for (int i = 0; i < HYQ_NV; i++) v[i] += a[i] * dt;
-    check(rbd_integrate(&hyq_model, q, v, dt, q));
+    check(rbd_step(&hyq_model, q, v, a, dt, q, v));
     for (int i = 0; i < LEGS; i++) dissipated += damping * pow(legs_v[i], 2) * dt;
 }
 
@@ -71,5 +70,5 @@ int main(void) {
     }
     fprintf(stderr, "%.1f J dissipated; all energies together %.1f J, to %.1f J\n", dissipated, sum, drift);
     fprintf(stderr, "the centre of mass follows its parabola to %.1f mm\n", 1e3 * off);
-    return drift < 1 && off < 1e-3 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return drift < 0.3 && off < 3e-4 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

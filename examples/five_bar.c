@@ -92,8 +92,7 @@ int main(void) {
                    1e3 * hypot(at[0] - want[0], at[1] - want[1]));
         tau[1] = tau[3] = 0;
         check(rbd_constrained_fd(m, loop, q, v, tau, NULL, a, NULL));
-        for (int i = 0; i < NV; i++) v[i] += 1e-3 * a[i];
-        check(rbd_integrate(m, q, v, 1e-3, q));
+        check(rbd_step(m, q, v, a, 1e-3, q, v));
         check(rbd_constraint_jacobian(m, loop, q, v, NULL, NULL, e));
         open = fmax(open, hypot(e[0], e[1]));
     }

@@ -114,8 +114,7 @@ static double simulate(const rbd_model *m, const regulator *r, const double *err
             for (int k = 0; k < 2 * r->nv && regulated && i < r->inputs; k++) tau[i] -= r->K[i][k] * x[k];
         }
         check(rbd_aba(m, w, q, v, tau, NULL, a));
-        for (int i = 0; i < r->nv; i++) v[i] += STEP * a[i];
-        check(rbd_integrate(m, q, v, STEP, q));
+        check(rbd_step(m, q, v, a, STEP, q, v));
     }
     return distance(m, r, q, v, x);
 }

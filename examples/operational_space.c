@@ -92,8 +92,7 @@ static int run(double stiffness) {
         for (int i = 0; i < 3; i++)
             worst = fmax(worst, fabs(error[i] - (e[i] * (1 + w0 * t) + rate[i] * t) * exp(-w0 * t)));
         check(rbd_aba(&iiwa_model, w, q, v, tau, NULL, a));
-        for (int k = 0; k < NV; k++) v[k] += a[k] * dt;
-        check(rbd_integrate(&iiwa_model, q, v, dt, q));
+        check(rbd_step(&iiwa_model, q, v, a, dt, q, v));
     }
     for (int k = 0; k < NV; k++) away = fmax(away, fabs(q[k] - home[k]));
     printf("posture %s, tool's error as it must be: %s\n", away < 1 ? "kept" : "lost",

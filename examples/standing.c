@@ -60,8 +60,7 @@ int main(void) {
         if (step % 200 == 0)
             printf("%.1f s: trunk %.1f mm to the left\n", step * 1e-3,
                    1e3 * (q[HYQ_Q_ROOT_Y] - home[HYQ_Q_ROOT_Y]));
-        for (int i = 0; i < NV; i++) v[i] += 1e-3 * a[i];
-        check(rbd_integrate(&hyq_model, q, v, 1e-3, q));
+        check(rbd_step(&hyq_model, q, v, a, 1e-3, q, v));
     }
     const int good = fabs(q[HYQ_Q_ROOT_Y] - home[HYQ_Q_ROOT_Y]) < 1e-3 && least > 0;
     printf("every foot pushed all the time, and it came back: %s\n", good ? "yes" : "no");

@@ -133,8 +133,7 @@ int main(void) {
             least = fmin(least, load[i]);
         }
         if (step % STEPS_PER_ROW == 0) row(step * dt, load);
-        for (int i = 0; i < NV; i++) v[i] += dt * a[i];
-        check(rbd_integrate(&hyq_model, q, v, dt, q));
+        check(rbd_step(&hyq_model, q, v, a, dt, q, v));
     }
     fprintf(stderr, "every foot that stands pushes with %.0f N at least; landing takes %.3f N s at most\n",
             least, jolt);

@@ -142,8 +142,7 @@ int main(void) {
                    f[0][2] + f[1][2] + f[2][2] + f[3][2]);
         check(rbd_aba(&hyq_model, w, q, v, tau, f_ext, a));
         if (step >= 1400) zmp = fmax(zmp, apart(q, v, a, f));
-        for (int k = 0; k < NV; k++) v[k] += dt * a[k];
-        check(rbd_integrate(&hyq_model, q, v, dt, q));
+        check(rbd_step(&hyq_model, q, v, a, dt, q, v));
     }
     for (int i = 0; i < FEET; i++)
         for (int k = 0; k < 3; k++) off = fmax(off, fabs(f[i][k] - wanted[i][k]));

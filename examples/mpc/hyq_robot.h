@@ -82,8 +82,7 @@ static void robot_step(robot *r, const double *u, const double *push) {
     torques(u, tau);
     if (robot_lands(r)) robot_push(r, NULL, NULL, 1, r->v);
     robot_push(r, tau, push, 0, a);
-    for (int i = 0; i < NV; i++) r->v[i] += robot_dt * a[i];
-    check(rbd_integrate(r->m, r->q, r->v, robot_dt, r->q));
+    check(rbd_step(r->m, r->q, r->v, a, robot_dt, r->q, r->v));
 }
 
 #endif

@@ -133,8 +133,7 @@ static const double *control(double time, const double *q, const double *v) {
 static void move(double *q, double *v, const double *tau) {
     double a[NV];
     check(rbd_aba(&iiwa_model, whole.w, q, v, tau, NULL, a));
-    for (int i = 0; i < NV; i++) v[i] += tick * a[i];
-    check(rbd_integrate(&iiwa_model, q, v, tick, q));
+    check(rbd_step(&iiwa_model, q, v, a, tick, q, v));
 }
 
 static double distance(double time, const double *q) {
