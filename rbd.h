@@ -3732,8 +3732,8 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_subtract,
-   rbdi_subtract_product */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,
+   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -3952,12 +3952,10 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
     }
 }
 
-/* L' X = X, then L X = sign D^-1 X: batches of one matrix or two, or (batches = 0) scalars of one. */
-RBDI_INLINE void rbdi_solve_sweeps(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
-                                   ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
-                                   rbd_real *Y) {
-    rbdi_start *start = (rbdi_start *)w->F,
-               *path = start + m->nv; /* rows of nodes; of a dof's path, by depth */
+/* L' X = X: batches of one matrix or two, or (batches = 0) scalars of one. */
+RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                 int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
+    rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
     rbdi_terms g;
     g.X = X, g.Y = Y;
     for (int s = m->nv - 1; s >= 0; --s) {
@@ -3972,47 +3970,70 @@ RBDI_INLINE void rbdi_solve_sweeps(const rbd_model *m, rbd_work *w, const rbd_re
         else
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
-    g.start = path;
+}
+/* Then L X = sign D^-1 X. */
+RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                   ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
+                                   rbd_real *Y) {
+    rbdi_start *path = (rbdi_start *)w->F; /* rows of a dof's path, by depth */
+    rbdi_terms g;
+    g.X = X, g.Y = Y, g.start = path;
     for (int s = 0; s < m->nv; ++s) {
         const rbdi_node node = m->node[s];
+        const ptrdiff_t own = node.dof * stride;
         g.x = L + node.row, g.n = m->dof[node.dof].depth;
         g.k = sign < 0 ? -g.x[g.n] : g.x[g.n];
-        path[g.n] = start[s];
+        path[g.n] = own;
         if (batches > 0)
-            rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + start[s],
-                                  Y + start[s]);
+            rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + own, Y + own);
         else
-            rbdi_subtract_scalars(g, RBDI_PATH, n, X + start[s]);
+            rbdi_subtract_scalars(g, RBDI_PATH, n, X + own);
     }
 }
-/* One matrix with at most RBDI_ROW batches of columns, or two with half as many. */
-RBDI_PART void rbdi_solve_one(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                              int n, rbd_real *X) {
-    if (n >= RBDI_BATCH)
-        RBDI_BY_NUMBER(batches, RBDI_ROW, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, batches, n, X, X))
-    else
-        RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, n,
-                       rbdi_solve_sweeps(m, w, L, sign, stride, 1, 0, scalars, X, X))
+/* The same of one matrix with any number of columns. */
+RBDI_PART void rbdi_solve_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int n,
+                             rbd_real *X) {
+    for (int columns; n > 0; n -= columns, X += columns) {
+        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+        if (columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                           rbdi_columns_up(m, w, L, stride, 1, batches, columns, X, X))
+        else
+            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns,
+                           rbdi_columns_up(m, w, L, stride, 1, 0, scalars, X, X))
+    }
 }
+RBDI_PART void rbdi_solve_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                               int n, rbd_real *X) {
+    for (int columns; n > 0; n -= columns, X += columns) {
+        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+        if (columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                           rbdi_columns_down(m, w, L, sign, stride, 1, batches, columns, X, X))
+        else
+            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns,
+                           rbdi_columns_down(m, w, L, sign, stride, 1, 0, scalars, X, X))
+    }
+}
+/* Both of two matrices, with at most half of RBDI_ROW batches of columns. */
 RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
                               int n, rbd_real *X, rbd_real *Y) {
     RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                   rbdi_solve_sweeps(m, w, L, sign, stride, 2, batches, n, X, Y));
+                   (rbdi_columns_up(m, w, L, stride, 2, batches, n, X, Y),
+                    rbdi_columns_down(m, w, L, sign, stride, 2, batches, n, X, Y)));
 }
 
 /* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
-    for (int k = 0, columns; k < n; k += columns) {
-        columns = n - k < RBDI_ROW * RBDI_BATCH ? n - k : RBDI_ROW * RBDI_BATCH;
-        if (Y && columns >= RBDI_BATCH && 2 * columns <= RBDI_ROW * RBDI_BATCH) {
-            rbdi_solve_two(m, w, L, sign, stride, columns, X + k, Y + k);
-        } else {
-            rbdi_solve_one(m, w, L, sign, stride, columns, X + k);
-            if (Y) rbdi_solve_one(m, w, L, sign, stride, columns, Y + k);
-        }
+    if (Y && n >= RBDI_BATCH && 2 * n <= RBDI_ROW * RBDI_BATCH) {
+        rbdi_solve_two(m, w, L, sign, stride, n, X, Y);
+        return;
     }
+    rbdi_solve_up(m, w, L, stride, n, X);
+    rbdi_solve_down(m, w, L, sign, stride, n, X);
+    if (Y) rbdi_solve_up(m, w, L, stride, n, Y);
+    if (Y) rbdi_solve_down(m, w, L, sign, stride, n, Y);
 }
 
 /* Column k of Z, n x n, from what its row has up to the diagonal. */

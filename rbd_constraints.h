@@ -392,7 +392,7 @@ struct rbd_constraint_set {
     rbdi_constraint *constraint;  /* n */
     int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
     rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int32_t *path;                /* nv: of the dofs of a constraint, where their rows of Y start */
+    int16_t *path;                /* nv: scratch, of dofs */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
     rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
@@ -412,7 +412,7 @@ struct rbd_constraint_set {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(nv) * ((size_t)(n) + 1) * sizeof(int16_t)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int16_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
                          11 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))
@@ -723,6 +723,8 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 }
 
 /* ==== src/constraints/factor.h ==== */
+/* Interface: rbdi_delta */
+
 /* ---- factor [factor] ----
    Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
 
@@ -755,22 +757,18 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: where the rows of Y
-   of its dofs start, and their 1/D. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constraint *k, int i, int n) {
-    const rbd_real *inverse = c->stack, *Y = c->Y;
-    const int32_t *path = c->path;
+/* Rows i .. i + n - 1 of Delta from the diagonal on, which have entries in these dofs, and b behind them. */
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
-    int dofs = k->dofs;
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batch x[6], y[6];
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x[r] = y[r] = rbdi_zero_batch(); }
-        while (dofs > 0 && c->span[k->dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
+        while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
-            const rbd_real *own = Y + path[t];
-            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse[t],
-                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse[t];
+            const rbd_real *own = c->Y + dof[t] * stride, inverse = c->D_inverse[dof[t]];
+            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse,
+                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse;
             RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
                 x[r] = x[r] + u * own[i + r];
                 y[r] = y[r] + v * own[i + r];
@@ -783,18 +781,16 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constra
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const int stop = k->row + k->rows;
-    for (int t = 0; t < k->dofs; ++t)
-        c->path[t] = (int32_t)(k->dof[t] * c->stride), c->stack[t] = c->D_inverse[k->dof[t]];
-    for (int i = k->row, n; i < stop; i += n) {
-        n = stop - i >= 6 ? 6 : stop - i >= 3 ? 3 : 1;
+/* The same of any number of rows. dof: ascending. */
+static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
+    for (int i = row, n; i < row + rows; i += n) {
+        n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
         if (n == 6)
-            rbdi_delta_rows(c, k, i, 6);
+            rbdi_delta_rows(c, dof, dofs, i, 6);
         else if (n == 3)
-            rbdi_delta_rows(c, k, i, 3);
+            rbdi_delta_rows(c, dof, dofs, i, 3);
         else
-            rbdi_delta_rows(c, k, i, 1);
+            rbdi_delta_rows(c, dof, dofs, i, 1);
     }
 }
 
@@ -847,7 +843,7 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_bound_noise(m, c);
     noise = c->noise * (1 / RBDI_CLEAR);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_delta(c, k);
+        rbdi_delta(c, k->dof, k->dofs, k->row, k->rows);
         for (int t = k->row; t < k->row + k->rows; ++t) doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
     }
     return doubt;
@@ -1101,57 +1097,47 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 /* ---- solution [solution] ----
    The steps by the factor of M before and after [factor] or [rank]. L = NULL: L = 1. */
 
-/* x = D^-1 L^-T x; D^-1. */
+/* x = L^-T x; D^-1. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = m->nv - 1; k >= 0; --k) {
-        const rbd_real *l = &L[m->dof[k].row], x = c->x[k];
-        const int d = m->dof[k].depth;
-        for (int t = d - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            c->x[i] = c->x[i] - l[t] * x;
-        c->x[k] = x * l[d];
-        c->D_inverse[k] = l[d];
-    }
+    rbdi_solve_up(m, c->w, L, 1, 1, c->x);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
 
-/* Y = L^-T Y and b = target - Y'x. Lanes behind a dof's span are 0. */
+/* Y = L^-T Y and b = target - Y' D^-1 x. Lanes behind a dof's span are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    if (L) rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
         *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
     }
-    for (int k = m->nv - 1; k >= 0; --k)
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real x = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
-            const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
-            const rbdi_batch y = *(const rbdi_batch *)&c->Y[k * c->stride + r], term = y * c->x[k];
+            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * x;
             rbdi_batch *b = (rbdi_batch *)&c->b[r], *demand = (rbdi_batch *)&c->demand[r];
             *b = *b - term;
             *demand = *demand + term * term;
-            for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda) {
-                rbdi_batch *to = (rbdi_batch *)&c->Y[i * c->stride + r];
-                *to = *to - y * l[t];
-            }
         }
+    }
 }
 
-/* Entry k of D^-1 Y lambda. */
+/* Entry k of Y lambda. */
 RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
     for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
         sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
-    return rbdi_sum_lanes(sum) * c->D_inverse[k];
+    return rbdi_sum_lanes(sum);
 }
 
-/* x = L^-1 (x + D^-1 Y lambda). */
+/* x = L^-1 D^-1 (x + Y lambda). */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = L ? &L[m->dof[k].row] : NULL;
-        rbd_real x = c->x[k] + rbdi_rows_push(c, k);
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; l && t >= 0; --t, i = m->dof[i].lambda)
-            x = x - l[t] * c->x[i];
-        c->x[k] = x;
+        c->x[k] = c->x[k] + rbdi_rows_push(c, k);
+        if (!L) c->x[k] = c->x[k] * c->D_inverse[k];
     }
+    if (L) rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
 }
 
 /* ==== src/constraints/articulated.h ==== */
@@ -1315,7 +1301,7 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t);
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
     }
 }
 
@@ -1359,8 +1345,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda, lambda of least norm with J x = target; from Y = J' and x = D^-1 L^-T (right-hand
-   side). check: note a row that contradicts others. */
+/* x = M^-1 (right-hand side + J' lambda), lambda of least norm with J x = target; from Y = J' and
+   x = L^-T (right-hand side). check: note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
@@ -1588,7 +1574,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, k;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i] / c->D_inverse[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
     rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
@@ -1629,6 +1615,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
         for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
+            for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] / c->D_inverse[k];
             rbdi_clear(c->target, c->rows);
             rbdi_multipliers(m, c, NULL, 0);
         }
@@ -1826,7 +1813,7 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
 
 /* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
-    int32_t *reached = c->path;
+    int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
         for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
@@ -1896,7 +1883,7 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     c->link = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * ((size_t)n + 1) * sizeof(int16_t)));
     for (int i = 0; i < n; ++i) c->constraint[i].dof = c->link + (i + 1) * nv;
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(rbdi_span)));
-    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
+    c->path = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int16_t)));
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
@@ -2212,17 +2199,6 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
     }
 }
 
-/* -T = -L^-1 D^-1 Y in place of Y. */
-static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        rbd_real *y = &c->Y[k * c->stride];
-        rbdi_multiply(y, -c->D_inverse[k], c->rows);
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(y, l[t], &c->Y[i * c->stride], c->rows);
-    }
-}
-
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
 static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
                                rbd_real *sigma) {
@@ -2260,7 +2236,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
-    rbdi_response(m, c, c->w->H);
+    rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {

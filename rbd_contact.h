@@ -357,7 +357,7 @@ struct rbd_contact_set {
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* most: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: D^-1 L^-T dt (tau - c) */
+    rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real last_dt;             /* of the last step, 0 = none */
     rbdi_contact_solver solver;
 };
@@ -765,14 +765,16 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     const int stride = rbdi_newton_stride(n);
-    rbd_real *own = &s->G[k * stride], *best = own;
-    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride)
-        if (rbdi_abs(g[k]) > rbdi_abs(best[k])) best = g;
+    rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
+    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
+        const rbd_real size = rbdi_abs(g[k]);
+        if (size > largest) best = g, largest = size;
+    }
     for (int j = k; best != own && j <= n; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
-    return rbdi_abs(own[k]) > 0;
+    return largest > 0;
 }
 
 /* dx in place of the right-hand side. Returns 0 if G is singular. Rows are eliminated from a whole batch on:
@@ -1216,9 +1218,9 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 /* ==== src/contact/rows.h ==== */
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
-   of [packed matrix], with Y = L^-T J' and x = D^-1 L^-T dt (tau - c):
+   of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
 
-       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' x,   nu = v + L^-1 (x + D^-1 Y p)                           (4)
+       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
    where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
    place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
@@ -1327,24 +1329,24 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), in s->R: first the upper triangle, in rows of s->stride and whole batches, for the lanes
-   behind a dof's rows of Y are 0; then both triangles, rows x rows. */
-static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
-    const int n = s->rows, stride = s->stride;
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. */
+static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
+    rbd_constraint_set *s = c->rows;
+    const int n = s->rows;
     rbd_real *delta = s->R;
-    rbdi_clear(delta, n * stride);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &s->Y[k * stride];
-        for (int r = s->span[k].first; r < s->span[k].end; ++r) {
-            const rbd_real give = y[r] * s->D_inverse[k];
-            rbd_real *row = &delta[r * stride];
-            for (int j = r; j < s->span[k].end; j += RBDI_BATCH)
-                *(rbdi_batch *)&row[j] = *(const rbdi_batch *)&row[j] + *(const rbdi_batch *)&y[j] * give;
-        }
+    for (int i = 0; i < c->n + c->held; ++i) {
+        const rbdi_constraint *k = &s->constraint[i];
+        if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
+    }
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const int dof = c->dof_row[i].dof, depth = m->dof[dof].depth;
+        if (c->dof_row[i].row < 0) continue;
+        for (int t = depth, k = dof; t >= 0; --t, k = m->dof[k].lambda) s->path[t] = (int16_t)k;
+        rbdi_delta(s, s->path, depth + 1, c->dof_row[i].row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
-        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * stride + t];
+        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
     }
 }
 
@@ -1453,7 +1455,7 @@ static int rbdi_needs_velocities(const rbd_contact_set *c, rbd_real dt) {
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and c->x = D^-1 L^-T dt (tau - c - damping v). */
+/* The state, w->H = L'DL of M + dt damping, and c->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                     const rbd_real *damping, rbd_real dt) {
@@ -1523,7 +1525,7 @@ static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, 
     given.bounded = s->rows - 3 * given.contacts;
     rbdi_write_rows(m, c);
     rbdi_reduce_rows(m, s, s->w->H);
-    rbdi_write_delta(m, s);
+    rbdi_write_delta(m, c);
     rbdi_begin_rows(c, given.contacts, dt);
     rbdi_write_biases(c, dt, RBDI_FOR_POSITIONS);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];

@@ -165,7 +165,7 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t);
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
     }
 }
 

@@ -43,7 +43,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, k;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i] / c->D_inverse[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
     rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
@@ -84,6 +84,7 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
         for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
+            for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] / c->D_inverse[k];
             rbdi_clear(c->target, c->rows);
             rbdi_multipliers(m, c, NULL, 0);
         }

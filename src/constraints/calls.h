@@ -15,8 +15,8 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x += M^-1 J' lambda, lambda of least norm with J x = target; from Y = J' and x = D^-1 L^-T (right-hand
-   side). check: note a row that contradicts others. */
+/* x = M^-1 (right-hand side + J' lambda), lambda of least norm with J x = target; from Y = J' and
+   x = L^-T (right-hand side). check: note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;

@@ -205,17 +205,6 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
     }
 }
 
-/* -T = -L^-1 D^-1 Y in place of Y. */
-static void rbdi_response(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *l = &L[m->dof[k].row];
-        rbd_real *y = &c->Y[k * c->stride];
-        rbdi_multiply(y, -c->D_inverse[k], c->rows);
-        for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
-            rbdi_subtract(y, l[t], &c->Y[i * c->stride], c->rows);
-    }
-}
-
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
 static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
                                rbd_real *sigma) {
@@ -253,7 +242,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
-    rbdi_response(m, c, c->w->H);
+    rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {

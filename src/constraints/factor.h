@@ -5,6 +5,8 @@
 #include "constraints/layout.h"
 #include "constraints/tolerances.h"
 
+/* Interface: rbdi_delta */
+
 /* ---- factor [factor] ----
    Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
 
@@ -37,22 +39,18 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta, of constraint k, from the diagonal on. c->path, c->stack: where the rows of Y
-   of its dofs start, and their 1/D. */
-RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constraint *k, int i, int n) {
-    const rbd_real *inverse = c->stack, *Y = c->Y;
-    const int32_t *path = c->path;
+/* Rows i .. i + n - 1 of Delta from the diagonal on, which have entries in these dofs, and b behind them. */
+RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
-    int dofs = k->dofs;
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batch x[6], y[6];
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x[r] = y[r] = rbdi_zero_batch(); }
-        while (dofs > 0 && c->span[k->dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
+        while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
-            const rbd_real *own = Y + path[t];
-            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse[t],
-                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse[t];
+            const rbd_real *own = c->Y + dof[t] * stride, inverse = c->D_inverse[dof[t]];
+            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse,
+                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse;
             RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
                 x[r] = x[r] + u * own[i + r];
                 y[r] = y[r] + v * own[i + r];
@@ -65,18 +63,16 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const rbdi_constra
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-static void rbdi_delta(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const int stop = k->row + k->rows;
-    for (int t = 0; t < k->dofs; ++t)
-        c->path[t] = (int32_t)(k->dof[t] * c->stride), c->stack[t] = c->D_inverse[k->dof[t]];
-    for (int i = k->row, n; i < stop; i += n) {
-        n = stop - i >= 6 ? 6 : stop - i >= 3 ? 3 : 1;
+/* The same of any number of rows. dof: ascending. */
+static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
+    for (int i = row, n; i < row + rows; i += n) {
+        n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
         if (n == 6)
-            rbdi_delta_rows(c, k, i, 6);
+            rbdi_delta_rows(c, dof, dofs, i, 6);
         else if (n == 3)
-            rbdi_delta_rows(c, k, i, 3);
+            rbdi_delta_rows(c, dof, dofs, i, 3);
         else
-            rbdi_delta_rows(c, k, i, 1);
+            rbdi_delta_rows(c, dof, dofs, i, 1);
     }
 }
 
@@ -129,7 +125,7 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_bound_noise(m, c);
     noise = c->noise * (1 / RBDI_CLEAR);
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_delta(c, k);
+        rbdi_delta(c, k->dof, k->dofs, k->row, k->rows);
         for (int t = k->row; t < k->row + k->rows; ++t) doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
     }
     return doubt;

@@ -50,7 +50,7 @@ struct rbd_constraint_set {
     rbdi_constraint *constraint;  /* n */
     int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
     rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int32_t *path;                /* nv: of the dofs of a constraint, where their rows of Y start */
+    int16_t *path;                /* nv: scratch, of dofs */
     rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
     rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
@@ -70,7 +70,7 @@ struct rbd_constraint_set {
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_constraint_set)) + \
      RBDI_ROUND((size_t)(n) * sizeof(rbdi_constraint)) + \
      RBDI_ROUND((size_t)(nv) * ((size_t)(n) + 1) * sizeof(int16_t)) + \
-     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int32_t)) + \
+     RBDI_ROUND((size_t)(nv) * sizeof(rbdi_span)) + RBDI_ROUND((size_t)(nv) * sizeof(int16_t)) + \
      sizeof(rbd_real) * ((size_t)(nv) * ((size_t)(stride) + 4) + RBDI_LARGER(rows, nv) * (size_t)(stride) + \
                          11 * (size_t)(stride)))
 #define RBDI_LARGER(a, b) ((size_t)(a) > (size_t)(b) ? (size_t)(a) : (size_t)(b))

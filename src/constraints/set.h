@@ -169,7 +169,7 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
 
 /* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
-    int32_t *reached = c->path;
+    int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
         for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
@@ -239,7 +239,7 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     c->link = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * ((size_t)n + 1) * sizeof(int16_t)));
     for (int i = 0; i < n; ++i) c->constraint[i].dof = c->link + (i + 1) * nv;
     c->span = (rbdi_span *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(rbdi_span)));
-    c->path = (int32_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int32_t)));
+    c->path = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int16_t)));
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));

@@ -83,7 +83,7 @@ struct rbd_contact_set {
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* most: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: D^-1 L^-T dt (tau - c) */
+    rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real last_dt;             /* of the last step, 0 = none */
     rbdi_contact_solver solver;
 };

@@ -95,14 +95,16 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     const int stride = rbdi_newton_stride(n);
-    rbd_real *own = &s->G[k * stride], *best = own;
-    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride)
-        if (rbdi_abs(g[k]) > rbdi_abs(best[k])) best = g;
+    rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
+    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
+        const rbd_real size = rbdi_abs(g[k]);
+        if (size > largest) best = g, largest = size;
+    }
     for (int j = k; best != own && j <= n; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
-    return rbdi_abs(own[k]) > 0;
+    return largest > 0;
 }
 
 /* dx in place of the right-hand side. Returns 0 if G is singular. Rows are eliminated from a whole batch on:

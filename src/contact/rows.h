@@ -1,15 +1,16 @@
 #ifndef RBDI_CONTACT_ROWS_H
 #define RBDI_CONTACT_ROWS_H
 #include "dynamics/packed.h"
+#include "constraints/factor.h"
 #include "constraints/set.h"
 #include "contact/layout.h"
 #include "contact/tolerances.h"
 
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
-   of [packed matrix], with Y = L^-T J' and x = D^-1 L^-T dt (tau - c):
+   of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
 
-       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' x,   nu = v + L^-1 (x + D^-1 Y p)                           (4)
+       Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
    where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
    place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
@@ -118,24 +119,24 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), in s->R: first the upper triangle, in rows of s->stride and whole batches, for the lanes
-   behind a dof's rows of Y are 0; then both triangles, rows x rows. */
-static void rbdi_write_delta(const rbd_model *m, rbd_constraint_set *s) {
-    const int n = s->rows, stride = s->stride;
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. */
+static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
+    rbd_constraint_set *s = c->rows;
+    const int n = s->rows;
     rbd_real *delta = s->R;
-    rbdi_clear(delta, n * stride);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real *y = &s->Y[k * stride];
-        for (int r = s->span[k].first; r < s->span[k].end; ++r) {
-            const rbd_real give = y[r] * s->D_inverse[k];
-            rbd_real *row = &delta[r * stride];
-            for (int j = r; j < s->span[k].end; j += RBDI_BATCH)
-                *(rbdi_batch *)&row[j] = *(const rbdi_batch *)&row[j] + *(const rbdi_batch *)&y[j] * give;
-        }
+    for (int i = 0; i < c->n + c->held; ++i) {
+        const rbdi_constraint *k = &s->constraint[i];
+        if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
+    }
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const int dof = c->dof_row[i].dof, depth = m->dof[dof].depth;
+        if (c->dof_row[i].row < 0) continue;
+        for (int t = depth, k = dof; t >= 0; --t, k = m->dof[k].lambda) s->path[t] = (int16_t)k;
+        rbdi_delta(s, s->path, depth + 1, c->dof_row[i].row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
-        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * stride + t];
+        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
     }
 }
 

@@ -7,7 +7,7 @@
 
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and c->x = D^-1 L^-T dt (tau - c - damping v). */
+/* The state, w->H = L'DL of M + dt damping, and c->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                     const rbd_real *damping, rbd_real dt) {
@@ -77,7 +77,7 @@ static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, 
     given.bounded = s->rows - 3 * given.contacts;
     rbdi_write_rows(m, c);
     rbdi_reduce_rows(m, s, s->w->H);
-    rbdi_write_delta(m, s);
+    rbdi_write_delta(m, c);
     rbdi_begin_rows(c, given.contacts, dt);
     rbdi_write_biases(c, dt, RBDI_FOR_POSITIONS);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
