@@ -4,7 +4,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 
-#include "rbd_constraints.h"
+#include "rbd_contact.h"
 
 #include "models/hyq_model.h"
 #include <stdio.h>
@@ -13,14 +13,16 @@
 enum { NB = HYQ_NB, NQ = HYQ_NQ, NV = HYQ_NV, ROWS = 12, MARK = 77, SIZE = 40 * NV * 10 };
 
 static unsigned char work_memory[HYQ_WORK_SIZE], d_memory[RBD_DERIVATIVES_SIZE(NB, NV)],
-    c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];
+    c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)], ground_memory[RBD_CONTACT_SET_SIZE(NV, 4, 0)];
 static rbd_work *w;
 static rbd_derivatives *d;
 static rbd_constraint_set *c;
+static rbd_contact_set *ground;
 static const rbd_model *const m = &hyq_model;
 
 static rbd_real q[NQ], v[NV], tau[NV], a[NV], q_before[NQ], M[NV * NV], L[NV * NV];
 static rbd_real out[SIZE], expected[SIZE]; /* results of the call */
+static const rbd_real dt = 1e-3;
 static const rbd_real point[3] = {0.1, 0.2, 0.3};
 static unsigned char given[NV];
 
@@ -63,6 +65,10 @@ static unsigned char given[NV];
     CALL(rbd_impact, rbd_impact(m, c, q, v, 0, out, out + NV)) \
     CALL(rbd_constrained_id, rbd_constrained_id(m, c, q, v, a, NULL, NULL, NULL, out, out + NV)) \
     CALL(rbd_assemble, (rbd_assemble(m, c, q, v, NULL, out, out + NQ), RBD_OK)) \
+    CALL(rbd_contact_step, \
+         (rbd_contact_reset(ground), rbd_contact_step(m, ground, q, v, tau, NULL, NULL, dt, out, out + NQ))) \
+    CALL(rbd_contact_fd, \
+         (rbd_contact_reset(ground), rbd_contact_fd(m, ground, q, v, tau, NULL, NULL, dt, out))) \
     CALL(rbd_constrained_fd_derivatives, \
          rbd_constrained_fd_derivatives( \
              m, c, d, q, v, tau, NULL, \
@@ -106,11 +112,17 @@ int main(void) {
     const int feet[4] = {HYQ_BODY_LF_LOWERLEG, HYQ_BODY_RF_LOWERLEG, HYQ_BODY_LH_LOWERLEG,
                          HYQ_BODY_RH_LOWERLEG};
     rbd_constraint list[4];
+    rbd_contact touching[4];
     uint64_t seed = 3;
-    for (int i = 0; i < 4; i++) list[i] = rbd_point_contact(feet[i], sole, NULL);
+    for (int i = 0; i < 4; i++) {
+        list[i] = rbd_point_contact(feet[i], sole, NULL);
+        touching[i] = (rbd_contact){.body1 = feet[i], .body2 = -1, .point = {0.33, 0, 0}, .height = -0.5};
+    }
     if (rbd_work_init(m, work_memory, sizeof work_memory, &w) ||
         rbd_derivatives_init(m, w, d_memory, sizeof d_memory, &d) ||
         rbd_constraint_set_init(m, w, list, 4, c_memory, sizeof c_memory, &c, NULL) ||
+        rbd_contact_set_init(m, w, touching, 4, NULL, 0, NULL, ground_memory, sizeof ground_memory, &ground,
+                             NULL) ||
         rbd_random(m, &seed, q_before) || rbd_random(m, &seed, q))
         return 1;
     for (int i = 0; i < NV; i++) v[i] = 0.1 * (i - 8), a[i] = 0.3 * (7 - i), tau[i] = i % 5, given[i] = i % 2;
