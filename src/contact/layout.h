@@ -37,6 +37,7 @@ typedef struct rbdi_contact_solver {
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
     rbd_real *G;                   /* the matrix of a Newton step, and its right-hand side */
+    int symmetric;                 /* whether G is: no contact slips */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 

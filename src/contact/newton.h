@@ -18,7 +18,7 @@
    `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the
    diagonal a step wanders through its null space and the states never settle. It acts on the increments, not
    on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
-   Gauss with row pivots. */
+   Gauss with row pivots. Where nothing slips, S = T: Cholesky, in half of the time. */
 
 /* Unknown number n of row `first` and, of a contact, the two behind it. */
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
@@ -39,8 +39,10 @@ RBDI_INLINE void rbdi_plain_unknown(rbdi_contact_solver *s, int n, int row, rbd_
 /* Lists the unknowns (2); returns their number. */
 RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     int n = 0;
+    s->symmetric = 1;
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
+        if (law->state == RBD_SLIPS) s->symmetric = 0;
         if (law->state == RBD_STICKS)
             for (int j = 0; j < 3; ++j) rbdi_plain_unknown(s, n++, 3 * i + j, law->trace);
         if (law->state == RBD_SLIPS) {
@@ -72,7 +74,7 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G and -T'u behind it, of n unknowns. */
+/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
     const int stride = rbdi_newton_stride(n);
     rbdi_clear(s->G, n * stride);
@@ -80,7 +82,7 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
         rbd_real *g = &s->G[i * stride];
-        for (int k = 0; k < n; ++k) {
+        for (int k = s->symmetric ? i : 0; k < n; ++k) {
             const rbdi_contact_unknown *y = &s->unknown[k];
             g[k] = row[y->first];
             if (y->rows == 3)
@@ -107,9 +109,9 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     return largest > 0;
 }
 
-/* dx in place of the right-hand side. Returns 0 if G is singular. Rows are eliminated from a whole batch on:
-   nobody reads what that changes before column k. */
-RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
+/* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: nobody
+   reads what that changes before column k. */
+RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
     const int stride = rbdi_newton_stride(n);
     for (int k = 0; k < n; ++k) {
         const rbd_real *own = &s->G[k * stride];
@@ -122,6 +124,30 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
             rbdi_subtract(g + from, g[k] * inverse, own + from, stride - from);
         }
     }
+    return 1;
+}
+
+/* R of a symmetric G = R'R, and R'^-1 times the right-hand side. Returns 0 if G is not positive definite. */
+RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
+    for (int k = 0; k < n; ++k) {
+        rbd_real *own = &s->G[k * stride];
+        const int from = k / RBDI_BATCH * RBDI_BATCH;
+        for (int j = from; j < stride; j += RBDI_BATCH) {
+            rbdi_batch x = *(const rbdi_batch *)&own[j];
+            for (const rbd_real *g = s->G; g < own; g += stride) x = x - *(const rbdi_batch *)&g[j] * g[k];
+            *(rbdi_batch *)&own[j] = x;
+        }
+        if (!(own[k] > 0)) return 0;
+        rbdi_multiply(own + from, 1 / rbdi_sqrt(own[k]), stride - from);
+    }
+    return 1;
+}
+
+/* dx in place of the right-hand side. Returns 0 if there is none. */
+RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
+    const int stride = rbdi_newton_stride(n);
+    if (!(s->symmetric ? rbdi_newton_cholesky(s, n) : rbdi_newton_gauss(s, n))) return 0;
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride], x = g[n];
         for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * stride + n];
