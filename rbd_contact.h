@@ -780,8 +780,8 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
     return largest > 0;
 }
 
-/* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: nobody
-   reads what that changes before column k. */
+/* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
+   entries that this changes before column k are not read again. */
 RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
     const int stride = rbdi_newton_stride(n);
     for (int k = 0; k < n; ++k) {

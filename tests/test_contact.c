@@ -356,6 +356,17 @@ START_TEST(strange_numbers_stay_finite) {
 }
 END_TEST
 
+/* Contacts that move each other more than themselves: no robot has such a Delta, and Cholesky fails. */
+START_TEST(indefinite_delta_stays_finite) {
+    problem x = {.n = 2, .rows = 6, .mu = {0.5, 0.5}};
+    for (int r = 0; r < 6; r++) x.delta[7 * r] = 1, x.delta[6 * r + (r + 3) % 6] = -4;
+    x.b[2] = -1, x.b[5] = -2;
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert(isfinite(largest(x.p, 6)) && isfinite(x.solution.residual));
+    ck_assert_double_eq(violation_of(&x).cone, 0);
+}
+END_TEST
+
 START_TEST(contact_that_nothing_moves_is_apart) {
     problem x = {.n = 2, .rows = 6, .mu = {0.5, 0.5}};
     for (int r = 0; r < 3; r++) x.delta[7 * r] = 1, x.b[r] = x.b[r + 3] = -1;
@@ -442,6 +453,7 @@ Suite *contact_suite(void) {
     tcase_add_test(c, warm_start_is_kept);
     tcase_add_test(c, few_iterations_leave_the_cones_intact);
     tcase_add_test(c, strange_numbers_stay_finite);
+    tcase_add_test(c, indefinite_delta_stays_finite);
     tcase_add_test(c, contact_that_nothing_moves_is_apart);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_problems_are_refused);
