@@ -68,7 +68,8 @@
      RBD_MASK         what < of such a class gives, if not bool (a class that records): with ! | & and a
                       conversion to int, whether any holds; select(mask, a, b) is found like sin
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
-     RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
+     RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
+     RBD_SQRT(x)      replaces libm's square root
      RBD_STATIC       every function is static
      RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
                       other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
@@ -89,7 +90,8 @@
      data in flash. Finite input gives finite output, as long as nothing overflows: a singular
      system is an error that names the degree of freedom. Input is not searched for NaN: one that
      reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
-     it, with RBD_OK. From libm only sin, cos, sqrt. The same input gives the same bits on every call
+     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with compilers
+     other than GCC and clang or with excess precision (x87). The same input gives the same bits on every call
      of one build; between builds, contraction to FMA changes last bits.
 
    [limits]
@@ -1658,6 +1660,13 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
     return x;
 #endif
 }
+RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
+#if RBDI_BATCH > 1
+    return x[0];
+#else
+    return x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #if RBDI_BATCH > 1
     rbd_real sum = x[0];
@@ -1715,14 +1724,80 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
 }
 #endif
 
-/* ==== src/base/sincos.h ==== */
+/* ==== src/base/reduction.h ==== */
+/* ---- reduction [reduction] ----
+   Angles of any size, x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a whole
+   number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute multiples of 4 to
+   x 2/pi, and those behind b_(a + RBDI_REDUCTION + 3) less than rounding does, near a multiple of pi/2 too. */
+
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 #define RBDI_SINCOS_LIMIT 1e6
+#define RBDI_REDUCTION 4 /* words of the fraction of x 2/pi */
+#define RBDI_MANTISSA 52
 #else
 #define RBDI_SINCOS_LIMIT 1e4f
+#define RBDI_REDUCTION 2
+#define RBDI_MANTISSA 23
 #endif
+
+static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
+    {/* b_1 and on */
+#if RBDI_REAL_KIND == 1
+     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu, 0xdebbc561u,
+     0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu, 0xe88235f5u, 0x2ebb4484u,
+     0xe99c7026u, 0xb45f7e41u, 0x3991d639u, 0x835339f4u, 0x9c845f8bu, 0xbdf9283bu, 0x1ff897ffu, 0xde05980fu,
+     0xef2f118bu, 0x5a0a6d1fu, 0x6d367ecfu, 0x27cb09b7u, 0x4f463f66u, 0x9e5fea2du, 0x7527bac7u, 0xebe5f17bu,
+     0x3d0739f7u, 0x8a5292eau, 0x6bfb5fb1u, 0x1f8d5d08u, 0x56033046u
+#else
+     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+     0x3c439041u, 0xfe5163abu, 0xdebbc561u
+#endif
+};
+
+/* The integer part of x 2/pi modulo 2^32 and its fraction, in words: part[0], part[1] .. */
+RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
+    union {
+        RBD_REAL x;
+        rbdi_bit b;
+    } u = {x < 0 ? -x : x};
+    const rbdi_bit one = (rbdi_bit)1 << RBDI_MANTISSA;
+    const uint64_t mantissa = (u.b & (one - 1)) | one;
+    const int bias = 8 * (int)sizeof(x) - 2 - RBDI_MANTISSA, /* exponent bits but the first */
+        e = (int)(u.b >> RBDI_MANTISSA) - ((1 << bias) - 1) - RBDI_MANTISSA + 64, a = e / 32 - 2, s = e % 32;
+    const uint64_t low = (mantissa & UINT32_MAX) << s, high = ((mantissa >> 32) << s) + (low >> 32);
+    const uint32_t N[3] = {(uint32_t)low, (uint32_t)high, (uint32_t)(high >> 32)};
+    for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
+    for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
+        for (int i = 0; i < 3; ++i) {
+            uint64_t carry = (uint64_t)rbdi_two_over_pi[k - 1] * N[i];
+            if (k - a - i > RBDI_REDUCTION + 1) continue;
+            for (int j = k - a - i; j >= 0; --j, carry >>= 32) {
+                carry += part[j];
+                part[j] = (uint32_t)carry;
+            }
+        }
+}
+
+/* Returns r of x, finite or not, and adds n modulo 4 to the right angles. */
+RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
+    const RBD_REAL word = (RBD_REAL)(1 / 4294967296.), right_angle = (RBD_REAL)1.57079632679489661923;
+    uint32_t part[RBDI_REDUCTION + 2], flip;
+    RBD_REAL r = 0;
+    if (!(x - x == 0)) return x - x; /* not a number */
+    rbdi_turns(x, part);
+    flip = part[1] >> 31 ? UINT32_MAX : 0; /* the fraction is over a half: it counts from the next multiple */
+    for (int j = RBDI_REDUCTION + 1; j > 0; --j) r = (r + (RBD_REAL)(part[j] ^ flip)) * word;
+    r = r * (flip ? -right_angle : right_angle);
+    part[0] = (part[0] + (flip & 1)) & 3;
+    *quarters = *quarters + (RBD_REAL)(x < 0 ? 4 - part[0] : part[0]);
+    return x < 0 ? -r : r;
+}
+#endif
+
+/* ==== src/base/sincos.h ==== */
+#ifdef RBDI_POLYNOMIAL_SINCOS
 #ifdef RBDI_BATCH_SCALAR
 typedef rbdi_bit rbdi_bits;
 typedef union rbdi_pun {
@@ -1794,53 +1869,53 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
     *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
     *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
 }
-#endif
 
-/* Sines and cosines of n angles up to the limit and as many right angles (NULL: none): error below 2.3e-16
-   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit,
-   or libm is wanted. */
-RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
-                                   rbd_real *c) {
-#ifdef RBDI_POLYNOMIAL_SINCOS
+/* Sine and cosine of one angle of any size and as many right angles. */
+RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_real *c) {
+    rbdi_batch bs, bc;
+#ifdef RBD_LANES
+    for (int i = 0; i < RBD_LANES; ++i) {
+        RBD_REAL k = quarters[i];
+        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &k);
+        quarters[i] = k;
+    }
+#else
+    if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
+#endif
+    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &bs, &bc);
+    *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
+}
+
+/* Sines and cosines of n angles and as many right angles. Error up to the limit below 2.3e-16 (double), 1.0e-7
+   (float), beyond it twice as much. The arrays are padded to whole batches. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+                                 rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters, none = {0};
+    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters;
     rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
     rbdi_bits beyond;
     rbdi_bit any = 0;
-    if (n <= 0) return 1;
+    if (n <= 0) return;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
     for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
-        rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
+        rbdi_sincos_batch(bx[i], bq[i], &bs[i], &bc[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    return !any;
-#else
-    (void)x, (void)quarters, (void)n, (void)s, (void)c;
-    return 0;
+    for (int i = 0; any && i < n; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+}
 #endif
-}
 
-/* Sines and cosines of n angles of any size: libm's beyond the limit. */
-RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
-    if (rbdi_sincos_within(x, NULL, n, s, c)) return;
-    for (int i = 0; i < n; ++i) rbdi_sincos_libm(x[i], &s[i], &c[i]);
-}
-
-/* The same for one angle. */
+/* Sine and cosine of one angle. */
 RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
-#if defined RBDI_POLYNOMIAL_SINCOS && !defined RBDI_BATCH_SCALAR && !defined RBD_LANES
-    rbd_real xs[RBDI_BATCH], ss[RBDI_BATCH], cs[RBDI_BATCH];
-    for (int i = 0; i < RBDI_BATCH; ++i) xs[i] = x;
-    rbdi_sincos_array(xs, 1, ss, cs);
-    *s = ss[0];
-    *c = cs[0];
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    rbdi_sincos_one(x, rbdi_zero(), s, c);
 #else
-    rbdi_sincos_array(&x, 1, s, c);
+    rbdi_sincos_libm(x, s, c);
 #endif
 }
 
@@ -2534,8 +2609,11 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
-    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c))
-        for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    rbdi_sincos_array(w->angle, w->quarters, m->nl, w->s, w->c);
+#else
+    for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+#endif
     if (plain) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];

@@ -67,7 +67,8 @@
      RBD_MASK         what < of such a class gives, if not bool (a class that records): with ! | & and a
                       conversion to int, whether any holds; select(mask, a, b) is found like sin
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
-     RBD_SIN(x) RBD_COS(x) RBD_SQRT(x)   replace libm's functions (scalar builds)
+     RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
+     RBD_SQRT(x)      replaces libm's square root
      RBD_STATIC       every function is static
      RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
                       other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
@@ -88,7 +89,8 @@
      data in flash. Finite input gives finite output, as long as nothing overflows: a singular
      system is an error that names the degree of freedom. Input is not searched for NaN: one that
      reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
-     it, with RBD_OK. From libm only sin, cos, sqrt. The same input gives the same bits on every call
+     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with compilers
+     other than GCC and clang or with excess precision (x87). The same input gives the same bits on every call
      of one build; between builds, contraction to FMA changes last bits.
 
    [limits]
@@ -228,6 +230,7 @@ RBDI_CODE_BEGIN
 #include "base/tolerances.h"
 #include "base/scalar.h"
 #include "base/simd.h"
+#include "base/reduction.h"
 #include "base/sincos.h"
 #include "algebra/vectors.h"
 #include "algebra/spatial.h"

@@ -64,6 +64,13 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
     return x;
 #endif
 }
+RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
+#if RBDI_BATCH > 1
+    return x[0];
+#else
+    return x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
 #if RBDI_BATCH > 1
     rbd_real sum = x[0];

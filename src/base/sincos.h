@@ -1,15 +1,9 @@
 #ifndef RBDI_BASE_SINCOS_H
 #define RBDI_BASE_SINCOS_H
 #include "base/tolerances.h"
-#include "base/simd.h"
+#include "base/reduction.h"
 
-#if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
-#define RBDI_POLYNOMIAL_SINCOS
-#if RBDI_REAL_KIND == 1
-#define RBDI_SINCOS_LIMIT 1e6
-#else
-#define RBDI_SINCOS_LIMIT 1e4f
-#endif
+#ifdef RBDI_POLYNOMIAL_SINCOS
 #ifdef RBDI_BATCH_SCALAR
 typedef rbdi_bit rbdi_bits;
 typedef union rbdi_pun {
@@ -81,53 +75,53 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
     *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
     *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
 }
-#endif
 
-/* Sines and cosines of n angles up to the limit and as many right angles (NULL: none): error below 2.3e-16
-   (double), 1.0e-7 (float). The arrays are padded to whole batches. Gives 0 if an angle is beyond the limit,
-   or libm is wanted. */
-RBDI_INLINE int rbdi_sincos_within(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
-                                   rbd_real *c) {
-#ifdef RBDI_POLYNOMIAL_SINCOS
+/* Sine and cosine of one angle of any size and as many right angles. */
+RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_real *c) {
+    rbdi_batch bs, bc;
+#ifdef RBD_LANES
+    for (int i = 0; i < RBD_LANES; ++i) {
+        RBD_REAL k = quarters[i];
+        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &k);
+        quarters[i] = k;
+    }
+#else
+    if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
+#endif
+    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &bs, &bc);
+    *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
+}
+
+/* Sines and cosines of n angles and as many right angles. Error up to the limit below 2.3e-16 (double), 1.0e-7
+   (float), beyond it twice as much. The arrays are padded to whole batches. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+                                 rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters, none = {0};
+    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters;
     rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
     rbdi_bits beyond;
     rbdi_bit any = 0;
-    if (n <= 0) return 1;
+    if (n <= 0) return;
     beyond = rbdi_beyond(bx[0] * bx[0], limit);
     for (int i = 0; i * RBDI_BATCH < n; ++i) {
         beyond |= rbdi_beyond(bx[i] * bx[i], limit);
-        rbdi_sincos_batch(bx[i], quarters ? bq[i] : none, &bs[i], &bc[i]);
+        rbdi_sincos_batch(bx[i], bq[i], &bs[i], &bc[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    return !any;
-#else
-    (void)x, (void)quarters, (void)n, (void)s, (void)c;
-    return 0;
+    for (int i = 0; any && i < n; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+}
 #endif
-}
 
-/* Sines and cosines of n angles of any size: libm's beyond the limit. */
-RBDI_INLINE void rbdi_sincos_array(const rbd_real *x, int n, rbd_real *s, rbd_real *c) {
-    if (rbdi_sincos_within(x, NULL, n, s, c)) return;
-    for (int i = 0; i < n; ++i) rbdi_sincos_libm(x[i], &s[i], &c[i]);
-}
-
-/* The same for one angle. */
+/* Sine and cosine of one angle. */
 RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
-#if defined RBDI_POLYNOMIAL_SINCOS && !defined RBDI_BATCH_SCALAR && !defined RBD_LANES
-    rbd_real xs[RBDI_BATCH], ss[RBDI_BATCH], cs[RBDI_BATCH];
-    for (int i = 0; i < RBDI_BATCH; ++i) xs[i] = x;
-    rbdi_sincos_array(xs, 1, ss, cs);
-    *s = ss[0];
-    *c = cs[0];
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    rbdi_sincos_one(x, rbdi_zero(), s, c);
 #else
-    rbdi_sincos_array(&x, 1, s, c);
+    rbdi_sincos_libm(x, s, c);
 #endif
 }
 

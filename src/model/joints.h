@@ -89,8 +89,11 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
-    if (!rbdi_sincos_within(w->angle, w->quarters, m->nl, w->s, w->c))
-        for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    rbdi_sincos_array(w->angle, w->quarters, m->nl, w->s, w->c);
+#else
+    for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+#endif
     if (plain) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
