@@ -76,6 +76,15 @@
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
+     RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
+                      ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of
+                      the flash; rbd_work_init refuses other models, RBD_ERR_LEFT_OUT. A table gives its
+                      features before rbd.h, the rest after it:
+                          #define RBD_IMPLEMENTATION
+                          #define RBD_FEATURES ARM_FEATURES
+                          #include "arm_model.h"
+                          #include "rbd.h"
+                          #include "arm_model.h"
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
                       models from generated tables only. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
@@ -115,7 +124,7 @@
 
 #define RBD_VERSION "0.3.0"
 #define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
-#define RBD_MODEL_VERSION 5    /* layout of the built model; generated tables check it */
+#define RBD_MODEL_VERSION 6    /* layout of the built model; generated tables check it */
 
 /* The macros of [configuration], checked and completed. */
 
@@ -424,7 +433,7 @@ typedef enum rbd_status {
     RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
     RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
-    RBD_ERR_LEFT_OUT = -28,   /* the model has mimic joints, but RBD_NO_CHOLESKY is defined */
+    RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -1143,6 +1152,7 @@ struct rbd_model {
     const rbdi_node *node;   /* nv */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
+    uint32_t features;       /* rbdi_features */
     uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
 };
 
@@ -1726,9 +1736,10 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
 
 /* ==== src/base/reduction.h ==== */
 /* ---- reduction [reduction] ----
-   Angles of any size, x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a whole
-   number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute multiples of 4 to
-   x 2/pi, and those behind b_(a + RBDI_REDUCTION + 3) less than rounding does, near a multiple of pi/2 too. */
+   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a
+   whole number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute
+   multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
+   also where x is near a multiple of pi/2. */
 
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
@@ -1886,8 +1897,8 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
 }
 
-/* Sines and cosines of n angles and as many right angles. Error up to the limit below 2.3e-16 (double), 1.0e-7
-   (float), beyond it twice as much. The arrays are padded to whole batches. */
+/* Sines and cosines of n angles and as many right angles. The error is below 2.3e-16 (double), 1.0e-7
+   (float) up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
                                  rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
@@ -2504,13 +2515,68 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }
 
+/* ==== src/model/features.h ==== */
+/* Interface: rbdi_flags, rbdi_is, rbdi_mimics */
+
+/* ---- features [features] ----
+   The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
+   and mimic joints. RBD_FEATURES are those of all models of the program; without it there are all. The
+   algorithms ask for flags, kinds and mimic joints by these functions: the compiler then drops code that no
+   model needs. */
+
+#define RBDI_FLAGS 2047u /* all flags of links */
+#define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
+#define RBDI_KIND_BIT(kind) (UINT32_C(1) << (22 + (kind)))
+#define RBDI_MIMICS (UINT32_C(1) << 26)
+#define RBDI_ALL_FEATURES UINT32_C(0x7ffffff)
+#ifdef RBD_FEATURES
+#define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
+#else
+#define RBDI_FEATURES RBDI_ALL_FEATURES
+#endif
+
+/* Flags of a link: those that every model's links have are set, those that none has are clear. */
+RBDI_INLINE int rbdi_flags(const rbdi_link *l) {
+    const uint32_t some = RBDI_FEATURES & RBDI_FLAGS, all = some & ~(RBDI_FEATURES >> 11);
+    if (RBDI_FEATURES == RBDI_ALL_FEATURES) return l->flags;
+    return (int)(((uint32_t)l->flags & some) | all);
+}
+
+/* Whether a link is of this kind. */
+RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
+    const uint32_t kinds = RBDI_FEATURES >> 22 & 15u;
+    return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
+}
+
+/* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) {
+#ifdef RBD_NO_CHOLESKY
+    if (m->nmimic) return 0;
+#endif
+    return (m->features & ~RBDI_FEATURES) == 0;
+}
+
+/* Number of mimic joints. */
+RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MIMICS ? m->nmimic : 0; }
+
+/* The features of a model. */
+RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
+    uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+    for (int i = 0; i < m->nl; ++i) {
+        const uint32_t flags = (uint32_t)m->link[i].flags;
+        features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
+    }
+    return features;
+}
+
 /* ==== src/model/calls.h ==== */
 /* Interface: rbdi_check, rbdi_fits, rbdi_stride */
 
-/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
-   have been built there meanwhile, and the same table may stand at another. */
+/* Whether this program supports the model and the work's arrays are as long as it needs them. Not by the
+   model's address: another model may have been built there, and the same table may stand at another. */
 RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
+           m->shape[2] == w->shape[2];
 }
 
 /* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
@@ -2538,10 +2604,10 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
 }
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
-    return (flags & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+    return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
@@ -2597,16 +2663,16 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
-        if (l->kind == RBDI_REVOLUTE) {
+        if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
-        } else if (l->kind == RBDI_BLOCK) {
+        } else if (rbdi_is(l, RBDI_BLOCK)) {
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
             plain = 0;
             w->angle[i] = rbdi_zero();
-            if (l->rho > 0 && l->kind == RBDI_SCREW) w->angle[i] = q[l->iq] + l->gamma;
-            if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
+            if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
+            if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -2617,12 +2683,12 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     if (plain) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_REVOLUTE_CS) {
+        if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
             w->c[i] = c * l->cg - s * l->sg;
             w->s[i] = c * l->sg + s * l->cg;
-        } else if (l->kind == RBDI_SCREW && !(l->rho > 0)) {
+        } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
             w->c[i] = rbdi_set(l->cg);
             w->s[i] = rbdi_set(l->sg);
         }
@@ -2673,7 +2739,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 #endif
 #define RBDI_BY_FLAGS(name, link, call) \
     do { \
-        const int flags_ = (link)->flags; \
+        const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
         default: { \
             const int name = flags_; \
@@ -2932,23 +2998,23 @@ RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
 RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    if (m->nmimic == 0) return q;
+    if (rbdi_mimics(m) == 0) return q;
     for (int k = 0; k < m->nq; ++k) w->qx[k] = q[k];
-    for (int k = 0; k < m->nmimic; ++k)
+    for (int k = 0; k < rbdi_mimics(m); ++k)
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
 RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx) {
-    if (m->nmimic == 0) return v;
+    if (rbdi_mimics(m) == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
-    for (int k = 0; k < m->nmimic; ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
+    for (int k = 0; k < rbdi_mimics(m); ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
     return vx;
 }
 /* tau = G' tau_x, for v_x = G v. */
 RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau) {
-    if (m->nmimic == 0) return;
+    if (rbdi_mimics(m) == 0) return;
     for (int k = 0; k < m->nv; ++k) tau[k] = tx[k];
-    for (int k = 0; k < m->nmimic; ++k)
+    for (int k = 0; k < rbdi_mimics(m); ++k)
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 
@@ -2989,7 +3055,7 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     rbd_real all[6];
     rbdi_store_force(all, 1, *F);
     for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    for (int k = 0; (l->flags & RBDI_ARMATURE) && k < b->n; ++k)
+    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
         tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
@@ -3031,7 +3097,8 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext, m->nmimic ? w->tx : tau);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
+              rbdi_mimics(m) ? w->tx : tau);
     rbdi_reduce_tau(m, w->tx, tau);
     return RBD_OK;
 }
@@ -3056,7 +3123,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
     for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_step(m, w, i, m->link[i].flags, &world, w->zero, v, s, 1);
+        s = rbdi_forward_step(m, w, i, rbdi_flags(&m->link[i]), &world, w->zero, v, s, 1);
         w->scratch[i].c.omega = s.omega_dot;
         w->scratch[i].c.v = s.acc;
     }
@@ -3066,12 +3133,12 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
         rbdi_force h = w->scratch[i].f, turned;
         turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         turned.f = rbdi_cross(h.f, V.omega);
-        if (l->kind == RBDI_BLOCK) {
+        if (rbdi_is(l, RBDI_BLOCK)) {
             rbdi_rnea_up_block(m, w, l, v, p, &h);
             rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
         } else {
-            h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
-            rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
+            h = rbdi_rnea_up(m, w, i, rbdi_flags(l), h, v, p);
+            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, turned, w->zero, ctv);
         }
         if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
     }
@@ -3084,7 +3151,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
-    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), m->nmimic ? w->tx : p, m->nmimic ? w->ax : ctv);
+    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), rbdi_mimics(m) ? w->tx : p, rbdi_mimics(m) ? w->ax : ctv);
     rbdi_reduce_tau(m, w->tx, p);
     rbdi_reduce_tau(m, w->ax, ctv);
     return RBD_OK;
@@ -3096,8 +3163,8 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
     const rbd_status status = rbdi_check(m, w, v && tau);
     if (status) return status;
     vx = rbdi_expand_v(m, v, w->vx);
-    tx = m->nmimic ? w->tx : tau;
-    for (int k = 0; k < m->nv + m->nmimic; ++k) {
+    tx = rbdi_mimics(m) ? w->tx : tau;
+    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k) {
         rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
         rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
         tx[k] = sign - x * m->dof[k].damping;
@@ -3326,7 +3393,7 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
 /* The same, of any flags and stride. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
-    *carried = rbdi_crba_step(m, w, i, m->link[i].flags, stride, *carried, H, M);
+    *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
@@ -3358,7 +3425,7 @@ RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
 /* With mimic joints M = G' M_x G for v_x = G v: adds M_x, whose rows stand behind H, to H, which is zero. Off
    its diagonal M_x has every entry twice. */
 RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
-    for (int s = 0; s < m->nv + m->nmimic; ++s) {
+    for (int s = 0; s < m->nv + rbdi_mimics(m); ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
         H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
@@ -3373,10 +3440,10 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    if (m->nmimic) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
-    if (m->nmimic) rbdi_reduce_H(m, w->H);
-    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
+    if (rbdi_mimics(m)) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL);
+    if (rbdi_mimics(m)) rbdi_reduce_H(m, w->H);
+    for (int k = 0; rbdi_mimics(m) && k < m->nh; ++k) H[k] = w->H[k];
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
@@ -3391,7 +3458,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
-    if (m->nmimic) {
+    if (rbdi_mimics(m)) {
         rbd_crba_packed(m, w, q, w->H);
         for (int i = 0; i < m->nv; ++i)
             for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)
@@ -3629,7 +3696,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
+    return l->parent < 0 && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
@@ -4221,7 +4288,7 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         const rbd_real own[6] = {I.x + y + z + o, I.y + x + z + o, I.z + x + y + o, mass, mass, mass};
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
-        if (l->kind != RBDI_BLOCK)
+        if (!rbdi_is(l, RBDI_BLOCK))
             K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
             for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_block_of(m, l)->n; ++k)
@@ -4352,7 +4419,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
         if (!given[k]) a[k] = rbdi_zero();
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              m->nmimic ? w->tx : w->bias);
+              rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) w->bias[k] = tau[k] - w->bias[k];
@@ -4373,7 +4440,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
-    if (m->nmimic) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
+    if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 0);
@@ -4391,7 +4458,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, m->nmimic ? w->tx : w->bias);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w, w->H, a);
@@ -4588,7 +4655,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
             rbdi_world_axes(&x);
         else if (l->parent != i - 1)
             rbdi_load_axes(&x, &w->kin[l->parent].X);
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
             RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
@@ -4607,7 +4674,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_forward(m, w, &world, v, a, 0, 1);
     rbdi_kin_links(m, w, 0, m->nl, v, 1);
     *w->rotors = rbdi_zero();
-    for (int k = 0; k < m->nv + m->nmimic; ++k)
+    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
     w->have_kinematics = 1;
     return RBD_OK;
@@ -4827,10 +4894,10 @@ static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, c
     F = rbdi_force_up_block(&X, F);
     for (int i = u->link; i != up->link; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             F = rbdi_force_up_block(&w->block[l->block].X, F);
         else
-            F = rbdi_force_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), F);
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
     }
     F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(up->r), F.f)));
     F.f = rbdi_mul(E, F.f);
@@ -4886,13 +4953,13 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];
-    const int axis = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k : 2;
+    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
     c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
               : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
                               : rbdi_vec(s->X.E.zx, s->X.E.zy, s->X.E.zz);
     c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->X.r)) : c.omega;
-    if (l->kind == RBDI_SCREW) {
+    if (rbdi_is(l, RBDI_SCREW)) {
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
         c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
     }
@@ -5354,9 +5421,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     int n, nqx;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
-#ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
-#endif
+    if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);
@@ -5472,8 +5537,7 @@ RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
-    case RBD_ERR_LEFT_OUT:
-        return "the model has mimic joints, but RBD_NO_CHOLESKY leaves out what rbd_aba needs for them";
+    case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
         return "one principal moment exceeds the sum of the others: no real body is like this";
@@ -6618,6 +6682,7 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_emit_frames(b);
     rbdi_emit_tree(m, b->mimic, b->dof, b->node);
     rbdi_emit_order(b);
+    m->features = rbdi_features(m);
     rbdi_shape(m, m->shape);
 }
 

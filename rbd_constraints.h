@@ -55,7 +55,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
@@ -661,9 +661,9 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
     const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
-    if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
+    if (rbdi_is(l, RBDI_REVOLUTE) || rbdi_is(l, RBDI_REVOLUTE_CS)) {
         rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
-    } else if (l->kind == RBDI_SCREW) {
+    } else if (rbdi_is(l, RBDI_SCREW)) {
         const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
@@ -687,7 +687,7 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
         rbdi_kin_links(m, c->w, first, end, v, moving);
     }
-    if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
+    if (rbdi_mimics(m)) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
 /* Writes the motion of all links and poses of those on a path into the work, replacing the results of
@@ -1257,7 +1257,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         rbd_real *to = Y + l->iv * c->stride;
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             on = rbdi_rows_block(m, c->w, i, on, to, c->stride);
         else
             RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)to));
@@ -1299,7 +1299,7 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
 static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
-        const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
+        const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
         for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
     }
@@ -1415,7 +1415,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
     rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
@@ -1916,9 +1916,9 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
         rbdi_reach_dofs(m, c, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    c->factored = m->nmimic > 0 || rbdi_too_many_rows(m, c);
+    c->factored = rbdi_mimics(m) > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;
 }

@@ -1183,7 +1183,7 @@ static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
     s->links = 0;
-    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
         if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
 }
 
@@ -1492,7 +1492,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
     rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];

@@ -31,7 +31,7 @@
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 5
+#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
@@ -558,7 +558,7 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
 
 /* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
-    return l->kind == RBDI_BLOCK ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
+    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
 /* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
@@ -625,15 +625,15 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
             rbdi_load_axes(&p, &parent);
         }
-        if (l->kind != RBDI_BLOCK)
-            rbdi_axes_step(l, l->flags, rbdi_trig_of(m, d->work, i, l->flags), &p);
+        if (!rbdi_is(l, RBDI_BLOCK))
+            rbdi_axes_step(l, rbdi_flags(l), rbdi_trig_of(m, d->work, i, rbdi_flags(l)), &p);
         else if (i > 0 || !base)
             rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());
         }
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &p);
         else
             rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
@@ -1203,7 +1203,7 @@ RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out
     }
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
-    if (d->model->nmimic)
+    if (rbdi_mimics(d->model))
         rbdi_add_rows(d, want, out);
     else
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
@@ -1226,14 +1226,14 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
-            if (d->model->nmimic)
+            if (rbdi_mimics(d->model))
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
                 rbdi_put_entry(e + i, e + k, want, y, out);
         }
         for (int k = i; k < e[i].end; ++k) {
             rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
-            if (d->model->nmimic)
+            if (rbdi_mimics(d->model))
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
                 rbdi_put_entry(e + i, e + k, want, y, out);
@@ -1388,7 +1388,7 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
 
 /* Clears a matrix unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
+    if (rbdi_mimics(m) || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
 /* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
@@ -1401,7 +1401,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
+    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
         for (int r = 0; r < RBDI_RESULTS; ++r)
             if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
     if (d->base) {
@@ -1435,7 +1435,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
    [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
-    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
+    return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
                    rbdi_block_of(m, l)->n == 6 && l->end == m->nv
                ? 6
                : 0;
@@ -1446,7 +1446,7 @@ RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
 }
 
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
-    const int n = m ? m->nv + m->nmimic : 0;
+    const int n = m ? m->nv + rbdi_mimics(m) : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
                                   (n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
@@ -1462,8 +1462,8 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k - l->first >= 3
-                                 : l->kind == RBDI_SCREW && !(l->rho > 0);
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
+                                  : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
 /* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
@@ -1479,7 +1479,7 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
     rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
     for (int k = l->first; k <= last; ++k) {
-        const int slides = rbdi_slides(m, l, k), screw = l->kind == RBDI_SCREW;
+        const int slides = rbdi_slides(m, l, k), screw = rbdi_is(l, RBDI_SCREW);
         const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
                                    screw ? l->kappa : RBD_C(slides)};
         rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
@@ -1502,7 +1502,7 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
 /* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
-    const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
+    const int n = rbdi_link_dofs(m, l), block = rbdi_is(l, RBDI_BLOCK);
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
     rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
@@ -1577,9 +1577,9 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
-           (m->link[i].kind == RBDI_SCREW
+           (rbdi_is(&m->link[i], RBDI_SCREW)
                 ? !(m->link[i].rho > 0)
-                : m->link[i].kind == RBDI_BLOCK && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
         ++i;
     d->origin[i] = (int16_t)root;
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
@@ -1606,7 +1606,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
     for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
     d->model = m, d->work = w;
-    d->n = m->nv + m->nmimic;
+    d->n = m->nv + rbdi_mimics(m);
     d->base = rbdi_free_dofs(m);
     d->batches = (d->n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
     d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;
@@ -1658,8 +1658,8 @@ RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_deri
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
     const rbdi_link *l = &m->link[root];
     const rbdi_pose X = rbdi_common_pose(m, d, root);
-    if (l->kind == RBDI_BLOCK) return rbdi_sub(d->work->block[l->block].X.r, X.r);
-    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, l->flags).d,
+    if (rbdi_is(l, RBDI_BLOCK)) return rbdi_sub(d->work->block[l->block].X.r, X.r);
+    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, rbdi_flags(l)).d,
                                                           rbdi_vec(X.E.zx, X.E.zy, X.E.zz))),
                     X.r);
 }
@@ -1719,7 +1719,7 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     const rbd_model *m = d->model;
     const rbdi_batch row[3] = {y.x, y.y, y.z};
     const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    if (m->nmimic) {
+    if (rbdi_mimics(m)) {
         for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
             const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
             const rbdi_b3 in = y;
@@ -1745,7 +1745,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
                                   rbd_real *out) {
     const int nv = d->model->nv;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    if (d->model->nmimic) rbdi_clear(out, rows * nv);
+    if (rbdi_mimics(d->model)) rbdi_clear(out, rows * nv);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int b = d->batches - 1; b >= 0; --b) {
         rbdi_bforce F = d->columns[b].F;
@@ -2016,7 +2016,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
 
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
-    rbd_real *bias = m->nmimic ? d->work->tx : x;
+    rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->qdd = rbdi_b_power(c->S, c->sum.f);
@@ -2099,12 +2099,12 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
-    if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
+    if (rbdi_mimics(m)) rbd_crba_packed(m, d->work, q, d->work->H);
     rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
-    if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
+    if (!rbdi_mimics(m)) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
     doubt = rbdi_factor(m, d->work, d->work->H);
-    if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+    if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
     if (rbdi_any(doubt)) rbdi_judge_state(m, d->work);
     if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);
@@ -2253,7 +2253,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_link_motion(d, base);
-    if (!d->keep_zeros || m->nmimic) rbdi_clear(Y, m->nv * 10 * m->nb);
+    if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;
@@ -2267,7 +2267,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
             const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
-            if (m->nmimic) {
+            if (rbdi_mimics(m)) {
                 rbd_real part[10];
                 rbdi_regress(K, stride, s, part);
                 rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);

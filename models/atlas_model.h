@@ -3,13 +3,18 @@
        rbd-model --floating --c-model atlas atlas.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or ATLAS_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef ATLAS_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define ATLAS_FEATURES 0x27fffafu
+#endif
+
+#ifdef RBD_H
 #ifndef ATLAS_MODEL_H
 #define ATLAS_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before atlas_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "atlas_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (ATLAS_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of ATLAS_FEATURES"
 #endif
 
 /* clang-format off */
@@ -563,7 +568,11 @@ RBDI_TABLE const rbd_model atlas_model = {
     31, 1, 2, 0, 351, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     atlas_links, atlas_blocks, atlas_dofs, atlas_order, atlas_nodes, NULL, atlas_frames,
+    ATLAS_FEATURES,
     {UINT64_C(0x1f00250024001f), UINT64_C(0x100020000), UINT64_C(0x15f00000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before atlas_model.h"
 #endif

@@ -3,13 +3,18 @@
        rbd-model --c-model cart_pole cart_pole.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or CART_POLE_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef CART_POLE_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define CART_POLE_FEATURES 0x17bfeefu
+#endif
+
+#ifdef RBD_H
 #ifndef CART_POLE_MODEL_H
 #define CART_POLE_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before cart_pole_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (CART_POLE_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of CART_POLE_FEATURES"
 #endif
 
 /* clang-format off */
@@ -97,7 +102,11 @@ RBDI_TABLE const rbd_model cart_pole_model = {
     2, 0, 0, 0, 3, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     cart_pole_links, NULL, cart_pole_dofs, cart_pole_order, cart_pole_nodes, NULL, cart_pole_frames,
+    CART_POLE_FEATURES,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before cart_pole_model.h"
 #endif

@@ -3,13 +3,18 @@
        rbd-model --constraints five_bar_loop.csv --c-model five_bar five_bar.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or FIVE_BAR_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef FIVE_BAR_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define FIVE_BAR_FEATURES 0x6fffa0u
+#endif
+
+#ifdef RBD_H
 #ifndef FIVE_BAR_MODEL_H
 #define FIVE_BAR_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before five_bar_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "five_bar_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (FIVE_BAR_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of FIVE_BAR_FEATURES"
 #endif
 
 /* clang-format off */
@@ -127,9 +132,13 @@ RBDI_TABLE const rbd_model five_bar_model = {
     4, 0, 0, 0, 6, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     five_bar_links, NULL, five_bar_dofs, five_bar_order, five_bar_nodes, NULL, five_bar_frames,
+    FIVE_BAR_FEATURES,
     {UINT64_C(0x4000400040004), UINT64_C(0x0), UINT64_C(0x600000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before five_bar_model.h"
 #endif
 
 #ifndef FIVE_BAR_CONSTRAINTS_H

@@ -3,13 +3,18 @@
        rbd-model --floating --c-model hyq hyq.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or HYQ_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef HYQ_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define HYQ_FEATURES 0x27fffabu
+#endif
+
+#ifdef RBD_H
 #ifndef HYQ_MODEL_H
 #define HYQ_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before hyq_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "hyq_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (HYQ_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of HYQ_FEATURES"
 #endif
 
 /* clang-format off */
@@ -288,7 +293,11 @@ RBDI_TABLE const rbd_model hyq_model = {
     13, 1, 1, 0, 117, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     hyq_links, hyq_blocks, hyq_dofs, hyq_order, hyq_nodes, NULL, hyq_frames,
+    HYQ_FEATURES,
     {UINT64_C(0xd00130012000d), UINT64_C(0x100010000), UINT64_C(0x7500000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before hyq_model.h"
 #endif

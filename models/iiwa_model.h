@@ -3,13 +3,18 @@
        rbd-model --c-model iiwa iiwa.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or IIWA_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef IIWA_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define IIWA_FEATURES 0x7fffa6u
+#endif
+
+#ifdef RBD_H
 #ifndef IIWA_MODEL_H
 #define IIWA_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before iiwa_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "iiwa_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (IIWA_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of IIWA_FEATURES"
 #endif
 
 /* clang-format off */
@@ -173,7 +178,11 @@ RBDI_TABLE const rbd_model iiwa_model = {
     7, 0, 0, 0, 28, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     iiwa_links, NULL, iiwa_dofs, iiwa_order, iiwa_nodes, NULL, iiwa_frames,
+    IIWA_FEATURES,
     {UINT64_C(0x7000700070007), UINT64_C(0x0), UINT64_C(0x1c00000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before iiwa_model.h"
 #endif

@@ -3,13 +3,18 @@
        rbd-model --c-model pendulum pendulum.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or PENDULUM_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef PENDULUM_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define PENDULUM_FEATURES 0x5efc20u
+#endif
+
+#ifdef RBD_H
 #ifndef PENDULUM_MODEL_H
 #define PENDULUM_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before pendulum_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "pendulum_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (PENDULUM_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of PENDULUM_FEATURES"
 #endif
 
 /* clang-format off */
@@ -82,7 +87,11 @@ RBDI_TABLE const rbd_model pendulum_model = {
     1, 0, 0, 0, 1, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     pendulum_links, NULL, pendulum_dofs, pendulum_order, pendulum_nodes, NULL, pendulum_frames,
+    PENDULUM_FEATURES,
     {UINT64_C(0x1000100010001), UINT64_C(0x0), UINT64_C(0x100000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before pendulum_model.h"
 #endif

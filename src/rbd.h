@@ -75,6 +75,15 @@
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
+     RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
+                      ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of
+                      the flash; rbd_work_init refuses other models, RBD_ERR_LEFT_OUT. A table gives its
+                      features before rbd.h, the rest after it:
+                          #define RBD_IMPLEMENTATION
+                          #define RBD_FEATURES ARM_FEATURES
+                          #include "arm_model.h"
+                          #include "rbd.h"
+                          #include "arm_model.h"
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
                       models from generated tables only. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
@@ -245,6 +254,7 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 #include "base/memory.h"
+#include "model/features.h"
 #include "model/calls.h"
 #include "model/joints.h"
 #include "dynamics/state.h"

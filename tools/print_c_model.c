@@ -200,6 +200,15 @@ static void write_work_size(const char *name, const rbd_model *m) {
            m->nv + m->nmimic, m->nmimic ? m->nq + m->nmimic : 0, m->nv, (int)(m->nh + m->nhx));
 }
 
+/* Before rbd.h the file gives the features alone, for RBD_FEATURES. */
+static void write_features(const char *name, const rbd_model *m) {
+    printf("#ifndef ");
+    print_upper(name);
+    printf("_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */\n#define ");
+    print_upper(name);
+    printf("_FEATURES 0x%lxu\n#endif\n\n", (unsigned long)m->features);
+}
+
 static void write_head(const robot *r, const char *name) {
     printf("/* %s_model.h - the built model of ", name);
     print_in_comment(r->urdf.name);
@@ -208,16 +217,20 @@ static void write_head(const robot *r, const char *name) {
     printf("   The table lies in the file that defines RBD_IMPLEMENTATION, or ");
     print_upper(name);
     printf("_MODEL_IMPLEMENTATION, before it\n"
-           "   includes this; in all others this declares it. */\n"
-           "#ifndef ");
+           "   includes this; in all others this declares it. */\n");
+    write_features(name, r->model);
+    printf("#ifdef RBD_H\n#ifndef ");
     print_upper(name);
     printf("_MODEL_H\n#define ");
     print_upper(name);
-    printf("_MODEL_H\n\n#ifndef RBD_H\n#error \"include rbd.h before %s_model.h\"\n"
-           "#elif RBD_MODEL_VERSION != %d\n"
-           "#error \"%s_model.h was written for another version of rbd.h: write it again\"\n#endif\n\n"
-           "/* clang-format off */\n\n",
-           name, RBD_MODEL_VERSION, name);
+    printf("_MODEL_H\n\n#if RBD_MODEL_VERSION != %d\n"
+           "#error \"%s_model.h was written for another version of rbd.h: write it again\"\n"
+           "#elif defined RBD_FEATURES && (",
+           RBD_MODEL_VERSION, name);
+    print_upper(name);
+    printf("_FEATURES) & ~(RBD_FEATURES)\n#error \"RBD_FEATURES lacks some of ");
+    print_upper(name);
+    printf("_FEATURES\"\n#endif\n\n/* clang-format off */\n\n");
 }
 
 /* Ends what every file gets, and begins what one file gets, even if it had the former already. */
@@ -265,8 +278,12 @@ void print_c_model(const robot *r, const char *name) {
         printf("%s_mimics, ", name);
     else
         printf("NULL, ");
-    printf("%s_frames,\n    {", name);
+    printf("%s_frames,\n    ", name);
+    print_upper(name);
+    printf("_FEATURES,\n    {");
     for (int k = 0; k < RBDI_SHAPE; ++k)
         printf("%sUINT64_C(0x%llx)", k ? ", " : "", (unsigned long long)m->shape[k]);
-    printf("}, /* lengths of a work's arrays */\n};\n\n#endif\n");
+    printf("}, /* lengths of a work's arrays */\n};\n\n#endif\n#elif !defined RBD_FEATURES\n"
+           "#error \"include rbd.h before %s_model.h\"\n#endif\n",
+           name);
 }

@@ -3,13 +3,18 @@
        rbd-model --c-model double_pendulum double_pendulum.urdf
    The table lies in the file that defines RBD_IMPLEMENTATION, or DOUBLE_PENDULUM_MODEL_IMPLEMENTATION, before it
    includes this; in all others this declares it. */
+#ifndef DOUBLE_PENDULUM_FEATURES /* what a program with this robot alone needs of rbd.h: for RBD_FEATURES */
+#define DOUBLE_PENDULUM_FEATURES 0x7fff20u
+#endif
+
+#ifdef RBD_H
 #ifndef DOUBLE_PENDULUM_MODEL_H
 #define DOUBLE_PENDULUM_MODEL_H
 
-#ifndef RBD_H
-#error "include rbd.h before double_pendulum_model.h"
-#elif RBD_MODEL_VERSION != 5
+#if RBD_MODEL_VERSION != 6
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
+#elif defined RBD_FEATURES && (DOUBLE_PENDULUM_FEATURES) & ~(RBD_FEATURES)
+#error "RBD_FEATURES lacks some of DOUBLE_PENDULUM_FEATURES"
 #endif
 
 /* clang-format off */
@@ -97,7 +102,11 @@ RBDI_TABLE const rbd_model double_pendulum_model = {
     2, 0, 0, 0, 3, 0, /* links, blocks, branch points, mimics, packed entries, those behind */
     {0, 0, RBD_C(-9.81)},
     double_pendulum_links, NULL, double_pendulum_dofs, double_pendulum_order, double_pendulum_nodes, NULL, double_pendulum_frames,
+    DOUBLE_PENDULUM_FEATURES,
     {UINT64_C(0x2000200020002), UINT64_C(0x0), UINT64_C(0x300000000)}, /* lengths of a work's arrays */
 };
 
+#endif
+#elif !defined RBD_FEATURES
+#error "include rbd.h before double_pendulum_model.h"
 #endif

@@ -3,9 +3,10 @@
 #include "base/simd.h"
 
 /* ---- reduction [reduction] ----
-   Angles of any size, x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a whole
-   number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute multiples of 4 to
-   x 2/pi, and those behind b_(a + RBDI_REDUCTION + 3) less than rounding does, near a multiple of pi/2 too. */
+   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a
+   whole number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute
+   multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
+   also where x is near a multiple of pi/2. */
 
 #if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS

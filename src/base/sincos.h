@@ -92,8 +92,8 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
 }
 
-/* Sines and cosines of n angles and as many right angles. Error up to the limit below 2.3e-16 (double), 1.0e-7
-   (float), beyond it twice as much. The arrays are padded to whole batches. */
+/* Sines and cosines of n angles and as many right angles. The error is below 2.3e-16 (double), 1.0e-7
+   (float) up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
                                  rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;

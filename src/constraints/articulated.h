@@ -121,7 +121,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         rbd_real *to = Y + l->iv * c->stride;
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             on = rbdi_rows_block(m, c->w, i, on, to, c->stride);
         else
             RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)to));
@@ -163,7 +163,7 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
 static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
-        const int block = l->kind == RBDI_BLOCK, n = rbdi_link_dofs(m, l);
+        const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
         for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
     }

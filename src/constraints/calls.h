@@ -85,7 +85,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
     rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);

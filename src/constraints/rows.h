@@ -24,9 +24,9 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
     const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
-    if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
+    if (rbdi_is(l, RBDI_REVOLUTE) || rbdi_is(l, RBDI_REVOLUTE_CS)) {
         rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
-    } else if (l->kind == RBDI_SCREW) {
+    } else if (rbdi_is(l, RBDI_SCREW)) {
         const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
@@ -50,7 +50,7 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
         rbdi_kin_links(m, c->w, first, end, v, moving);
     }
-    if (m->nmimic) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
+    if (rbdi_mimics(m)) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
 /* Writes the motion of all links and poses of those on a path into the work, replacing the results of

@@ -272,9 +272,9 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
         rbdi_reach_dofs(m, c, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
-    c->factored = m->nmimic > 0 || rbdi_too_many_rows(m, c);
+    c->factored = rbdi_mimics(m) > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;
 }

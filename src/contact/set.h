@@ -152,7 +152,7 @@ static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
     s->links = 0;
-    for (int i = 0; i < m->nl && !m->nmimic; ++i)
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
         if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
 }
 

@@ -17,7 +17,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
     rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, m->nmimic ? w->tx : w->bias);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];

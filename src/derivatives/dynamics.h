@@ -85,7 +85,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
 
 /* tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
-    rbd_real *bias = m->nmimic ? d->work->tx : x;
+    rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         c->qdd = rbdi_b_power(c->S, c->sum.f);
@@ -168,12 +168,12 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
-    if (m->nmimic) rbd_crba_packed(m, d->work, q, d->work->H);
+    if (rbdi_mimics(m)) rbd_crba_packed(m, d->work, q, d->work->H);
     rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
-    if (!m->nmimic) rbdi_put_packed(m, d, d->work->H);
+    if (!rbdi_mimics(m)) rbdi_put_packed(m, d, d->work->H);
     rbdi_net_torque(m, d, tau, d->a);
     doubt = rbdi_factor(m, d->work, d->work->H);
-    if (!m->nmimic) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+    if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
     if (rbdi_any(doubt)) rbdi_judge_state(m, d->work);
     if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);

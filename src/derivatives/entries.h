@@ -173,7 +173,7 @@ RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out
     }
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
-    if (d->model->nmimic)
+    if (rbdi_mimics(d->model))
         rbdi_add_rows(d, want, out);
     else
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
@@ -196,14 +196,14 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
-            if (d->model->nmimic)
+            if (rbdi_mimics(d->model))
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
                 rbdi_put_entry(e + i, e + k, want, y, out);
         }
         for (int k = i; k < e[i].end; ++k) {
             rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
-            if (d->model->nmimic)
+            if (rbdi_mimics(d->model))
                 rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
             else
                 rbdi_put_entry(e + i, e + k, want, y, out);
@@ -358,7 +358,7 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
 
 /* Clears a matrix unless every entry will be written. */
 RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (m->nmimic || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
+    if (rbdi_mimics(m) || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
 }
 
 /* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
@@ -371,7 +371,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
     const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    if (m->nmimic || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
+    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
         for (int r = 0; r < RBDI_RESULTS; ++r)
             if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
     if (d->base) {

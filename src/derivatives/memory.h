@@ -11,7 +11,7 @@
    [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
-    return m->nl > 0 && !m->nmimic && l->kind == RBDI_BLOCK && !(l->flags & RBDI_ARMATURE) &&
+    return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
                    rbdi_block_of(m, l)->n == 6 && l->end == m->nv
                ? 6
                : 0;
@@ -22,7 +22,7 @@ RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
 }
 
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
-    const int n = m ? m->nv + m->nmimic : 0;
+    const int n = m ? m->nv + rbdi_mimics(m) : 0;
     if (!m) return 0;
     return RBDI_DERIVATIVES_BYTES(m->nl, n,
                                   (n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
@@ -38,8 +38,8 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k - l->first >= 3
-                                 : l->kind == RBDI_SCREW && !(l->rho > 0);
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
+                                  : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
 /* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
@@ -55,7 +55,7 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
     rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
     for (int k = l->first; k <= last; ++k) {
-        const int slides = rbdi_slides(m, l, k), screw = l->kind == RBDI_SCREW;
+        const int slides = rbdi_slides(m, l, k), screw = rbdi_is(l, RBDI_SCREW);
         const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
                                    screw ? l->kappa : RBD_C(slides)};
         rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
@@ -78,7 +78,7 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
 /* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
-    const int n = rbdi_link_dofs(m, l), block = l->kind == RBDI_BLOCK;
+    const int n = rbdi_link_dofs(m, l), block = rbdi_is(l, RBDI_BLOCK);
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
     rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
@@ -153,9 +153,9 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
-           (m->link[i].kind == RBDI_SCREW
+           (rbdi_is(&m->link[i], RBDI_SCREW)
                 ? !(m->link[i].rho > 0)
-                : m->link[i].kind == RBDI_BLOCK && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
         ++i;
     d->origin[i] = (int16_t)root;
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
@@ -182,7 +182,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
     for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
     d->model = m, d->work = w;
-    d->n = m->nv + m->nmimic;
+    d->n = m->nv + rbdi_mimics(m);
     d->base = rbdi_free_dofs(m);
     d->batches = (d->n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
     d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;

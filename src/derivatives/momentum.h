@@ -8,8 +8,8 @@
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
     const rbdi_link *l = &m->link[root];
     const rbdi_pose X = rbdi_common_pose(m, d, root);
-    if (l->kind == RBDI_BLOCK) return rbdi_sub(d->work->block[l->block].X.r, X.r);
-    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, l->flags).d,
+    if (rbdi_is(l, RBDI_BLOCK)) return rbdi_sub(d->work->block[l->block].X.r, X.r);
+    return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, rbdi_flags(l)).d,
                                                           rbdi_vec(X.E.zx, X.E.zy, X.E.zz))),
                     X.r);
 }
@@ -69,7 +69,7 @@ RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, in
     const rbd_model *m = d->model;
     const rbdi_batch row[3] = {y.x, y.y, y.z};
     const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    if (m->nmimic) {
+    if (rbdi_mimics(m)) {
         for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
             const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
             const rbdi_b3 in = y;
@@ -95,7 +95,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
                                   rbd_real *out) {
     const int nv = d->model->nv;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    if (d->model->nmimic) rbdi_clear(out, rows * nv);
+    if (rbdi_mimics(d->model)) rbdi_clear(out, rows * nv);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int b = d->batches - 1; b >= 0; --b) {
         rbdi_bforce F = d->columns[b].F;

@@ -127,7 +127,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     rbdi_link_motion(d, base);
-    if (!d->keep_zeros || m->nmimic) rbdi_clear(Y, m->nv * 10 * m->nb);
+    if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;
@@ -141,7 +141,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
             const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
-            if (m->nmimic) {
+            if (rbdi_mimics(m)) {
                 rbd_real part[10];
                 rbdi_regress(K, stride, s, part);
                 rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);

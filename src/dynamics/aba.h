@@ -216,7 +216,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return l->parent < 0 && b->n == 6 && !(l->flags & RBDI_ARMATURE);
+    return l->parent < 0 && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes

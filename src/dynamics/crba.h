@@ -224,7 +224,7 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
 /* The same, of any flags and stride. */
 RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride,
                               rbdi_rbi *carried, rbd_real *H, rbd_real *M) {
-    *carried = rbdi_crba_step(m, w, i, m->link[i].flags, stride, *carried, H, M);
+    *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
@@ -256,7 +256,7 @@ RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
 /* With mimic joints M = G' M_x G for v_x = G v: adds M_x, whose rows stand behind H, to H, which is zero. Off
    its diagonal M_x has every entry twice. */
 RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
-    for (int s = 0; s < m->nv + m->nmimic; ++s) {
+    for (int s = 0; s < m->nv + rbdi_mimics(m); ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
         H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
@@ -271,10 +271,10 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
-    if (m->nmimic) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, m->nmimic ? w->H : H, NULL);
-    if (m->nmimic) rbdi_reduce_H(m, w->H);
-    for (int k = 0; m->nmimic && k < m->nh; ++k) H[k] = w->H[k];
+    if (rbdi_mimics(m)) rbdi_clear(w->H, m->nh);
+    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL);
+    if (rbdi_mimics(m)) rbdi_reduce_H(m, w->H);
+    for (int k = 0; rbdi_mimics(m) && k < m->nh; ++k) H[k] = w->H[k];
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
@@ -289,7 +289,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
-    if (m->nmimic) {
+    if (rbdi_mimics(m)) {
         rbd_crba_packed(m, w, q, w->H);
         for (int i = 0; i < m->nv; ++i)
             for (int j = i, k = m->dof[i].row + m->dof[i].depth; j >= 0; j = m->dof[j].lambda, --k)

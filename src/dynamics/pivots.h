@@ -78,7 +78,7 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         const rbd_real own[6] = {I.x + y + z + o, I.y + x + z + o, I.z + x + y + o, mass, mass, mass};
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
-        if (l->kind != RBDI_BLOCK)
+        if (!rbdi_is(l, RBDI_BLOCK))
             K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
             for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_block_of(m, l)->n; ++k)

@@ -26,7 +26,7 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     rbd_real all[6];
     rbdi_store_force(all, 1, *F);
     for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    for (int k = 0; (l->flags & RBDI_ARMATURE) && k < b->n; ++k)
+    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
         tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
@@ -68,7 +68,8 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext, m->nmimic ? w->tx : tau);
+    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
+              rbdi_mimics(m) ? w->tx : tau);
     rbdi_reduce_tau(m, w->tx, tau);
     return RBD_OK;
 }
@@ -93,7 +94,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
     for (int i = 0; i < m->nl; ++i) {
-        s = rbdi_forward_step(m, w, i, m->link[i].flags, &world, w->zero, v, s, 1);
+        s = rbdi_forward_step(m, w, i, rbdi_flags(&m->link[i]), &world, w->zero, v, s, 1);
         w->scratch[i].c.omega = s.omega_dot;
         w->scratch[i].c.v = s.acc;
     }
@@ -103,12 +104,12 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
         rbdi_force h = w->scratch[i].f, turned;
         turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         turned.f = rbdi_cross(h.f, V.omega);
-        if (l->kind == RBDI_BLOCK) {
+        if (rbdi_is(l, RBDI_BLOCK)) {
             rbdi_rnea_up_block(m, w, l, v, p, &h);
             rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
         } else {
-            h = rbdi_rnea_up(m, w, i, l->flags, h, v, p);
-            rbdi_rnea_up(m, w, i, l->flags | RBDI_ROOT, turned, w->zero, ctv);
+            h = rbdi_rnea_up(m, w, i, rbdi_flags(l), h, v, p);
+            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, turned, w->zero, ctv);
         }
         if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
     }
@@ -121,7 +122,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
-    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), m->nmimic ? w->tx : p, m->nmimic ? w->ax : ctv);
+    rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), rbdi_mimics(m) ? w->tx : p, rbdi_mimics(m) ? w->ax : ctv);
     rbdi_reduce_tau(m, w->tx, p);
     rbdi_reduce_tau(m, w->ax, ctv);
     return RBD_OK;
@@ -133,8 +134,8 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
     const rbd_status status = rbdi_check(m, w, v && tau);
     if (status) return status;
     vx = rbdi_expand_v(m, v, w->vx);
-    tx = m->nmimic ? w->tx : tau;
-    for (int k = 0; k < m->nv + m->nmimic; ++k) {
+    tx = rbdi_mimics(m) ? w->tx : tau;
+    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k) {
         rbd_real o = rbdi_zero(), f = rbdi_set(m->dof[k].friction), x = vx[k];
         rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
         tx[k] = sign - x * m->dof[k].damping;

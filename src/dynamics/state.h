@@ -160,23 +160,23 @@ RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state 
 /* With mimic joints the algorithms run on coordinates with the mimics' appended; without, on the
    caller's own arrays. */
 RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    if (m->nmimic == 0) return q;
+    if (rbdi_mimics(m) == 0) return q;
     for (int k = 0; k < m->nq; ++k) w->qx[k] = q[k];
-    for (int k = 0; k < m->nmimic; ++k)
+    for (int k = 0; k < rbdi_mimics(m); ++k)
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
 RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx) {
-    if (m->nmimic == 0) return v;
+    if (rbdi_mimics(m) == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
-    for (int k = 0; k < m->nmimic; ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
+    for (int k = 0; k < rbdi_mimics(m); ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
     return vx;
 }
 /* tau = G' tau_x, for v_x = G v. */
 RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau) {
-    if (m->nmimic == 0) return;
+    if (rbdi_mimics(m) == 0) return;
     for (int k = 0; k < m->nv; ++k) tau[k] = tx[k];
-    for (int k = 0; k < m->nmimic; ++k)
+    for (int k = 0; k < rbdi_mimics(m); ++k)
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 

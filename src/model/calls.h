@@ -2,14 +2,15 @@
 #define RBDI_MODEL_CALLS_H
 #include "api/status.h"
 #include "model/work.h"
-#include "base/compiler.h"
+#include "model/features.h"
 
 /* Interface: rbdi_check, rbdi_fits, rbdi_stride */
 
-/* Whether a work's arrays are as long as this model needs them. Not by the model's address: another model may
-   have been built there meanwhile, and the same table may stand at another. */
+/* Whether this program supports the model and the work's arrays are as long as it needs them. Not by the
+   model's address: another model may have been built there, and the same table may stand at another. */
 RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
+           m->shape[2] == w->shape[2];
 }
 
 /* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */

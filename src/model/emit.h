@@ -297,6 +297,7 @@ static void rbdi_emit(const rbdi_build *b) {
     rbdi_emit_frames(b);
     rbdi_emit_tree(m, b->mimic, b->dof, b->node);
     rbdi_emit_order(b);
+    m->features = rbdi_features(m);
     rbdi_shape(m, m->shape);
 }
 

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_JOINTS_H
 #include "model/work.h"
 #include "algebra/rotations.h"
+#include "model/features.h"
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
    rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
@@ -18,10 +19,10 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
 }
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
-    return (flags & RBDI_MASS_KEPT) && l->kind == RBDI_BLOCK;
+    return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->n : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
@@ -77,16 +78,16 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
-        if (l->kind == RBDI_REVOLUTE) {
+        if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
-        } else if (l->kind == RBDI_BLOCK) {
+        } else if (rbdi_is(l, RBDI_BLOCK)) {
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
             plain = 0;
             w->angle[i] = rbdi_zero();
-            if (l->rho > 0 && l->kind == RBDI_SCREW) w->angle[i] = q[l->iq] + l->gamma;
-            if (l->kind == RBDI_SCREW) w->d[i] = q[l->iq] * l->kappa + l->d;
+            if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
+            if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -97,12 +98,12 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     if (plain) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_REVOLUTE_CS) {
+        if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
             w->c[i] = c * l->cg - s * l->sg;
             w->s[i] = c * l->sg + s * l->cg;
-        } else if (l->kind == RBDI_SCREW && !(l->rho > 0)) {
+        } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
             w->c[i] = rbdi_set(l->cg);
             w->s[i] = rbdi_set(l->sg);
         }
@@ -153,7 +154,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 #endif
 #define RBDI_BY_FLAGS(name, link, call) \
     do { \
-        const int flags_ = (link)->flags; \
+        const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
         default: { \
             const int name = flags_; \

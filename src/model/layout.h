@@ -150,6 +150,7 @@ struct rbd_model {
     const rbdi_node *node;   /* nv */
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
+    uint32_t features;       /* rbdi_features */
     uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
 };
 

@@ -3,6 +3,7 @@
 #include "api/model.h"
 #include "model/work.h"
 #include "base/memory.h"
+#include "model/features.h"
 
 /* ---- work [work code] ---- */
 
@@ -18,9 +19,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     int n, nqx;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
-#ifdef RBD_NO_CHOLESKY
-    if (m->nmimic) return RBD_ERR_LEFT_OUT; /* rbd_aba would need it */
-#endif
+    if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);

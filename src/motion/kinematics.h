@@ -56,7 +56,7 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
             rbdi_world_axes(&x);
         else if (l->parent != i - 1)
             rbdi_load_axes(&x, &w->kin[l->parent].X);
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             rbdi_kin_block(m, w, i, v, moving, &x);
         else
             RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
@@ -75,7 +75,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_forward(m, w, &world, v, a, 0, 1);
     rbdi_kin_links(m, w, 0, m->nl, v, 1);
     *w->rotors = rbdi_zero();
-    for (int k = 0; k < m->nv + m->nmimic; ++k)
+    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
     w->have_kinematics = 1;
     return RBD_OK;
@@ -295,10 +295,10 @@ static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, c
     F = rbdi_force_up_block(&X, F);
     for (int i = u->link; i != up->link; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
-        if (l->kind == RBDI_BLOCK)
+        if (rbdi_is(l, RBDI_BLOCK))
             F = rbdi_force_up_block(&w->block[l->block].X, F);
         else
-            F = rbdi_force_up(l, l->flags, rbdi_trig_of(m, w, i, l->flags), F);
+            F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
     }
     F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(up->r), F.f)));
     F.f = rbdi_mul(E, F.f);

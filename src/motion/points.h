@@ -27,13 +27,13 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];
-    const int axis = l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->first + k : 2;
+    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
     c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
               : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
                               : rbdi_vec(s->X.E.zx, s->X.E.zy, s->X.E.zz);
     c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->X.r)) : c.omega;
-    if (l->kind == RBDI_SCREW) {
+    if (rbdi_is(l, RBDI_SCREW)) {
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
         c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
     }

@@ -1,0 +1,59 @@
+#ifndef RBDI_MODEL_FEATURES_H
+#define RBDI_MODEL_FEATURES_H
+#include "model/layout.h"
+#include "base/compiler.h"
+
+/* Interface: rbdi_flags, rbdi_is, rbdi_mimics */
+
+/* ---- features [features] ----
+   The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
+   and mimic joints. RBD_FEATURES are those of all models of the program; without it there are all. The
+   algorithms ask for flags, kinds and mimic joints by these functions: the compiler then drops code that no
+   model needs. */
+
+#define RBDI_FLAGS 2047u /* all flags of links */
+#define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
+#define RBDI_KIND_BIT(kind) (UINT32_C(1) << (22 + (kind)))
+#define RBDI_MIMICS (UINT32_C(1) << 26)
+#define RBDI_ALL_FEATURES UINT32_C(0x7ffffff)
+#ifdef RBD_FEATURES
+#define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
+#else
+#define RBDI_FEATURES RBDI_ALL_FEATURES
+#endif
+
+/* Flags of a link: those that every model's links have are set, those that none has are clear. */
+RBDI_INLINE int rbdi_flags(const rbdi_link *l) {
+    const uint32_t some = RBDI_FEATURES & RBDI_FLAGS, all = some & ~(RBDI_FEATURES >> 11);
+    if (RBDI_FEATURES == RBDI_ALL_FEATURES) return l->flags;
+    return (int)(((uint32_t)l->flags & some) | all);
+}
+
+/* Whether a link is of this kind. */
+RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
+    const uint32_t kinds = RBDI_FEATURES >> 22 & 15u;
+    return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
+}
+
+/* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) {
+#ifdef RBD_NO_CHOLESKY
+    if (m->nmimic) return 0;
+#endif
+    return (m->features & ~RBDI_FEATURES) == 0;
+}
+
+/* Number of mimic joints. */
+RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MIMICS ? m->nmimic : 0; }
+
+/* The features of a model. */
+RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
+    uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+    for (int i = 0; i < m->nl; ++i) {
+        const uint32_t flags = (uint32_t)m->link[i].flags;
+        features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
+    }
+    return features;
+}
+
+#endif
