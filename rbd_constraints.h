@@ -18,12 +18,12 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [description] [set] [calls] [batch] [derivatives]
+     [description] [set] [calls] [derivatives]
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
      [articulated]
-     [call code] [weights] [assembly] [set code] [batch code] [derivatives code]
+     [call code] [weights] [assembly] [set code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -59,9 +59,7 @@
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/constraints.h ==== */
 #define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
@@ -81,9 +79,6 @@ extern "C" {
 #define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
 #define rbd_assemble RBDI_SYMBOL(rbd_assemble)
 #define rbd_constrained_fd_derivatives RBDI_SYMBOL(rbd_constrained_fd_derivatives)
-#define rbd_batch_constraint_set_size RBDI_OF_SCALAR(rbd_batch_constraint_set_size)
-#define rbd_batch_constraint_set_init RBDI_OF_SCALAR(rbd_batch_constraint_set_init)
-#define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
 
 /* ---- description [description] ---- */
 
@@ -214,40 +209,14 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near);
 
-/* ---- batches [batch] ----
-   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
-   constraints the same for all. */
-
-typedef struct rbd_batch_constraint_set rbd_batch_constraint_set; /* scratch of one thread */
-
-RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_constraint_set_init needs, and the call itself: as rbd_constraint_set_size and _init,
-   of a batch b of the model instead of a work. */
-RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
-RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
-                                                        const rbd_constraint *list, int n, void *memory,
-                                                        size_t size, rbd_batch_constraint_set **c,
-                                                        rbd_report *report);
-
-/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
-   rows, and none after it is singular. */
-RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
-RBDI_EXTERN_C_CLOSE
-
 /* ==== src/rbd_constraints.h ==== */
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 
 #endif /* RBD_CONSTRAINTS_H */
 
 #if defined RBD_DERIVATIVES_H && !defined RBD_NO_CHOLESKY && !defined RBDI_CONSTRAINED_DERIVATIVES
 #define RBDI_CONSTRAINED_DERIVATIVES
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
@@ -275,9 +244,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
                                                    const rbd_constrained_fd_results *out);
 
 /* ==== src/rbd_constraints.h ==== */
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 #endif
 
 /* ====================================================================================================
@@ -1922,71 +1889,6 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     *constraints = c;
     return RBD_OK;
 }
-
-/* ==== src/constraints/batch.h ==== */
-/* ---- batches [batch code] ---- */
-
-#ifdef RBD_BATCH_IMPLEMENTATION
-RBDI_EXTERN_C_BEGIN
-
-struct rbd_batch_constraint_set {
-    rbd_batch *b;
-    rbd_constraint_set *c;
-    rbd_real *y; /* outputs of the states at hand */
-};
-
-static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
-    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraint_set)) +
-           RBDI_ROUND(sizeof(rbd_real) * (size_t)(m->nv + rows));
-}
-
-RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
-    const size_t size = rbd_constraint_set_size(m, list, n);
-    return size ? size + rbdi_batch_constraints_own(m, rbdi_rows_of(list, n)) : 0;
-}
-
-RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
-                                                        const rbd_constraint *list, int n, void *memory,
-                                                        size_t size, rbd_batch_constraint_set **constraints,
-                                                        rbd_report *report) {
-    rbd_batch_constraint_set *c;
-    rbd_constraint_set *inner = NULL;
-    unsigned char *p, *at;
-    const size_t needed = rbd_batch_constraint_set_size(m, list, n);
-    const int room = memory && needed && size >= needed;
-    rbd_status status;
-    int rows = 0;
-    if (constraints) *constraints = NULL;
-    if (room) rows = rbdi_rows_of(list, n);
-    p = at = room ? rbdi_aligned(memory) : (unsigned char *)memory;
-    if (room) at += rbdi_batch_constraints_own(m, rows) - RBDI_ALIGN;
-    status = rbd_constraint_set_init(m, b && constraints ? b->w : NULL, list, n, at,
-                                     room ? rbd_constraint_set_size(m, list, n) : 0, &inner, report);
-    if (status) return status;
-    c = (rbd_batch_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraint_set)));
-    c->b = b, c->c = inner;
-    c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
-    *constraints = c;
-    return RBD_OK;
-}
-
-static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
-    return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
-                              t->y[1]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
-    rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
-    if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
-    rbdi_task_output(&t, 0, a, rbd_nv(m));
-    rbdi_task_output(&t, 1, lambda, c->c->rows);
-    t.more = c->c;
-    return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
-}
-
-RBDI_EXTERN_C_CLOSE
-#endif /* RBD_BATCH_IMPLEMENTATION */
 
 /* ==== src/rbd_constraints.h ==== */
 RBDI_CODE_END

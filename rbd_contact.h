@@ -54,9 +54,7 @@
 #error "rbd: rbd_contact.h needs a scalar, without RBD_LANES and RBD_REAL_CUSTOM"
 #endif
 
-#if defined __cplusplus && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/contact.h ==== */
 #define rbd_contact_solve_size RBDI_SYMBOL(rbd_contact_solve_size)
@@ -206,9 +204,7 @@ RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 /* ==== src/rbd_contact.h ==== */
-#if defined __cplusplus && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 
 #endif /* RBD_CONTACT_H */
 

@@ -17,11 +17,11 @@
 
    CONTENTS (search for the tag)
      [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
-     [steps] [batch]
+     [steps]
      --- stop here if you only use it ---
      [layout]
      [common frame] [entries] [memory code] [momentum code] [coriolis code] [free base code]
-     [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
+     [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. Each call is a short loop over its columns.
@@ -35,9 +35,7 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/derivatives.h ==== */
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
@@ -57,13 +55,6 @@ extern "C" {
 #define rbd_body_parameters RBDI_SYMBOL(rbd_body_parameters)
 #define rbd_set_parameters RBDI_SYMBOL(rbd_set_parameters)
 #define rbd_check_parameters RBDI_SYMBOL(rbd_check_parameters)
-#define rbd_batch_derivatives_size RBDI_OF_SCALAR(rbd_batch_derivatives_size)
-#define rbd_batch_derivatives_init RBDI_OF_SCALAR(rbd_batch_derivatives_init)
-#define rbd_batch_momentum_matrix RBDI_OF_SCALAR(rbd_batch_momentum_matrix)
-#define rbd_batch_coriolis RBDI_OF_SCALAR(rbd_batch_coriolis)
-#define rbd_batch_id_derivatives RBDI_OF_SCALAR(rbd_batch_id_derivatives)
-#define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
-#define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
 /* ---- memory [memory] ---- */
 
@@ -198,39 +189,6 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
 /* Of d = rbd_difference(q0, q1) by q0 and by q1: dd_dq0, dd_dq1, nv x nv. */
 RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
                                                rbd_real *dd_dq0, rbd_real *dd_dq1);
-
-/* ---- batches [batch] ----
-   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, each
-   result n times the single call's; of a call's outputs those that may be NULL there may be so here. After
-   RBD_ERR_SINGULAR rbd_batch_singular tells the state. */
-
-typedef struct rbd_batch_derivatives rbd_batch_derivatives; /* scratch of one thread */
-
-RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_derivatives_init needs, and the call itself: as rbd_derivatives_size and _init, of a
-   batch b of the model instead of a work. */
-RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
-RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                     size_t size, rbd_batch_derivatives **d);
-RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
-                                                    RBD_REAL *A_dot_v);
-RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
-RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                   RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
-#ifndef RBD_NO_CHOLESKY
-RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                   RBD_REAL *da_dv, RBD_REAL *Minv);
-#endif
-RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                              RBD_REAL *regressor);
-RBDI_EXTERN_C_CLOSE
 
 /* ==== src/rbd_derivatives.h ==== */
 RBDI_EXTERN_C_END
@@ -2499,124 +2457,6 @@ RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_rea
     }
     return RBD_OK;
 }
-
-/* ==== src/derivatives/batch.h ==== */
-/* ---- batches [batch code] ---- */
-
-#ifdef RBD_BATCH_IMPLEMENTATION
-RBDI_EXTERN_C_BEGIN
-
-struct rbd_batch_derivatives {
-    rbd_batch *b;
-    rbd_derivatives *d;
-    rbd_real *y; /* outputs of the states at hand */
-};
-
-/* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a
-   regressor. */
-static int rbdi_derivatives_output(const rbd_model *m) {
-    int most = (3 * m->nv + 6) * m->nv + 6;
-    if (most < 10 * m->nb * m->nv) most = 10 * m->nb * m->nv;
-    return most;
-}
-
-RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
-    if (!m) return 0;
-    return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_derivatives)) + rbd_derivatives_size(m) +
-           sizeof(rbd_real) * (size_t)rbdi_derivatives_output(m);
-}
-
-RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                     size_t size, rbd_batch_derivatives **derivatives) {
-    unsigned char *p;
-    rbd_batch_derivatives *d;
-    rbd_status status;
-    if (!m || !b || !memory || !derivatives) return RBD_ERR_NULL;
-    if (size < rbd_batch_derivatives_size(m)) return RBD_ERR_MEMORY;
-    p = rbdi_aligned(memory);
-    d = (rbd_batch_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_derivatives)));
-    d->b = b;
-    d->y = (rbd_real *)rbdi_take(&p, rbdi_derivatives_output(m), sizeof(rbd_real));
-    status = rbd_derivatives_init(m, b->w, p, rbd_derivatives_size(m), &d->d);
-    if (!status) *derivatives = d;
-    return status;
-}
-
-static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_model *m,
-                                             rbd_batch_derivatives *d, int n, rbdi_task *t) {
-    if (!d) return RBD_ERR_NULL;
-    t->more = d->d;
-    return rbdi_batch_run(call, m, d->b, n, d->y, t);
-}
-
-static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
-    return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
-                                                    RBD_REAL *A_dot_v) {
-    rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
-    rbdi_task_output(&t, 0, A, 6 * rbd_nv(m));
-    rbdi_task_output(&t, 1, A_dot_v, 6);
-    return rbdi_batch_derivatives_run(rbdi_lanes_momentum_matrix, m, d, n, &t);
-}
-
-static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
-    return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C) {
-    rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
-    rbdi_task_output(&t, 0, C, rbd_nv(m) * rbd_nv(m));
-    return rbdi_batch_derivatives_run(rbdi_lanes_coriolis, m, d, n, &t);
-}
-
-static rbd_status rbdi_lanes_rnea_derivatives(const rbd_model *m, const rbdi_task *t) {
-    return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
-                              t->y[1], t->y[2]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                   RBD_REAL *dtau_dv, RBD_REAL *M) {
-    rbdi_task t = rbdi_task_of(q, v, a, f_ext);
-    rbdi_task_output(&t, 0, dtau_dq, rbd_nv(m) * rbd_nv(m));
-    rbdi_task_output(&t, 1, dtau_dv, rbd_nv(m) * rbd_nv(m));
-    rbdi_task_output(&t, 2, M, rbd_nv(m) * rbd_nv(m));
-    return rbdi_batch_derivatives_run(rbdi_lanes_rnea_derivatives, m, d, n, &t);
-}
-
-#ifndef RBD_NO_CHOLESKY
-static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
-    return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
-                              t->y[1], t->y[2], t->y[3]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                   RBD_REAL *da_dv, RBD_REAL *Minv) {
-    rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
-    rbdi_task_output(&t, 0, a, rbd_nv(m));
-    rbdi_task_output(&t, 1, da_dq, rbd_nv(m) * rbd_nv(m));
-    rbdi_task_output(&t, 2, da_dv, rbd_nv(m) * rbd_nv(m));
-    rbdi_task_output(&t, 3, Minv, rbd_nv(m) * rbd_nv(m));
-    return rbdi_batch_derivatives_run(rbdi_lanes_fd_derivatives, m, d, n, &t);
-}
-#endif
-
-static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
-    return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
-}
-RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                              RBD_REAL *Y) {
-    rbdi_task t = rbdi_task_of(q, v, a, NULL);
-    rbdi_task_output(&t, 0, Y, m ? 10 * m->nb * m->nv : 0);
-    return rbdi_batch_derivatives_run(rbdi_lanes_regressor, m, d, n, &t);
-}
-
-RBDI_EXTERN_C_CLOSE
-#endif /* RBD_BATCH_IMPLEMENTATION */
 
 /* ==== src/rbd_derivatives.h ==== */
 RBDI_CODE_END

@@ -1,6 +1,6 @@
 /* batch.c - forward dynamics of the iiwa in 4096 random states by one batch call, and by single calls. */
 #define RBD_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_batch.h"
 
 #include "models/iiwa_model.h"
 

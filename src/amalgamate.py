@@ -22,7 +22,7 @@ import sys
 from pathlib import Path
 
 SRC = Path(__file__).resolve().parent
-HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_spatial.h"]
+HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h"]
 INCLUDE = re.compile(r'#include "(\w+/\w+\.h)"')
 MADE = "   Made by src/amalgamate.py from src/{} and the files that it includes: edit those."
 

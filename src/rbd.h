@@ -20,13 +20,13 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [guarantees] [limits]
-     [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup] [batch]
+     [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [spatial algebra] [common] [joints] [state]
      [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
-     [descriptions] [model build] [batch code]
+     [descriptions] [model build]
      [licence]
 
    [conventions]
@@ -74,7 +74,7 @@
                       other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
                       ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
                       scalar differs on purpose; 1 with clang, where it does no link-time optimisation
-     RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the batch calls, see [batch]
+     RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the calls of rbd_batch.h
      RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
                       ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of
                       the flash; rbd_work_init refuses other models, RBD_ERR_LEFT_OUT. A table gives its
@@ -114,12 +114,7 @@
 
 #include "api/configuration.h"
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#define RBDI_EXTERN_C_END }
-#else
-#define RBDI_EXTERN_C_END
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/symbols.h"
 #include "api/types.h"
@@ -130,7 +125,6 @@ extern "C" {
 #include "api/points.h"
 #include "api/manifold.h"
 #include "api/lookup.h"
-#include "api/batch.h"
 
 RBDI_EXTERN_C_END
 
@@ -286,8 +280,6 @@ RBDI_CODE_END
 #include "model/build.h"
 #include "model/payload.h"
 #endif /* RBD_NO_BUILD */
-
-#include "batch/batch.h"
 
 #endif /* RBD_IMPLEMENTATION */
 

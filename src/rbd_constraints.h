@@ -17,12 +17,12 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [description] [set] [calls] [batch] [derivatives]
+     [description] [set] [calls] [derivatives]
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
      [articulated]
-     [call code] [weights] [assembly] [set code] [batch code] [derivatives code]
+     [call code] [weights] [assembly] [set code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
      frames       frame 1 is fixed in body 1, frame 2 in body 2, which may be the world. R_1, p_1, w_1, v_1
@@ -58,29 +58,21 @@
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/constraints.h"
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 
 #endif /* RBD_CONSTRAINTS_H */
 
 #if defined RBD_DERIVATIVES_H && !defined RBD_NO_CHOLESKY && !defined RBDI_CONSTRAINED_DERIVATIVES
 #define RBDI_CONSTRAINED_DERIVATIVES
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/constrained_derivatives.h"
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 #endif
 
 /* ====================================================================================================
@@ -142,7 +134,6 @@ RBDI_CODE_BEGIN
 #include "constraints/assembly.h"
 
 #include "constraints/set.h"
-#include "constraints/batch.h"
 
 RBDI_CODE_END
 

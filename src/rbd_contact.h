@@ -53,15 +53,11 @@
 #error "rbd: rbd_contact.h needs a scalar, without RBD_LANES and RBD_REAL_CUSTOM"
 #endif
 
-#if defined __cplusplus && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/contact.h"
 
-#if defined __cplusplus && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 
 #endif /* RBD_CONTACT_H */
 

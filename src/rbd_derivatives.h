@@ -16,11 +16,11 @@
 
    CONTENTS (search for the tag)
      [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
-     [steps] [batch]
+     [steps]
      --- stop here if you only use it ---
      [layout]
      [common frame] [entries] [memory code] [momentum code] [coriolis code] [free base code]
-     [inverse dynamics code] [forward dynamics code] [identification code] [steps code] [batch code]
+     [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. Each call is a short loop over its columns.
@@ -34,9 +34,7 @@
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
-#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/derivatives.h"
 
@@ -71,7 +69,6 @@ RBDI_EXTERN_C_END
 #include "derivatives/dynamics.h"
 #include "derivatives/regressors.h"
 #include "derivatives/steps.h"
-#include "derivatives/batch.h"
 
 RBDI_CODE_END
 

@@ -3,3 +3,4 @@
 #define RBD_BATCH_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
+#include "rbd_batch.h"

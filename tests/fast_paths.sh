@@ -31,7 +31,7 @@ cat >"$scratch/single.c" <<'END'
 END
 cat >"$scratch/lanes.c" <<'END'
 #define RBD_BATCH_IMPLEMENTATION
-#include "rbd.h"
+#include "rbd_batch.h"
 #ifndef RBDI_POLYNOMIAL_SINCOS
 #error "sine and cosine are libm's"
 #endif

@@ -84,6 +84,8 @@ cat >"$scratch/hostile_batch.c" <<'END'
 #define RBD_LANES 4
 #define RBD_BATCH_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_constraints.h"
+#include "rbd_batch.h"
 END
 
 # compile FILE COMPILER FLAG...

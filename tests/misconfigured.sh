@@ -47,6 +47,12 @@ says "RBD_CONST must be RBD_REAL" -DRBD_REAL=float -DRBD_CONST=double
 says "needs C99 or later" -std=c90
 says "needs C99 or later" -std=gnu90
 
+echo '#include "rbd_batch.h"' >"$scratch/file.c"
+says "RBD_BATCH_IMPLEMENTATION needs RBD_LANES" -DRBD_BATCH_IMPLEMENTATION
+says "the batch calls need RBD_NO_CHOLESKY undefined" -DRBD_LANES=2 -DRBD_BATCH_IMPLEMENTATION -DRBD_NO_CHOLESKY
+printf '#include "rbd.h"\n#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_batch.h"\n' >"$scratch/file.c"
+says "define RBD_BATCH_IMPLEMENTATION before the first header" -DRBD_LANES=2
+
 for compiler in gcc clang; do command -v "$compiler" >/dev/null 2>&1 || missing="$missing $compiler"; done
 echo "$checks checks, $failures failed; missing:${missing:- nothing}"
 [ "$checks" -gt 0 ] && [ "$failures" -eq 0 ]

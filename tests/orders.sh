@@ -1,6 +1,6 @@
 #!/bin/sh
 # The headers may be included in any order and as often as one likes, before the line that defines RBD_IMPLEMENTATION
-# and behind it; each that stands behind it is implemented.
+# and behind it; each that stands behind it is implemented. rbd_batch.h has the batch calls of the headers before it.
 # usage: orders.sh DIRECTORY_OF_RBD_H
 set -u
 
@@ -17,6 +17,7 @@ name() {
     d) echo rbd_derivatives.h ;;
     c) echo rbd_constraints.h ;;
     k) echo rbd_contact.h ;;
+    b) echo rbd_batch.h ;;
     s) echo rbd_spatial.h ;;
     esac
 }
@@ -31,6 +32,8 @@ file() {
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
     case $1$2 in *d*[ck]*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1$2 in *d*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
+    case $1$2 in *[ck]*b*) echo "#define EXPECTED_BATCH_CONSTRAINTS" ;; esac
     case $1:$2 in *:*d*[ck]* | *d*:*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     cat <<'END'
 #if defined EXPECTED != defined RBDI_IMPLEMENTED
@@ -52,6 +55,14 @@ file() {
 void use(void);
 void use(void) { (void)rbd_constrained_fd_derivatives; }
 #endif
+#if defined EXPECTED_BATCH_DERIVATIVES
+void use_derivatives(void);
+void use_derivatives(void) { (void)rbd_batch_id_derivatives; }
+#endif
+#if defined EXPECTED_BATCH_CONSTRAINTS
+void use_constraints(void);
+void use_constraints(void) { (void)rbd_batch_constrained_fd; }
+#endif
 END
 }
 
@@ -68,19 +79,35 @@ compile() {
     sed -n '1,5p' "$scratch/messages"
 }
 
-singles="r d c k s"
+# implements HEADERS NUMBER COMPILER FLAG...: a file of batches, which defines so many of their calls
+implements() {
+    headers=$1
+    number=$2
+    shift 2
+    checks=$((checks + 1))
+    printf '#define RBD_LANES 2\n#define RBD_BATCH_IMPLEMENTATION\n' >"$scratch/file.c"
+    for letter in $(echo "$headers" | sed 's/./& /g'); do echo "#include \"$(name "$letter")\""; done >>"$scratch/file.c"
+    "$@" -Dalways_inline=unused -I"$root" -c "$scratch/file.c" -o "$scratch/file.o" >"$scratch/messages" 2>&1 &&
+        [ "$(nm "$scratch/file.o" | grep -c ' T rbd_batch_')" -eq "$number" ] && return
+    failures=$((failures + 1))
+    echo "FAILED: $*: batches of $headers"
+    sed -n '1,5p' "$scratch/messages"
+}
+
+singles="r d c k s b"
 pairs=
 for a in $singles; do
     for b in $singles; do pairs="$pairs $a$b"; done
 done
-orders=$(for a in $singles; do for b in $singles; do for c in $singles; do for d in $singles; do echo "$a $b $c $d"; done; done; done; done |
+four="r d c k s"
+orders=$(for a in $four; do for b in $four; do for c in $four; do for d in $four; do echo "$a $b $c $d"; done; done; done; done |
     awk '$1 != $2 && $1 != $3 && $1 != $4 && $2 != $3 && $2 != $4 && $3 != $4 { print $1 $2 $3 $4 }' |
     grep r | grep d | grep s) # and c or k, which stands on it
 
 # All orders of two on one side with one header on the other, and of four on both. tcc takes no more than a moment for each.
 if command -v tcc >/dev/null 2>&1; then
     for one in "" $singles; do
-        for two in "" $singles $pairs cdc; do
+        for two in "" $singles $pairs cdc dcb bdcb; do
             compile "$one" "$two" tcc -std=c99 -c -o "$scratch/file.o"
             compile "$two" "$one" tcc -std=c99 -c -o "$scratch/file.o"
         done
@@ -92,6 +119,12 @@ for order in rdcs dscr csrd srcd crds sdrc; do
     compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
     compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only
 done
+if [ -n "$("${CC:-cc}" -dM -E -x c /dev/null | grep __GNUC__)" ]; then # has lanes
+    for batch in "b 15" "rb 15" "bb 15" "db 22" "bdb 22" "cbdb 25" "dcb 25"; do
+        implements "${batch% *}" "${batch#* }" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror
+        implements "${batch% *}" "${batch#* }" "${CXX:-c++}" -x c++ -std=c++11 -Wall -Wextra -Werror
+    done
+fi
 
 echo "$checks checks, $failures failed"
 [ "$checks" -ge 12 ] && [ "$failures" -eq 0 ]

@@ -1,7 +1,7 @@
 #!/bin/sh
 # RBD_NO_BUILD and RBD_NO_CHOLESKY: with each and with both the headers compile without a warning, and what they declare
 # is what they define. What a part holds is checked; models with mimic joints are refused where nothing is left to
-# solve them; batches and constraints without the factor are an error.
+# solve them; constraints without the factor are an error.
 # usage: parts.sh DIRECTORY_OF_RBD_H
 set -u
 
@@ -44,7 +44,7 @@ leave_out() {
     fi
     # shellcheck disable=SC2046,SC2086 # words wanted
     ${CC:-cc} -std=c99 -E -P $(flags "$@") -I"$root" "$scratch/declarations.c" | tr '\n' ' ' |
-        grep -o 'extern [^;(]* \**rbd_[a-z_]* *(' | sed 's/.*rbd_/rbd_/; s/ *($//; s/_double$//' | grep -v '^rbd_batch' |
+        grep -o 'extern [^;(]* \**rbd_[a-z_]* *(' | sed 's/.*rbd_/rbd_/; s/ *($//; s/_double$//' |
         sort -u >"$scratch/declared"
     nm "$scratch/rbd.o" | awk '$2 == "T" { sub(/_double$/, "", $3); print $3 }' | sort -u >"$scratch/defined"
     [ -s "$scratch/declared" ] && diff "$scratch/declared" "$scratch/defined" ||
@@ -81,11 +81,6 @@ leave_out BUILD CHOLESKY
 
 printf '#define RBD_IMPLEMENTATION\n#include "rbd_constraints.h"\n' >"$scratch/rbd.c"
 compile -DRBD_NO_CHOLESKY || grep -q 'rbd: rbd_constraints.h needs' "$scratch/messages" || fail "constraints without CHOLESKY"
-printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/rbd.c"
-if compile -DRBD_BATCH_IMPLEMENTATION -DRBD_LANES=2 -DRBD_NO_CHOLESKY ||
-    ! grep -q 'rbd: the batch calls need' "$scratch/messages"; then
-    fail "batches without CHOLESKY are not refused"
-fi
 
 cat >"$scratch/mimic.c" <<'END'
 #define RBD_IMPLEMENTATION

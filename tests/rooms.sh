@@ -12,7 +12,10 @@ python3 "$root/src/amalgamate.py" --check || status=1
 python3 "$root/tests/adequacy/rooms.py" || status=1
 cd "$root/src" || exit 1
 for room in */*.h; do
-    echo "#include \"$room\"" | ${CC:-cc} -std=c99 -Wall -Wextra -Werror -I. -fsyntax-only -x c - 2>"$messages" ||
+    lanes=
+    case $room in batch/*) lanes="-DRBD_LANES=2 -Wno-unused-function" ;; esac
+    # shellcheck disable=SC2086 # words wanted
+    echo "#include \"$room\"" | ${CC:-cc} -std=c99 -Wall -Wextra -Werror $lanes -I. -fsyntax-only -x c - 2>"$messages" ||
         { echo "$room does not compile alone"; sed -n 1,4p "$messages"; status=1; }
 done
 exit $status

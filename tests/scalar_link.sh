@@ -14,7 +14,7 @@ failures=0
 compared=rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES
 
 printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/library.c"
-printf '#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/batch.c"
+printf '#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_batch.h"\n' >"$scratch/batch.c"
 cp "$scratch/library.c" "$scratch/library.cpp"
 # A program as firmware has it: one file sets up, another one controls.
 cat >"$scratch/setup.c" <<'END'

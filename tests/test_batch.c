@@ -1,4 +1,4 @@
-/* test_batch.c - [batch] of rbd.h, rbd_derivatives.h, rbd_constraints.h: the batch calls of batch.c against
+/* test_batch.c - rbd_batch.h: the calls of batch.c against
    the single calls of rbd.c and the reference. Built for several BATCH_LANES, with double and with
    -DRBD_REAL=float; each is a program of its own. `batch_PROGRAM --errors` also prints the largest difference
    between both. */
@@ -12,6 +12,7 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_constraints.h"
+#include "rbd_batch.h"
 
 #include "reference.h"
 

@@ -1,9 +1,10 @@
-/* lanes.h - the batch calls of rbd.h: RBD_LANES states in each SIMD instruction.
+/* lanes.h - the calls of rbd_batch.h: RBD_LANES states in each SIMD instruction.
    SPDX-License-Identifier: MIT */
 #define RBD_BATCH_IMPLEMENTATION
 #include "../bench.h"
 #include "rbd_derivatives.h"
 #include "constrained.h"
+#include "rbd_batch.h"
 
 #define VARIANT LANES
 #define BLOCKS_VARIANT BLOCKS

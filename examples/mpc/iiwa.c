@@ -8,6 +8,7 @@
 #include "check.h"
 
 #include "reach.h"
+#include "rbd_batch.h"
 
 #include <pthread.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
-#define RBD_LANES 4 /* for AVX; 8 with AVX-512, 2 else: see [batch] of rbd.h */
+#define RBD_LANES 4 /* for AVX; 8 with AVX-512, 2 else: see rbd_batch.h */
 #define RBD_BATCH_IMPLEMENTATION
 #include "rbd_derivatives.h"
+#include "rbd_batch.h"

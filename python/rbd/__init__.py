@@ -86,7 +86,7 @@ def _find_sources():
 
 SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
 _HEADERS = {name: (SOURCES / name).read_text() for name in
-            ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_spatial.h", "rbd_urdf.h")}
+            ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_urdf.h")}
 _TEXT = "\n".join(_HEADERS.values())
 __version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 
@@ -297,6 +297,7 @@ _BATCH = """
 #define RBD_BATCH_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
+#include "rbd_batch.h"
 """
 
 

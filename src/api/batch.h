@@ -2,19 +2,25 @@
 #define RBDI_API_BATCH_H
 #include "api/points.h"
 
-/* ---- batches [batch] ----
-   Many states at once, RBD_LANES of them by each SIMD instruction, from and to ordinary arrays. A file of
-   its own implements them, compiled for the SIMD unit at hand:
+#define rbd_batch_lanes RBDI_OF_SCALAR(rbd_batch_lanes)
+#define rbd_batch_size RBDI_OF_SCALAR(rbd_batch_size)
+#define rbd_batch_init RBDI_OF_SCALAR(rbd_batch_init)
+#define rbd_batch_set_gravity RBDI_OF_SCALAR(rbd_batch_set_gravity)
+#define rbd_batch_set_layout RBDI_OF_SCALAR(rbd_batch_set_layout)
+#define rbd_batch_rnea RBDI_OF_SCALAR(rbd_batch_rnea)
+#define rbd_batch_bias RBDI_OF_SCALAR(rbd_batch_bias)
+#define rbd_batch_crba RBDI_OF_SCALAR(rbd_batch_crba)
+#define rbd_batch_crba_packed RBDI_OF_SCALAR(rbd_batch_crba_packed)
+#define rbd_batch_aba RBDI_OF_SCALAR(rbd_batch_aba)
+#define rbd_batch_fd_cholesky RBDI_OF_SCALAR(rbd_batch_fd_cholesky)
+#define rbd_batch_minverse RBDI_OF_SCALAR(rbd_batch_minverse)
+#define rbd_batch_jacobian RBDI_OF_SCALAR(rbd_batch_jacobian)
+#define rbd_batch_momentum RBDI_OF_SCALAR(rbd_batch_momentum)
+#define rbd_batch_singular RBDI_OF_SCALAR(rbd_batch_singular)
 
-       #define RBD_LANES 8               (double: 8 with AVX-512, 4 with AVX, 2 else; float: twice that)
-       #define RBD_BATCH_IMPLEMENTATION
-       #include "rbd.h"
+#define RBDI_BATCH_API RBDI_EXTENSION extern
 
-   All other files include rbd.h as ever. In every call n states stand one after the other (unless
-   rbd_batch_set_layout says otherwise): q is n x nq, v, a, tau n x nv, f_ext n x nb x 6 or NULL,
-   mass_matrix n x nv x nv, packed n x rbd_packed_size(m). With n <= 0 nothing is done.
-   Results are those of the single calls, to rounding. Errors: as there; with RBD_ERR_SINGULAR the other
-   states' results stand, and rbd_batch_singular names the first that is singular. */
+/* ---- the calls of rbd.h [batch] ---- */
 
 typedef struct rbd_batch rbd_batch; /* scratch of one thread */
 
@@ -31,7 +37,6 @@ typedef enum rbd_layout {
     RBD_BLOCKS /* as above */
 } rbd_layout;
 
-RBDI_EXTERN_C_BEGIN
 RBDI_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
 
 /* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
@@ -73,6 +78,5 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, i
 
 /* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
 RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
-RBDI_EXTERN_C_CLOSE
 
 #endif

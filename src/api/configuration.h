@@ -1,7 +1,7 @@
 #ifndef RBDI_API_CONFIGURATION_H
 #define RBDI_API_CONFIGURATION_H
 
-#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the batch calls: another file has the rest */
+#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the calls of rbd_batch.h: another file has the rest */
 #define RBD_IMPLEMENTATION
 #define RBD_STATIC
 #endif
@@ -116,14 +116,12 @@ typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL
 RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #endif
 
-/* The batch calls are between files also where all else is static. */
-#define RBDI_BATCH_API RBDI_EXTENSION extern
-#if defined __cplusplus && defined RBD_STATIC && !defined RBD_REAL_CUSTOM
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
 #define RBDI_EXTERN_C_BEGIN extern "C" {
-#define RBDI_EXTERN_C_CLOSE }
+#define RBDI_EXTERN_C_END }
 #else
 #define RBDI_EXTERN_C_BEGIN
-#define RBDI_EXTERN_C_CLOSE
+#define RBDI_EXTERN_C_END
 #endif
 
 #endif

@@ -1,6 +1,8 @@
 #ifndef RBDI_API_CONSTRAINTS_H
 #define RBDI_API_CONSTRAINTS_H
-#include "api/batch.h"
+#include "api/symbols.h"
+#include "api/types.h"
+#include "api/status.h"
 
 #define rbd_point_contact RBDI_SYMBOL(rbd_point_contact)
 #define rbd_flat_contact RBDI_SYMBOL(rbd_flat_contact)
@@ -19,9 +21,6 @@
 #define rbd_constrained_id RBDI_SYMBOL(rbd_constrained_id)
 #define rbd_assemble RBDI_SYMBOL(rbd_assemble)
 #define rbd_constrained_fd_derivatives RBDI_SYMBOL(rbd_constrained_fd_derivatives)
-#define rbd_batch_constraint_set_size RBDI_OF_SCALAR(rbd_batch_constraint_set_size)
-#define rbd_batch_constraint_set_init RBDI_OF_SCALAR(rbd_batch_constraint_set_init)
-#define rbd_batch_constrained_fd RBDI_OF_SCALAR(rbd_batch_constrained_fd)
 
 /* ---- description [description] ---- */
 
@@ -151,27 +150,5 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near);
-
-/* ---- batches [batch] ----
-   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, the
-   constraints the same for all. */
-
-typedef struct rbd_batch_constraint_set rbd_batch_constraint_set; /* scratch of one thread */
-
-RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_constraint_set_init needs, and the call itself: as rbd_constraint_set_size and _init,
-   of a batch b of the model instead of a work. */
-RBDI_BATCH_API size_t rbd_batch_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n);
-RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_batch *b,
-                                                        const rbd_constraint *list, int n, void *memory,
-                                                        size_t size, rbd_batch_constraint_set **c,
-                                                        rbd_report *report);
-
-/* rbd_constrained_fd. Singular states as elsewhere in batches; RBD_ERR_INFEASIBLE if one has contradicting
-   rows, and none after it is singular. */
-RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda);
-RBDI_EXTERN_C_CLOSE
 
 #endif

@@ -1,6 +1,8 @@
 #ifndef RBDI_API_DERIVATIVES_H
 #define RBDI_API_DERIVATIVES_H
-#include "api/batch.h"
+#include "api/symbols.h"
+#include "api/types.h"
+#include "api/status.h"
 
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
@@ -19,13 +21,6 @@
 #define rbd_body_parameters RBDI_SYMBOL(rbd_body_parameters)
 #define rbd_set_parameters RBDI_SYMBOL(rbd_set_parameters)
 #define rbd_check_parameters RBDI_SYMBOL(rbd_check_parameters)
-#define rbd_batch_derivatives_size RBDI_OF_SCALAR(rbd_batch_derivatives_size)
-#define rbd_batch_derivatives_init RBDI_OF_SCALAR(rbd_batch_derivatives_init)
-#define rbd_batch_momentum_matrix RBDI_OF_SCALAR(rbd_batch_momentum_matrix)
-#define rbd_batch_coriolis RBDI_OF_SCALAR(rbd_batch_coriolis)
-#define rbd_batch_id_derivatives RBDI_OF_SCALAR(rbd_batch_id_derivatives)
-#define rbd_batch_fd_derivatives RBDI_OF_SCALAR(rbd_batch_fd_derivatives)
-#define rbd_batch_regressor RBDI_OF_SCALAR(rbd_batch_regressor)
 
 /* ---- memory [memory] ---- */
 
@@ -160,38 +155,5 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
 /* Of d = rbd_difference(q0, q1) by q0 and by q1: dd_dq0, dd_dq1, nv x nv. */
 RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
                                                rbd_real *dd_dq0, rbd_real *dd_dq1);
-
-/* ---- batches [batch] ----
-   As [batch] of rbd.h, in whose file this header is then included instead: n states one after the other, each
-   result n times the single call's; of a call's outputs those that may be NULL there may be so here. After
-   RBD_ERR_SINGULAR rbd_batch_singular tells the state. */
-
-typedef struct rbd_batch_derivatives rbd_batch_derivatives; /* scratch of one thread */
-
-RBDI_EXTERN_C_BEGIN
-/* Bytes that rbd_batch_derivatives_init needs, and the call itself: as rbd_derivatives_size and _init, of a
-   batch b of the model instead of a work. */
-RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m);
-RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_batch *b, void *memory,
-                                                     size_t size, rbd_batch_derivatives **d);
-RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                    const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix,
-                                                    RBD_REAL *A_dot_v);
-RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                             const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *matrix);
-RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                                   const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
-                                                   RBD_REAL *dtau_dv, RBD_REAL *mass_matrix);
-#ifndef RBD_NO_CHOLESKY
-RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                                   const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
-                                                   const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
-                                                   RBD_REAL *da_dv, RBD_REAL *Minv);
-#endif
-RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
-                                              const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                              RBD_REAL *regressor);
-RBDI_EXTERN_C_CLOSE
 
 #endif

@@ -2,11 +2,6 @@
 #define RBDI_API_TYPES_H
 #include "api/configuration.h"
 
-#if defined RBD_BATCH_IMPLEMENTATION && defined RBD_NO_CHOLESKY
-#error "rbd: the batch calls need RBD_NO_CHOLESKY undefined"
-#undef RBD_NO_CHOLESKY
-#endif
-
 #define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
 /* ---- types [types] ---- */

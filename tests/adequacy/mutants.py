@@ -25,7 +25,7 @@ HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
 FIELDS = ["function", "text", "mutated"]
 ABORT = ["-Wl,--wrap=_ck_assert_failed"]  # the first failure ends the program: see stop.c
-COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_spatial.h": 50}  # that compile
+COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_batch.h": 50, "rbd_spatial.h": 50}  # that compile
 
 # ---- mutants ----
 
@@ -212,6 +212,7 @@ WARN_NOT = ["-Wno-psabi", "-Wno-attributes", "-Werror=incompatible-pointer-types
             "-Werror=implicit-function-declaration"]
 APART = "-Dalways_inline=unused"  # compiles in a fraction of the time
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", APART)
+BATCHED = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_batch.h"
 BATCHES = "batch|gather|scatter|transpose|EXCHANGE|task|lanes|_output|note_singular"
 
 
@@ -257,7 +258,7 @@ def stages(header):
     def batch(scalar_name, lanes):
         flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
         return Stage(f"batch {scalar_name} {lanes}", (("batch.c", ("-O0", APART, *flags)), ("rbd.c", ("-O0", APART, flags[0]))),
-                     (("test_batch.c", ("-O1", *flags)), *ref), functions=BATCHES)
+                     (("test_batch.c", ("-O1", *flags)), *ref), functions=BATCHES, headers=BATCHED)
 
     def sincos(name, *flags):
         return Stage("sincos " + name, (("test_sincos.c", ("-O1", "-DHAVE_QUADMATH", *flags)),), (), ("-lquadmath",),
@@ -284,7 +285,7 @@ def stages(header):
         flags = (f"-DRBD_REAL={scalar_name}", f"-DBATCH_LANES={lanes}")
         return Stage(f"batch {scalar_name} {lanes} sanitized", (("batch.c", (*SANITIZE, *flags)),),
                      (("rbd.c", ("-O1", flags[0])), ("test_batch.c", ("-O1", *flags)), *ref), link=SANITIZE[:2],
-                     environment=(("ASAN_OPTIONS", "detect_leaks=0"),), functions=BATCHES)
+                     environment=(("ASAN_OPTIONS", "detect_leaks=0"),), functions=BATCHES, headers=BATCHED)
 
     out = [spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
            Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),
@@ -324,7 +325,7 @@ class Bench:
         self.stages = [stage for stage in stages(source.name) if re.search(stage.headers, source.name)]
         # what an object without the implementation depends on
         self.seen = digest_of(*sorted(TESTS.rglob("*.[ch]*"))) + "".join(
-            "".join(header.lines[:header.first]) for header in (Source(ROOT / name) for name in HEADERS[:3]))
+            "".join(header.lines[:header.first]) for header in (Source(ROOT / name) for name in HEADERS[:5]))
         self.check = subprocess.run(["pkg-config", "--cflags", "--libs", "check"], capture_output=True, text=True,
                                     check=True).stdout.split()
         self.lock = threading.Lock()
@@ -339,8 +340,8 @@ class Bench:
 
     def compiles(self, include):
         """Whether GCC takes it: a fifth of a second."""
-        return self.compile("gcc", "rbd.c" if "spatial" not in self.header else "spatial_frames.c",
-                            (APART, "-fsyntax-only"), include, "-").returncode == 0
+        unit = {"rbd_spatial.h": "spatial_frames.c", "rbd_batch.h": "batch.c"}.get(self.header, "rbd.c")
+        return self.compile("gcc", unit, (APART, "-DBATCH_LANES=2", "-fsyntax-only"), include, "-").returncode == 0
 
     def once(self, compiler, name, flags):
         """An object that no mutant is in; kept from run to run."""

@@ -32,7 +32,7 @@ class Source:
         self.lines = [""] + self.text.split("\n")
         clean = [""] + blank(self.text).split("\n")
         self.first = next((i for i, line in enumerate(clean)
-                           if line.startswith("#if defined RBD_IMPLEMENTATION")), 1)
+                           if re.match("#if defined RBD_(BATCH_)?IMPLEMENTATION", line)), 1)
         self.function = [""] * len(clean)
         self.code = [""] * len(clean)
         self.clean = clean

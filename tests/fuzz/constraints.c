@@ -11,6 +11,7 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_constraints.h"
+#include "rbd_batch.h"
 
 #include "dense.h"
 #include "problems.h"

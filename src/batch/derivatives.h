@@ -1,12 +1,12 @@
-#ifndef RBDI_DERIVATIVES_BATCH_H
-#define RBDI_DERIVATIVES_BATCH_H
-#include "batch/batch.h"
+#ifndef RBDI_BATCH_DERIVATIVES_H
+#define RBDI_BATCH_DERIVATIVES_H
+#include "api/lookup.h"
+#include "base/memory.h"
 #include "derivatives/layout.h"
+#include "api/batch_derivatives.h"
+#include "batch/tasks.h"
 
-/* ---- batches [batch code] ---- */
-
-#ifdef RBD_BATCH_IMPLEMENTATION
-RBDI_EXTERN_C_BEGIN
+/* ---- derivatives [derivatives code] ---- */
 
 struct rbd_batch_derivatives {
     rbd_batch *b;
@@ -88,7 +88,6 @@ RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch
     return rbdi_batch_derivatives_run(rbdi_lanes_rnea_derivatives, m, d, n, &t);
 }
 
-#ifndef RBD_NO_CHOLESKY
 static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
@@ -104,7 +103,6 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch
     rbdi_task_output(&t, 3, Minv, rbd_nv(m) * rbd_nv(m));
     return rbdi_batch_derivatives_run(rbdi_lanes_fd_derivatives, m, d, n, &t);
 }
-#endif
 
 static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
@@ -116,8 +114,5 @@ RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deri
     rbdi_task_output(&t, 0, Y, m ? 10 * m->nb * m->nv : 0);
     return rbdi_batch_derivatives_run(rbdi_lanes_regressor, m, d, n, &t);
 }
-
-RBDI_EXTERN_C_CLOSE
-#endif /* RBD_BATCH_IMPLEMENTATION */
 
 #endif

@@ -1,12 +1,11 @@
-#ifndef RBDI_CONSTRAINTS_BATCH_H
-#define RBDI_CONSTRAINTS_BATCH_H
-#include "batch/batch.h"
+#ifndef RBDI_BATCH_CONSTRAINTS_H
+#define RBDI_BATCH_CONSTRAINTS_H
+#include "api/lookup.h"
 #include "constraints/set.h"
+#include "api/batch_constraints.h"
+#include "batch/tasks.h"
 
-/* ---- batches [batch code] ---- */
-
-#ifdef RBD_BATCH_IMPLEMENTATION
-RBDI_EXTERN_C_BEGIN
+/* ---- constraints [constraints code] ---- */
 
 struct rbd_batch_constraint_set {
     rbd_batch *b;
@@ -63,8 +62,5 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
     t.more = c->c;
     return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
 }
-
-RBDI_EXTERN_C_CLOSE
-#endif /* RBD_BATCH_IMPLEMENTATION */
 
 #endif

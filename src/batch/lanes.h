@@ -1,0 +1,97 @@
+#ifndef RBDI_BATCH_LANES_H
+#define RBDI_BATCH_LANES_H
+#include "base/compiler.h"
+
+/* ---- lanes [lanes] ---- */
+
+/* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
+#if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
+#if RBD_LANES == 2
+#define RBDI_EACH_LANE(f, step) f(0, step), f(1, step)
+#elif RBD_LANES == 4
+#define RBDI_EACH_LANE(f, step) f(0, step), f(1, step), f(2, step), f(3, step)
+#else
+#define RBDI_EACH_LANE(f, step) \
+    f(0, step), f(1, step), f(2, step), f(3, step), f(4, step), f(5, step), f(6, step), f(7, step)
+#endif
+#define RBDI_LOW_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) - (step) : (i))
+#define RBDI_HIGH_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) : (i) + (step))
+#define RBDI_EXCHANGE(x, step) \
+    for (int i = 0; i < RBD_LANES; ++i) \
+        if (!(i & (step))) { \
+            const rbd_real a = x[i], b = x[i + (step)]; \
+            x[i] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, step)); \
+            x[i + (step)] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, step)); \
+        }
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
+    RBDI_EXCHANGE(x, 1)
+#if RBD_LANES >= 4
+    RBDI_EXCHANGE(x, 2)
+#endif
+#if RBD_LANES >= 8
+    RBDI_EXCHANGE(x, 4)
+#endif
+}
+#else
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
+    for (int i = 0; i < RBD_LANES; ++i)
+        for (int j = 0; j < i; ++j) {
+            const RBD_REAL t = x[i][j];
+            x[i][j] = x[j][i];
+            x[j][i] = t;
+        }
+}
+#endif
+
+typedef RBD_REAL rbdi_lane_row
+    __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
+
+/* x[k] lane s = component k of state s, of `width` components; the lanes of states beyond the rest repeat the
+   last one. Rows go in blocks of RBD_LANES columns; the last block may overlap the one before. The rows of
+   the next states are fetched meanwhile: the processor does not foresee so many streams. */
+static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
+    const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
+    const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
+    const RBD_REAL *next = rest < 2 * RBD_LANES ? in : in + RBD_LANES * width;
+    if (blocks || width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            if (blocks && rest >= RBD_LANES)
+                x[k] = *(const rbdi_lane_row *)&in[k * RBD_LANES];
+            else
+                for (int s = 0; s < RBD_LANES; ++s) x[k][s] = in[k * along + (s < last ? s : last) * across];
+        return;
+    }
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s)
+            block[s] = *(const rbdi_lane_row *)&in[(s < last ? s : last) * width + at];
+        for (int s = 0; s < RBD_LANES; ++s)
+            if (s <= last) __builtin_prefetch(&next[s * width + at]);
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
+    }
+}
+
+/* The reverse, of the first count states. */
+static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
+    const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
+    if (blocks || width < RBD_LANES) {
+        for (int k = 0; k < width; ++k)
+            if (blocks && count == RBD_LANES)
+                *(rbdi_lane_row *)&out[k * RBD_LANES] = x[k];
+            else
+                for (int s = 0; s < count; ++s) out[k * along + s * across] = x[k][s];
+        return;
+    }
+    for (int k = 0; k < width; k += RBD_LANES) {
+        const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
+        rbd_real block[RBD_LANES];
+        for (int s = 0; s < RBD_LANES; ++s) block[s] = x[at + s];
+        rbdi_transpose_lanes(block);
+        for (int s = 0; s < RBD_LANES; ++s)
+            if (s < count) *(rbdi_lane_row *)&out[s * width + at] = block[s];
+    }
+}
+
+#endif

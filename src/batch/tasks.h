@@ -1,0 +1,108 @@
+#ifndef RBDI_BATCH_TASKS_H
+#define RBDI_BATCH_TASKS_H
+#include "model/calls.h"
+#include "api/batch.h"
+#include "batch/lanes.h"
+
+/* ---- tasks [tasks] ---- */
+
+enum { RBDI_ARGUMENTS = 4 };
+
+struct rbd_batch {
+    rbd_work *w;
+    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
+    int state, dof;                  /* first singular state of the last call, -1 = none */
+    rbd_layout layout;
+};
+
+/* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
+   and of those at hand in lanes. NULL = none. */
+typedef struct rbdi_task {
+    const RBD_REAL *in[RBDI_ARGUMENTS];
+    RBD_REAL *out[RBDI_ARGUMENTS];
+    int width[RBDI_ARGUMENTS];
+    const rbd_real *x[RBDI_ARGUMENTS];
+    rbd_real *y[RBDI_ARGUMENTS];
+    rbd_work *w;
+    void *more; /* what else the call needs */
+} rbdi_task;
+typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
+
+/* Components of an input. */
+static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb; }
+/* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
+static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
+
+/* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
+static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
+    return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
+}
+
+/* The inputs of the states from s on, in lanes. */
+static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        const int width = rbdi_batch_width(m, k);
+        const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width : NULL;
+        const int usable = !x || rbdi_usable(b, x, rest);
+        t->x[k] = usable ? (const rbd_real *)x : b->x[k];
+        if (!usable) rbdi_gather(x, width, b->layout == RBD_BLOCKS, rest, b->x[k]);
+    }
+}
+
+/* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
+   them. */
+static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        t->y[k] = !out || rbdi_usable(b, out, rest) ? (rbd_real *)out : y;
+    }
+}
+static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
+        if ((RBD_REAL *)t->y[k] == out) continue;
+        rbdi_scatter(t->y[k], t->width[k], b->layout == RBD_BLOCKS, count, out);
+    }
+}
+
+/* Notes the first of these states that is singular. */
+static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
+    for (int i = 0; i < count && b->state < 0; ++i)
+        for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
+            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* judged */
+}
+
+/* Runs a call on n states; y: lanes for its outputs, one after the other. */
+static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
+                                 rbdi_task *t) {
+    rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
+    if (result) return result;
+    t->w = b->w;
+    b->state = b->dof = -1;
+    for (int s = 0; s < n; s += RBD_LANES) {
+        const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
+        rbd_status status;
+        rbdi_task_gather(m, t, b, s, n - s);
+        rbdi_task_aim(t, b, y, s, n - s);
+        status = call(m, t);
+        if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
+            return status;
+        if (status) rbdi_note_singular(m, b, s, count), result = status;
+        rbdi_task_scatter(t, b, s, count);
+    }
+    return result;
+}
+
+static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                              const RBD_REAL *f_ext) {
+    rbdi_task t;
+    t.in[0] = q, t.in[1] = v, t.in[2] = a, t.in[3] = f_ext;
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) t.out[k] = NULL, t.width[k] = 0;
+    t.w = NULL, t.more = NULL;
+    return t;
+}
+static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
+    t->out[k] = out, t->width[k] = width;
+}
+
+#endif
