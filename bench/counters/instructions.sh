@@ -165,7 +165,7 @@ rows() {
 
 count_all() {
     # All counts are of one library, even if it is being edited.
-    cp "$bench/../rbd.h" "$bench/../rbd_derivatives.h" "$bench/../rbd_constraints.h" "$work" || exit 1
+    cp "$bench/../rbd.h" "$bench/../rbd_derivatives.h" "$bench/../rbd_constraints.h" "$bench/../rbd_batch.h" "$work" || exit 1
     echo "$header" >"$work/counts.csv"
     for compiler in $compilers; do
         for scalar in double float; do
