@@ -690,7 +690,7 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 }
 
 /* ==== src/constraints/factor.h ==== */
-/* Interface: rbdi_delta */
+/* Interface: rbdi_bound_noise, rbdi_delta */
 
 /* ---- factor [factor] ----
    Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:

@@ -910,16 +910,16 @@ RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* Sweeps forth and back, up to n. */
-RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
-    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
-    rbdi_project_laws(s);
-}
-
 /* u and the residual of p. */
 RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_project_laws(s);
+}
+
+/* Sweeps forth and back, up to n. They change u with p; where a jam makes p huge, rounding adds up in it. */
+RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
+    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+    rbdi_contact_judge(s);
 }
 
 /* Puts p into cones and bounds; whether the residual is within the tolerance there. */
@@ -1352,11 +1352,13 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. */
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that only rounding
+   moves gets 0 on the diagonal: nothing gives way there. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
+    rbdi_bound_noise(m, s);
     for (int i = 0; i < c->n + c->held; ++i) {
         const rbdi_constraint *k = &s->constraint[i];
         if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
@@ -1370,6 +1372,7 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
         for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
+        if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
 }
 

@@ -410,6 +410,26 @@ START_TEST(held_constraints_stay_closed) {
 }
 END_TEST
 
+/* A hinge along the axis of a joint that is there already: its rows move nothing but by rounding, and hold nothing. */
+START_TEST(held_rows_that_nothing_moves_are_idle) {
+    const double axis[3] = {1, 2, 3}, point[3] = {0.2, 0.4, 0.6}, place[3] = {0.3, 0.6, 0.9};
+    rbd_body body = rod();
+    scene s;
+    for (int j = 0; j < 3; j++) body.axis[j] = axis[j], body.position[j] = place[j] - point[j];
+    open_scene(&s, "hinge", &body, 1, 1e-3);
+    s.held[s.n_held++] = rbd_hinge_loop(0, point, axis, -1, place, axis);
+    begin_scene(&s);
+    for (int i = 0; i < 5; i++) {
+        double a, expected;
+        s.q[0] = 0.1 + 0.7 * i, s.v[0] = 2, s.tau[0] = 1;
+        ck_assert_int_eq(rbd_aba(s.r.m, s.r.w, s.q, s.v, s.tau, NULL, &expected), RBD_OK);
+        ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, &a), RBD_OK);
+        ck_assert_double_eq_tol(a, expected, 1e-9);
+    }
+    close_scene(&s);
+}
+END_TEST
+
 /* ---- robots ---- */
 
 static const double hyq_stance[12] = {0, 0, 0, 0, 0.7, 0.7, -0.7, -0.7, -1.4, -1.4, 1.4, 1.4};
@@ -821,6 +841,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, stack_carries_its_weight);
     tcase_add_test(c, painleves_rod_jams);
     tcase_add_test(c, held_constraints_stay_closed);
+    tcase_add_test(c, held_rows_that_nothing_moves_are_idle);
     tcase_add_test(c, hyq_drops_stands_and_trots);
     tcase_add_test(c, atlas_stands);
     tcase_add_test(c, acceleration_and_step_agree);

@@ -5,7 +5,7 @@
 #include "constraints/layout.h"
 #include "constraints/tolerances.h"
 
-/* Interface: rbdi_delta */
+/* Interface: rbdi_bound_noise, rbdi_delta */
 
 /* ---- factor [factor] ----
    Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:

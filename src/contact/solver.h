@@ -19,16 +19,16 @@ RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* Sweeps forth and back, up to n. */
-RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
-    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
-    rbdi_project_laws(s);
-}
-
 /* u and the residual of p. */
 RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_project_laws(s);
+}
+
+/* Sweeps forth and back, up to n. They change u with p; where a jam makes p huge, rounding adds up in it. */
+RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
+    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+    rbdi_contact_judge(s);
 }
 
 /* Puts p into cones and bounds; whether the residual is within the tolerance there. */
