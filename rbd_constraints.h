@@ -312,7 +312,8 @@ RBDI_EXTERN_C_END
 #define RBDI_CONSTRAINTS_LAYOUT
 
 /* ==== src/constraints/layout.h ==== */
-/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_ROW_BATCH */
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_LARGER, RBDI_ROW_BATCH, RBDI_SIX_ROWS
+   */
 
 /* ---- layout [layout] ---- */
 
@@ -472,7 +473,7 @@ RBDI_CODE_BEGIN
 #define RBDI_CLOSING_STEPS 3
 
 /* ==== src/constraints/kinematics.h ==== */
-/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
+/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -607,7 +608,7 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_con
 }
 
 /* ==== src/constraints/rows.h ==== */
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state, RBDI_FOR_PATHS */
 
 /* ---- rows [rows] ---- */
 
@@ -1902,6 +1903,9 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
+/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_encounter, rbdi_encounter_of,
+   rbdi_error_turn */
+
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
 
@@ -1940,6 +1944,7 @@ typedef struct rbdi_encounter {
     rbdi_v3 turn;    /* log R, world axes */
     rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
     rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
+    rbdi_v3 rolls;   /* p moves over body 1, of balls in contact: by z x rolls, z the relative turn */
 } rbdi_encounter;
 
 /* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
@@ -1974,7 +1979,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_
         rbdi_v3 *to = angular ? &x.m : &x.f;
         *to = rbdi_add(*to, rbdi_scale(c->lambda[k->row + r], e));
     }
-    x.turn = x.free[0] = x.free[1] = rbdi_vec0(), x.bend = rbdi_zero();
+    x.turn = x.free[0] = x.free[1] = x.rolls = rbdi_vec0(), x.bend = rbdi_zero();
     if (k->kp > 0 && k->angular) {
         const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
         const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
@@ -2027,7 +2032,15 @@ static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *
         d.by_v.omega = rbdi_cross_add(d.by_v.omega, z, x->w);
         d.by_v.v = rbdi_cross_add(d.by_v.v, z, rbdi_twice(x->u));
     }
+    d.velocity.v = rbdi_cross_add(d.velocity.v, x->w, rbdi_cross(z, x->rolls));
     return d;
+}
+
+/* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
+static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_encounter *x, rbdi_v3 z) {
+    const rbdi_v3 bent = rbdi_cross(x->turn, z), more = rbdi_scale(x->bend, rbdi_cross(x->turn, bent));
+    if (k->angular == 2) return rbdi_cross(x->free[0], rbdi_cross(z, x->free[1]));
+    return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
 
 /* Adds a dof's column of sigma. */
@@ -2041,13 +2054,7 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, co
         rbdi_v3 turn = part == 0 ? d->velocity.omega : d->S.omega;
         const rbd_const gain = part < 2 ? k->kd : k->kp;
         if (!(gain > 0)) continue;
-        if (part == 2 && k->angular == 2) {
-            turn = rbdi_cross(x->free[0], rbdi_cross(turn, x->free[1]));
-        } else if (part == 2) {
-            const rbdi_v3 bent = rbdi_cross(x->turn, turn);
-            turn = rbdi_add(turn, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent));
-            turn = rbdi_add(turn, rbdi_scale(x->bend, rbdi_cross(x->turn, bent)));
-        }
+        if (part == 2) turn = rbdi_error_turn(k, x, turn);
         rbdi_clear(also, RBDI_SIX_ROWS);
         rbdi_add_held(k, &x->h, turn, part == 0 ? d->velocity.v : d->S.v, also);
         for (int r = 0; r < k->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
@@ -2063,12 +2070,12 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, co
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
                          const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
-                  sf = rbdi_cross(S.v, x->f);
+                  sf = rbdi_cross(S.v, x->f), roll = rbdi_cross(rbdi_cross(S.omega, x->rolls), x->f);
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
-        const rbdi_v3 moment = moved == side ? sf : mz, force = moved == side ? o : fz;
+        const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : mz), force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi));
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
@@ -2077,7 +2084,16 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
     }
 }
 
-/* rho += -d(J' lambda), and sigma, of a constraint. */
+/* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
+static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
+                               const rbdi_encounter *x, rbd_real *rho) {
+    RBDI_FOR_PATHS(m, k, link, sign)
+    for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
+        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi)),
+                     rho + rbdi_source(m, m->link[link].iv + j));
+}
+
+/* The same, and sigma. */
 static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
                                const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
@@ -2092,13 +2108,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
                            sigma_v ? sigma_v + column : NULL);
         }
     }
-    if (!rho_q) return;
-    RBDI_FOR_PATHS(m, k, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
-            rbdi_put_rho(m, d, k, &x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, l->first + j, Phi)),
-                         rho_q + rbdi_source(m, l->iv + j));
-    }
+    if (rho_q) rbdi_change_forces(m, d, k, &x, rho_q);
 }
 
 /* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */

@@ -20,10 +20,10 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [solver] [set] [step]
+     [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [set code] [contact rows] [biases] [step code]
+     [set code] [contact rows] [biases] [step code] [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -40,10 +40,10 @@
 
    [limits]
      Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
-     rolling and torsional friction, no derivatives of the step. Convergence of the solver is not proven, nor
-     is the solution unique where friction is large; the residual says what was reached. Rebounds of several
-     contacts with friction follow Newton's law, which may gain energy in known examples; without restitution
-     a contact only takes energy.
+     rolling and torsional friction, no batches. Derivatives hold while no contact changes its state.
+     Convergence of the solver is not proven, nor is the solution unique where friction is large; the residual
+     says what was reached. Rebounds of several contacts with friction follow Newton's law, which may gain
+     energy in known examples; without restitution a contact only takes energy.
 */
 #include "rbd_constraints.h"
 
@@ -138,6 +138,8 @@ typedef struct rbd_contact_options {
     int joint_limits;   /* not 0: limits of one-dof joints push */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
+    double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
+    int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -149,6 +151,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
+             without the option `derivatives`
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
@@ -207,6 +210,47 @@ RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 RBDI_EXTERN_C_END
 
 #endif /* RBD_CONTACT_H */
+
+#if defined RBD_DERIVATIVES_H && !defined RBDI_CONTACT_DERIVATIVES
+#define RBDI_CONTACT_DERIVATIVES
+#if defined __cplusplus && !defined RBD_STATIC
+extern "C" {
+#endif
+
+/* ==== src/api/contact_derivatives.h ==== */
+#define rbd_contact_step_derivatives RBDI_SYMBOL(rbd_contact_step_derivatives)
+
+/* ---- derivatives [step derivatives] ----
+   Declared where rbd_derivatives.h was included before. */
+
+/* Arrays for the results of rbd_contact_step_derivatives. NULL: not wanted. */
+typedef struct rbd_contact_step_results {
+    rbd_real *q_next, *v_next;                        /* nq, nv: as rbd_contact_step gives them */
+    rbd_real *dq_next_dq, *dq_next_dv, *dq_next_dtau; /* nv x nv */
+    rbd_real *dv_next_dq, *dv_next_dv, *dv_next_dtau; /* nv x nv */
+} rbd_contact_step_results;
+
+/* Makes a step and differentiates it: what a step of q (column k: q moves with unit velocity of dof k), v or
+   tau changes of q_next (row k: along its dof k) and of v_next. f_ext stays fixed in its bodies' axes, planes
+   of the world and damping as they are. What opens, sticks, slips or is at a bound does not change: where it
+   is about to, these are the derivatives on one side.
+   c            with the option `derivatives`
+   d            of the same work
+   out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
+   Where redundant points slip and turn at once, the motion depends on shares of force that are not unique:
+   these are derivatives of one choice.
+   Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;
+   RBD_ERR_SINGULAR also where impulses have no derivative. Then q_next is q, and all else is 0. */
+RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                                 const rbd_real *q, const rbd_real *v, const rbd_real *tau,
+                                                 const rbd_real *f_ext, const rbd_real *damping, rbd_real dt,
+                                                 const rbd_contact_step_results *out);
+
+/* ==== src/rbd_contact.h ==== */
+#if defined __cplusplus && !defined RBD_STATIC
+}
+#endif
+#endif
 
 /* ====================================================================================================
    Stop here if you only use it.
@@ -306,7 +350,8 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand side */
+    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
+    int sides;                     /* how many */
     int symmetric;                 /* whether G is: no contact slips */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
@@ -327,7 +372,8 @@ typedef struct rbdi_contact {
     rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
     rbd_real force[3];      /* the same over dt, world axes */
     int body2;
-    int row; /* of the step, -1 = none */
+    int row;      /* of the step, -1 = none */
+    int rebounds; /* in the solution for the velocities */
     rbd_contact_state state;
 } rbdi_contact;
 
@@ -356,6 +402,7 @@ struct rbd_contact_set {
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real last_dt;             /* of the last step, 0 = none */
+    rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
@@ -367,6 +414,10 @@ struct rbd_contact_set {
                                     RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
+/* Scalars that the option `derivatives` takes beside: sigma, then M or G. */
+#define RBDI_CONTACT_SIDES(nv, rows) \
+    ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
@@ -384,8 +435,10 @@ RBDI_CODE_BEGIN
 /* ---- tolerances [tolerances] ---- */
 
 /* RBDI_UNMOVED: a block's entry below this share of its trace is rounding: nothing gives way there.
-   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. */
+   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. RBDI_SIDES_PROXIMAL: the
+   same of derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
+#define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
 #define RBDI_CONTACT_TOLERANCE 1e-5f
@@ -728,8 +781,11 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
-/* Entries from one row of G to the next: n unknowns, the right-hand side as column n, up to a whole batch. */
-RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+/* Entries from one row of G to the next: n unknowns, the right-hand sides as columns from n on, up to a whole
+   batch. */
+RBDI_INLINE int rbdi_newton_stride(const rbdi_contact_solver *s, int n) {
+    return (n + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+}
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
 RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_contact_unknown *x) {
@@ -741,9 +797,9 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. */
-RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
-    const int stride = rbdi_newton_stride(n);
+/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. u: rows x sides. */
+RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal, const rbd_real *u) {
+    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
     rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
@@ -757,19 +813,19 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
                     g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
-        for (int j = 0; j < x->rows; ++j) g[n] = g[n] - x->row[j] * s->u[x->first + j];
+        for (int j = 0; j < x->rows; ++j) rbdi_subtract(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
     }
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
         const rbd_real size = rbdi_abs(g[k]);
         if (size > largest) best = g, largest = size;
     }
-    for (int j = k; best != own && j <= n; ++j) {
+    for (int j = k; best != own && j < n + s->sides; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
@@ -779,7 +835,7 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
 /* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
    entries that this changes before column k are not read again. */
 RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     for (int k = 0; k < n; ++k) {
         const rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
@@ -794,9 +850,9 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* R of a symmetric G = R'R, and R'^-1 times the right-hand side. Returns 0 if G is not positive definite. */
+/* R of a symmetric G = R'R, and R'^-1 times the right-hand sides. Returns 0 if G is not positive definite. */
 RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     for (int k = 0; k < n; ++k) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
@@ -811,14 +867,14 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* dx in place of the right-hand side. Returns 0 if there is none. */
+/* dx in place of the right-hand sides. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     if (!(s->symmetric ? rbdi_newton_cholesky(s, n) : rbdi_newton_gauss(s, n))) return 0;
     for (int k = n - 1; k >= 0; --k) {
-        rbd_real *g = &s->G[k * stride], x = g[n];
-        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * stride + n];
-        g[n] = x / g[k];
+        rbd_real *g = &s->G[k * stride];
+        for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
+        rbdi_multiply(&g[n], 1 / g[k], s->sides);
     }
     return 1;
 }
@@ -842,13 +898,13 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
             s->p[3 * s->given.contacts + i] = rbdi_project_bounded(s, i, &s->bound[i]);
 }
 
-/* p + S dx. */
-RBDI_PART void rbdi_add_increments(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+/* p += S dx. p: rows x sides. */
+RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real *p) {
+    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        const rbd_real dx = s->G[i * stride + n];
-        for (int j = 0; j < x->rows; ++j) s->p[x->first + j] = s->p[x->first + j] + x->column[j] * dx;
+        for (int j = 0; j < x->rows; ++j)
+            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * stride + n], sides);
     }
 }
 
@@ -858,9 +914,9 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s, 1);
     rbdi_contact_velocities(s);
     n = rbdi_list_unknowns(s);
-    rbdi_newton_matrix(s, n, proximal);
+    rbdi_newton_matrix(s, n, proximal, s->u);
     if (!rbdi_newton_solve(s, n)) return 0;
-    rbdi_add_increments(s, n);
+    rbdi_add_increments(s, n, s->p);
     rbdi_onto_cones(s, 0);
     return 1;
 }
@@ -978,7 +1034,7 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
-    s->p = p;
+    s->p = p, s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
     for (int i = 0; i < given->contacts; ++i)
@@ -1069,9 +1125,9 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, i
 }
 
 static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
-    const double values[5] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance};
-    const char *const names[5] = {"margin", "slop", "correction", "bounce", "tolerance"};
-    for (int j = 0; j < 5; ++j)
+    const double values[6] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance, o->slip};
+    const char *const names[6] = {"margin", "slop", "correction", "bounce", "tolerance", "slip"};
+    for (int j = 0; j < 6; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
     if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
@@ -1079,7 +1135,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1118,11 +1174,12 @@ static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int rows, bounded;
+    int rows, bounded, most;
     if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
     rows = rbdi_rows_of(held, n_held);
-    bounded = rows + rbdi_list_dof_rows(m, &o, NULL);
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(3 * n + bounded));
+    bounded = rows + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(most)) +
+           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
 }
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
@@ -1141,12 +1198,13 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 }
 
 /* Cuts the arrays of a set off the memory. */
-static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows, int dof_rows,
-                                          void *memory) {
-    const int bounded = held_rows + dof_rows;
+static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
+                                          const rbd_contact_options *o, void *memory) {
+    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows;
     unsigned char *p = rbdi_aligned(memory);
     rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
     rbd_real *x;
+    c->options = *o;
     c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
     c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
     c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
@@ -1157,6 +1215,8 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    c->sigma = o->derivatives ? (rbd_real *)p : NULL;
+    if (o->derivatives) p += RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, c->most));
     c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
     return c;
 }
@@ -1214,13 +1274,14 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     if (size < rbd_contact_set_size(m, n, held, n_held, options))
         return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
-    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), rbdi_list_dof_rows(m, &o, NULL), memory);
-    c->options = o;
+    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
     for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
     c->rows->w = w, c->rows->infeasible = -1;
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
-    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows)
+    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
         rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+        c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
+    }
     rbdi_list_dof_rows(m, &o, c->dof_row);
     rbdi_reach_contacts(m, c->rows);
     rbd_contact_reset(c);
@@ -1352,8 +1413,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that only rounding
-   moves gets 0 on the diagonal: nothing gives way there. */
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
+   rounding alone moves gets 0 on the diagonal: nothing gives way there. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -1387,9 +1448,12 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
         const rbdi_contact *a = &c->contact[i];
         if (a->row < 0) continue;
         for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
-        if (a->stiffness > 0 && a->gap <= 0) {
-            rbd_real *d = &s->R[(a->row + 2) * (s->rows + 1)];
-            *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+        for (int j = 0; j < 3; ++j) {
+            rbd_real *d = &s->R[(a->row + j) * (s->rows + 1)];
+            if (j < 2)
+                *d = *d + RBD_C(c->options.slip) / dt;
+            else if (a->stiffness > 0 && a->gap <= 0)
+                *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
         }
     }
     for (int i = 0; i < held; ++i) {
@@ -1413,14 +1477,19 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
      rigid      0; deeper than the slop, for positions, a share of the depth over dt
      stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
                 and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
-     rebounds   for velocities, restitution times the approach */
+     rebounds   for velocities, restitution times the approach
+
+   The option `slip` is the same along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt
+   is what sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* Velocity that takes a penetration back, m/s; the gap of a penetration is negative. */
+/* Velocity that takes a penetration back, m/s, and its derivative by the gap, which is negative then. */
+RBDI_INLINE rbd_real rbdi_correction_gain(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
+    return gap + RBD_C(c->options.slop) < 0 ? RBD_C(c->options.correction) / dt : rbdi_zero();
+}
 RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    const rbd_real deep = gap + RBD_C(c->options.slop);
-    return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();
+    return rbdi_correction_gain(c, gap, dt) * (gap + RBD_C(c->options.slop));
 }
 
 /* Whether a contact that pushed rebounds. */
@@ -1428,11 +1497,24 @@ RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
     return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
 }
 
+/* Derivative of a contact's bias by the gap, and the bias. */
+static rbd_real rbdi_gap_gain(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rbdi_zero();
+    if (a->gap > 0) return 1 / dt;
+    if (a->stiffness > 0) return a->stiffness / (dt * a->stiffness + a->damping);
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->gap, dt) : rbdi_zero();
+}
 static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    if (purpose == RBDI_FOR_VELOCITIES && rbdi_rebounds(c, a)) return a->approach * a->restitution;
-    if (a->gap > 0) return a->gap / dt;
-    if (a->stiffness > 0) return a->stiffness * a->gap / (dt * a->stiffness + a->damping);
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction(c, a->gap, dt) : rbdi_zero();
+    const rbd_real slop = a->gap > 0 || a->stiffness > 0 ? rbdi_zero() : RBD_C(c->options.slop);
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return a->approach * a->restitution;
+    return rbdi_gap_gain(c, a, dt, purpose) * (a->gap + slop);
+}
+
+/* The same of a joint's limit. */
+static rbd_real rbdi_limit_gain(const rbd_contact_set *c, const rbdi_dof_row *a, rbd_real dt, int purpose) {
+    if (a->iq < 0) return rbdi_zero();
+    if (a->distance > 0) return 1 / dt;
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->distance, dt) : rbdi_zero();
 }
 
 /* Of a held row with the error e. */
@@ -1453,22 +1535,21 @@ static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
             c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row < 0 || a->iq < 0) continue;
-        if (a->distance > 0)
-            c->b[a->row] = c->b[a->row] + a->distance / dt;
-        else if (purpose == RBDI_FOR_POSITIONS)
-            c->b[a->row] = c->b[a->row] + rbdi_correction(c, a->distance, dt);
+        const rbd_real slop = a->distance > 0 ? rbdi_zero() : RBD_C(c->options.slop);
+        if (a->row < 0) continue;
+        c->b[a->row] = c->b[a->row] + rbdi_limit_gain(c, a, dt, purpose) * (a->distance + slop);
     }
 }
 
-/* Whether positions and velocities have different biases. */
-static int rbdi_needs_velocities(const rbd_contact_set *c, rbd_real dt) {
+/* Whether positions and velocities have different biases; notes who rebounds. */
+static int rbdi_needs_velocities(rbd_contact_set *c, rbd_real dt) {
     const rbd_constraint_set *s = c->rows;
     int differ = 0;
     for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
+        rbdi_contact *a = &c->contact[i];
         if (a->row < 0) continue;
-        differ |= rbdi_rebounds(c, a) || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
+        a->rebounds = rbdi_rebounds(c, a);
+        differ |= a->rebounds || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
     }
     for (int i = c->n; i < c->n + c->held; ++i)
         for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
@@ -1518,7 +1599,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
 }
 
 /* Keeps impulses, states and forces. */
-static void rbdi_keep_impulses(rbd_contact_set *c, int contacts, rbd_real dt) {
+static void rbdi_keep_impulses(rbd_contact_set *c, rbd_real dt) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = dt;
     for (int i = 0; i < c->n; ++i) {
@@ -1534,15 +1615,16 @@ static void rbdi_keep_impulses(rbd_contact_set *c, int contacts, rbd_real dt) {
         }
     }
     for (rbd_real *p = c->held_impulse; p < c->lower; ++p)
-        *p = s->lambda[3 * contacts + (int)(p - c->held_impulse)];
+        *p = s->lambda[3 * c->solver.given.contacts + (int)(p - c->held_impulse)];
     for (int i = 0; i < c->dof_rows; ++i)
         c->dof_row[i].impulse = c->dof_row[i].row < 0 ? rbdi_zero() : s->lambda[c->dof_row[i].row];
 }
 
-/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. */
-static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                        const rbd_real *damping, rbd_real dt) {
+/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. First the
+   former. */
+static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *damping, rbd_real dt) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     const rbd_status status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping, dt);
@@ -1561,19 +1643,38 @@ static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, 
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
-    if (rbdi_needs_velocities(c, dt)) {
-        const rbd_contact_solution first = c->solver.solution;
+    return RBD_OK;
+}
+
+/* Then the latter. Returns whether it is another. */
+static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    const rbd_contact_solution first = c->solver.solution;
+    const int differ = rbdi_needs_velocities(c, dt);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
+    if (differ) {
         rbdi_write_biases(c, dt, RBDI_FOR_VELOCITIES);
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
-    } else {
-        for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     }
-    rbdi_keep_impulses(c, given.contacts, dt);
-    return RBD_OK;
+    rbdi_keep_impulses(c, dt);
+    return differ;
+}
+
+/* The state after the step; after an error q and 0. */
+static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
+                              const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (int b = 0; b < m->nb && !status; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv == 0) continue;
+        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
+    }
+    if (!status) return;
+    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
+    rbdi_clear(v_next, m->nv);
 }
 
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
@@ -1588,16 +1689,9 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
-    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
-    for (int b = 0; b < m->nb && !status; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
-    }
-    if (!status) return RBD_OK;
-    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
-    rbdi_clear(v_next, m->nv);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
     return status;
 }
 
@@ -1606,7 +1700,8 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
-    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    if (!status) (void)rbdi_solve_velocities(m, c, dt);
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }
@@ -1628,6 +1723,197 @@ RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c) {
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
+
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_DERIVATIVES && \
+    !defined RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
+#define RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+/* ==== src/contact/derivatives.h ==== */
+/* ---- derivatives [step derivatives code] ----
+   Of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start, a =
+   (nu - v~) / dt, and M has dt damping on its diagonal:
+
+       M dnu/dx = J' dp/dx - rho,     rho = dt dID/dx - d(J' p)/dx at fixed a and p; by v also -M dv~/dv
+       du/dx = J dnu/dx + sigma,      sigma = d(J nu + bias)/dx at fixed nu
+
+   and rho = -dt by tau. d ID is rbd_id_derivatives; d(J nu) and d(J' p) are as in [derivatives code], for a
+   place that rolls over the body if it is a ball's. With Z = L^-T rho and the S, T and G of [newton]
+
+       G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5) */
+
+/* rho without d(J' p), of those that are not NULL. */
+static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
+                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext, rbd_real dt,
+                           rbd_real *const rho[3]) {
+    const int n = m->nv;
+    rbd_real *M = rho[1] ? c->sigma + c->most * n : NULL;
+    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / dt;
+    for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
+        if (rho[x]) rbdi_clear(rho[x], n * n);
+    if (M) rbdi_clear(M, n * n);
+    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], M);
+    if (M) rbdi_glide_columns(m, v, dt, M);
+    for (int k = 0; rho[0] && k < n * n; ++k) rho[0][k] = rho[0][k] * dt;
+    for (int k = 0; M && k < n * n; ++k) rho[1][k] = rho[1][k] * dt - M[k];
+    for (int k = 0; rho[2] && k < n; ++k) rho[2][k * (n + 1)] = -dt;
+}
+
+/* Writes the links' motion with the velocities nu into the work. */
+static void rbdi_meet_at(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbdi_constraint_state(m, c->rows, rbdi_expand_v(m, nu, c->rows->w->vx), c->rows->w->zero, none, 0);
+}
+/* Constraint i in that motion, and its impulses. */
+static rbdi_encounter rbdi_contact_encounter(const rbd_contact_set *c, int i) {
+    const rbdi_constraint *k = &c->rows->constraint[i];
+    rbdi_encounter x = rbdi_encounter_of(c->rows, k);
+    if (i < c->n) x.rolls = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, k));
+    return x;
+}
+
+/* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
+   that of the gap or error, which is J. Leaves the dofs' motions in d. */
+static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                             const rbdi_constraint *k, const rbdi_encounter *x, const rbd_real *share,
+                             const rbd_real *gain) {
+    RBDI_FOR_PATHS(m, k, link, sign) {
+        const rbdi_link *l = &m->link[link];
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const rbdi_change by = rbdi_change_of(m, c->rows, x, sign < 0, link, j);
+            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[k->row * m->nv + rbdi_source(m, l->iv + j)];
+            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), by.S);
+            rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
+            rbdi_add_held(k, &x->h, by.velocity.omega, by.velocity.v, sum[0]);
+            rbdi_add_held(k, &x->h, rbdi_error_turn(k, x, by.S.omega), by.S.v, sum[1]);
+            for (int r = 0; r < k->rows; ++r, to += m->nv)
+                *to = *to + share[r] * sum[0][r] + gain[r] * sum[1][r];
+        }
+    }
+}
+
+/* sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
+static void rbdi_change_rebounds(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                 const rbd_real *v, int x) {
+    rbdi_meet_at(m, c, v);
+    for (int i = 0; i < c->n; ++i) {
+        rbd_real of[2][3] = {{rbdi_zero()}, {rbdi_zero()}}; /* share, gain */
+        rbdi_encounter met;
+        if (c->contact[i].row < 0 || !c->contact[i].rebounds) continue;
+        of[x][2] = rbdi_set(c->contact[i].restitution);
+        met = rbdi_contact_encounter(c, i);
+        rbdi_change_rows(m, c, d, &c->rows->constraint[i], &met, of[0], of[1]);
+    }
+}
+
+/* sigma, and d(J' p) in rho, by q. */
+static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                             const rbd_real *nu, rbd_real dt, int purpose, rbd_real *rho) {
+    const rbd_constraint_set *s = c->rows;
+    rbdi_meet_at(m, c, nu);
+    for (int i = 0; i < c->n + c->held; ++i) {
+        const rbdi_constraint *k = &s->constraint[i];
+        const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
+        rbd_real share[6], gain[6];
+        rbdi_encounter x;
+        if (a && a->row < 0) continue;
+        for (int r = 0; r < k->rows; ++r) {
+            share[r] = rbdi_set(RBD_C(1)), gain[r] = rbdi_zero();
+            if (a && r == 2) gain[r] = rbdi_gap_gain(c, a, dt, purpose);
+            if (!a && purpose == RBDI_FOR_POSITIONS)
+                gain[r] = rbdi_correction_gain(c, -rbdi_abs(s->e[k->row + r]), dt);
+        }
+        x = rbdi_contact_encounter(c, i);
+        rbdi_change_rows(m, c, d, k, &x, share, gain);
+        rbdi_change_forces(m, d, k, &x, rho);
+    }
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *a = &c->dof_row[i];
+        if (a->row >= 0) c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_limit_gain(c, a, dt, purpose);
+    }
+}
+
+/* (5): dnu in place of rho. Returns 0 if the impulses have no derivative. */
+static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
+    rbd_constraint_set *s = c->rows;
+    rbdi_contact_solver solver = c->solver;
+    const int n = m->nv, unknowns = rbdi_list_unknowns(&solver);
+    int solved;
+    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    for (int r = 0; r < s->rows; ++r) {
+        for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
+        rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
+    }
+    solver.G = c->sigma + c->most * n, solver.sides = n;
+    rbdi_newton_matrix(&solver, unknowns, RBDI_SIDES_PROXIMAL, c->sigma);
+    solved = rbdi_newton_solve(&solver, unknowns);
+    rbdi_clear(c->sigma, s->rows * n);
+    rbdi_add_increments(&solver, unknowns, c->sigma);
+    for (int k = 0; k < n; ++k)
+        rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
+    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    return solved;
+}
+
+/* Derivatives of the solution nu by q, v and tau, of those that are not NULL. Returns 0 if one has none. */
+static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                       const rbd_real *q, const rbd_real *v, const rbd_real *nu,
+                                       const rbd_real *f_ext, rbd_real dt, int purpose,
+                                       rbd_real *const dnu[3]) {
+    int solved = 1;
+    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dt, dnu);
+    for (int x = 0; x < 3; ++x) {
+        if (!dnu[x]) continue;
+        rbdi_clear(c->sigma, c->rows->rows * m->nv);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_rebounds(m, c, d, v, x);
+        if (x == 0) rbdi_change_by_q(m, c, d, nu, dt, purpose, dnu[0]);
+        solved &= rbdi_solve_change(m, c, dnu[x]);
+    }
+    return solved;
+}
+
+RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                                 const rbd_real *q, const rbd_real *v, const rbd_real *tau,
+                                                 const rbd_real *f_ext, const rbd_real *damping, rbd_real dt,
+                                                 const rbd_contact_step_results *out) {
+    const rbd_contact_step_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+    const rbd_contact_step_results to = out ? *out : none_wanted;
+    rbd_real *const dq[3] = {to.dq_next_dq, to.dq_next_dv, to.dq_next_dtau};
+    rbd_real *const dv[3] = {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau};
+    const int nv = m ? m->nv : 0;
+    int pairs = !to.q_next == !to.v_next, solved, differ;
+    rbd_status status;
+    for (int x = 0; x < 3; ++x) pairs &= !dq[x] == !dv[x];
+    status = rbdi_check_step(m, c, d && q && v && tau && out && pairs, dt);
+    if (!status) status = rbdi_check_derivatives(m, d, 1);
+    if (status) return status;
+    if (d->work != c->rows->w) return RBD_ERR_WORK;
+    if (!c->sigma) return RBD_ERR_MEMORY;
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    if (!status) {
+        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, dt, RBDI_FOR_POSITIONS, dq);
+        differ = rbdi_solve_velocities(m, c, dt);
+        if (differ)
+            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, dt, RBDI_FOR_VELOCITIES, dv);
+        for (int x = 0; x < 3; ++x) {
+            if (!dq[x]) continue;
+            for (int k = 0; !differ && k < nv * nv; ++k) dv[x][k] = dq[x][k];
+            rbdi_move_columns(m, c->moved, c->nu, dt, x == 0, dq[x], dv[x]);
+            solved &= rbdi_all_finite(dq[x], nv * nv) & rbdi_all_finite(dv[x], nv * nv);
+        }
+        if (!solved) status = RBD_ERR_SINGULAR;
+    }
+    for (int x = 0; status && x < 3; ++x)
+        if (dq[x]) rbdi_clear(dq[x], nv * nv), rbdi_clear(dv[x], nv * nv);
+    if (to.q_next) rbdi_contact_move(m, c, status, q, dt, to.q_next, to.v_next);
+    return status;
+}
+
+/* ==== src/rbd_contact.h ==== */
+RBDI_CODE_END
+
+#endif
 
 /* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")

@@ -19,10 +19,10 @@
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [limits]
-     [solver] [set] [step]
+     [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [set code] [contact rows] [biases] [step code]
+     [set code] [contact rows] [biases] [step code] [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -39,10 +39,10 @@
 
    [limits]
      Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
-     rolling and torsional friction, no derivatives of the step. Convergence of the solver is not proven, nor
-     is the solution unique where friction is large; the residual says what was reached. Rebounds of several
-     contacts with friction follow Newton's law, which may gain energy in known examples; without restitution
-     a contact only takes energy.
+     rolling and torsional friction, no batches. Derivatives hold while no contact changes its state.
+     Convergence of the solver is not proven, nor is the solution unique where friction is large; the residual
+     says what was reached. Rebounds of several contacts with friction follow Newton's law, which may gain
+     energy in known examples; without restitution a contact only takes energy.
 */
 #include "rbd_constraints.h"
 
@@ -60,6 +60,19 @@ RBDI_EXTERN_C_BEGIN
 RBDI_EXTERN_C_END
 
 #endif /* RBD_CONTACT_H */
+
+#if defined RBD_DERIVATIVES_H && !defined RBDI_CONTACT_DERIVATIVES
+#define RBDI_CONTACT_DERIVATIVES
+#if defined __cplusplus && !defined RBD_STATIC
+extern "C" {
+#endif
+
+#include "api/contact_derivatives.h"
+
+#if defined __cplusplus && !defined RBD_STATIC
+}
+#endif
+#endif
 
 /* ====================================================================================================
    Stop here if you only use it.
@@ -93,5 +106,17 @@ RBDI_CODE_BEGIN
 RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
+
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_DERIVATIVES && \
+    !defined RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
+#define RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+#include "contact/derivatives.h"
+
+RBDI_CODE_END
+
+#endif
 
 #include "base/letters_end.h"

@@ -380,8 +380,8 @@ START_TEST(contact_that_nothing_moves_is_apart) {
 }
 END_TEST
 
-/* A contact that jams, with impulses that grow from sweep to sweep, beside one that slips: rounding of the former's
-   in u shall not hide what the latter is off by. */
+/* A contact that jams, with impulses that grow from sweep to sweep, beside one that slips: rounding of the
+   former's in u shall not hide what the latter is off by. */
 START_TEST(residual_belongs_to_the_impulses) {
     static const double delta[21] = {0.0047014311527762203, -0.054038763126700792, 0.023063390202048333,
                                      -0.039833116406557206, 0.045204513327529582,  -0.0097442173358714638,

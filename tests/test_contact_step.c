@@ -410,7 +410,8 @@ START_TEST(held_constraints_stay_closed) {
 }
 END_TEST
 
-/* A hinge along the axis of a joint that is there already: its rows move nothing but by rounding, and hold nothing. */
+/* A hinge along the axis of a joint that is there already: its rows move by rounding alone, and hold
+   nothing. */
 START_TEST(held_rows_that_nothing_moves_are_idle) {
     const double axis[3] = {1, 2, 3}, point[3] = {0.2, 0.4, 0.6}, place[3] = {0.3, 0.6, 0.9};
     rbd_body body = rod();

@@ -1048,6 +1048,8 @@ class ContactOptions:
     joint_limits: bool = False      #: limits of one-dof joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
+    slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
+    derivatives: bool = False       #: memory for step_derivatives
 
 
 _PER_DOF = ("armature", "damping", "friction")

@@ -83,6 +83,8 @@ typedef struct rbd_contact_options {
     int joint_limits;   /* not 0: limits of one-dof joints push */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
+    double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
+    int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -94,6 +96,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
+             without the option `derivatives`
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the

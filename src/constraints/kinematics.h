@@ -3,7 +3,7 @@
 #include "motion/kinematics.h"
 #include "constraints/layout.h"
 
-/* Interface: rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
+/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 

@@ -3,7 +3,8 @@
 #include "model/work.h"
 #include "api/constraints.h"
 
-/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_ROW_BATCH */
+/* Interface: rbdi_constraint, rbdi_span, RBDI_CONSTRAINTS_BYTES, RBDI_LARGER, RBDI_ROW_BATCH, RBDI_SIX_ROWS
+   */
 
 /* ---- layout [layout] ---- */
 

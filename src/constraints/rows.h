@@ -3,7 +3,7 @@
 #include "dynamics/crba.h"
 #include "constraints/kinematics.h"
 
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state, RBDI_FOR_PATHS */
 
 /* ---- rows [rows] ---- */
 

@@ -36,7 +36,8 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand side */
+    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
+    int sides;                     /* how many */
     int symmetric;                 /* whether G is: no contact slips */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
@@ -57,7 +58,8 @@ typedef struct rbdi_contact {
     rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
     rbd_real force[3];      /* the same over dt, world axes */
     int body2;
-    int row; /* of the step, -1 = none */
+    int row;      /* of the step, -1 = none */
+    int rebounds; /* in the solution for the velocities */
     rbd_contact_state state;
 } rbdi_contact;
 
@@ -86,6 +88,7 @@ struct rbd_contact_set {
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real last_dt;             /* of the last step, 0 = none */
+    rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
@@ -97,6 +100,10 @@ struct rbd_contact_set {
                                     RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
+/* Scalars that the option `derivatives` takes beside: sigma, then M or G. */
+#define RBDI_CONTACT_SIDES(nv, rows) \
+    ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \

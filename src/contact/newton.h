@@ -61,8 +61,11 @@ RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
     return n;
 }
 
-/* Entries from one row of G to the next: n unknowns, the right-hand side as column n, up to a whole batch. */
-RBDI_INLINE int rbdi_newton_stride(int n) { return (n + RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+/* Entries from one row of G to the next: n unknowns, the right-hand sides as columns from n on, up to a whole
+   batch. */
+RBDI_INLINE int rbdi_newton_stride(const rbdi_contact_solver *s, int n) {
+    return (n + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+}
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
 RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_contact_unknown *x) {
@@ -74,9 +77,9 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. */
-RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal) {
-    const int stride = rbdi_newton_stride(n);
+/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. u: rows x sides. */
+RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal, const rbd_real *u) {
+    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
     rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
@@ -90,19 +93,19 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
                     g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
-        for (int j = 0; j < x->rows; ++j) g[n] = g[n] - x->row[j] * s->u[x->first + j];
+        for (int j = 0; j < x->rows; ++j) rbdi_subtract(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
     }
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
         const rbd_real size = rbdi_abs(g[k]);
         if (size > largest) best = g, largest = size;
     }
-    for (int j = k; best != own && j <= n; ++j) {
+    for (int j = k; best != own && j < n + s->sides; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
@@ -112,7 +115,7 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
 /* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
    entries that this changes before column k are not read again. */
 RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     for (int k = 0; k < n; ++k) {
         const rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
@@ -127,9 +130,9 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* R of a symmetric G = R'R, and R'^-1 times the right-hand side. Returns 0 if G is not positive definite. */
+/* R of a symmetric G = R'R, and R'^-1 times the right-hand sides. Returns 0 if G is not positive definite. */
 RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     for (int k = 0; k < n; ++k) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
@@ -144,14 +147,14 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* dx in place of the right-hand side. Returns 0 if there is none. */
+/* dx in place of the right-hand sides. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+    const int stride = rbdi_newton_stride(s, n);
     if (!(s->symmetric ? rbdi_newton_cholesky(s, n) : rbdi_newton_gauss(s, n))) return 0;
     for (int k = n - 1; k >= 0; --k) {
-        rbd_real *g = &s->G[k * stride], x = g[n];
-        for (int j = k + 1; j < n; ++j) x = x - g[j] * s->G[j * stride + n];
-        g[n] = x / g[k];
+        rbd_real *g = &s->G[k * stride];
+        for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
+        rbdi_multiply(&g[n], 1 / g[k], s->sides);
     }
     return 1;
 }
@@ -175,13 +178,13 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
             s->p[3 * s->given.contacts + i] = rbdi_project_bounded(s, i, &s->bound[i]);
 }
 
-/* p + S dx. */
-RBDI_PART void rbdi_add_increments(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(n);
+/* p += S dx. p: rows x sides. */
+RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real *p) {
+    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        const rbd_real dx = s->G[i * stride + n];
-        for (int j = 0; j < x->rows; ++j) s->p[x->first + j] = s->p[x->first + j] + x->column[j] * dx;
+        for (int j = 0; j < x->rows; ++j)
+            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * stride + n], sides);
     }
 }
 
@@ -191,9 +194,9 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s, 1);
     rbdi_contact_velocities(s);
     n = rbdi_list_unknowns(s);
-    rbdi_newton_matrix(s, n, proximal);
+    rbdi_newton_matrix(s, n, proximal, s->u);
     if (!rbdi_newton_solve(s, n)) return 0;
-    rbdi_add_increments(s, n);
+    rbdi_add_increments(s, n, s->p);
     rbdi_onto_cones(s, 0);
     return 1;
 }

@@ -119,8 +119,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that only rounding
-   moves gets 0 on the diagonal: nothing gives way there. */
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
+   rounding alone moves gets 0 on the diagonal: nothing gives way there. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -154,9 +154,12 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
         const rbdi_contact *a = &c->contact[i];
         if (a->row < 0) continue;
         for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
-        if (a->stiffness > 0 && a->gap <= 0) {
-            rbd_real *d = &s->R[(a->row + 2) * (s->rows + 1)];
-            *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+        for (int j = 0; j < 3; ++j) {
+            rbd_real *d = &s->R[(a->row + j) * (s->rows + 1)];
+            if (j < 2)
+                *d = *d + RBD_C(c->options.slip) / dt;
+            else if (a->stiffness > 0 && a->gap <= 0)
+                *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
         }
     }
     for (int i = 0; i < held; ++i) {
@@ -180,14 +183,19 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
      rigid      0; deeper than the slop, for positions, a share of the depth over dt
      stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
                 and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
-     rebounds   for velocities, restitution times the approach */
+     rebounds   for velocities, restitution times the approach
+
+   The option `slip` is the same along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt
+   is what sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* Velocity that takes a penetration back, m/s; the gap of a penetration is negative. */
+/* Velocity that takes a penetration back, m/s, and its derivative by the gap, which is negative then. */
+RBDI_INLINE rbd_real rbdi_correction_gain(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
+    return gap + RBD_C(c->options.slop) < 0 ? RBD_C(c->options.correction) / dt : rbdi_zero();
+}
 RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    const rbd_real deep = gap + RBD_C(c->options.slop);
-    return deep < 0 ? deep * RBD_C(c->options.correction) / dt : rbdi_zero();
+    return rbdi_correction_gain(c, gap, dt) * (gap + RBD_C(c->options.slop));
 }
 
 /* Whether a contact that pushed rebounds. */
@@ -195,11 +203,24 @@ RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
     return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
 }
 
+/* Derivative of a contact's bias by the gap, and the bias. */
+static rbd_real rbdi_gap_gain(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rbdi_zero();
+    if (a->gap > 0) return 1 / dt;
+    if (a->stiffness > 0) return a->stiffness / (dt * a->stiffness + a->damping);
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->gap, dt) : rbdi_zero();
+}
 static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    if (purpose == RBDI_FOR_VELOCITIES && rbdi_rebounds(c, a)) return a->approach * a->restitution;
-    if (a->gap > 0) return a->gap / dt;
-    if (a->stiffness > 0) return a->stiffness * a->gap / (dt * a->stiffness + a->damping);
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction(c, a->gap, dt) : rbdi_zero();
+    const rbd_real slop = a->gap > 0 || a->stiffness > 0 ? rbdi_zero() : RBD_C(c->options.slop);
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return a->approach * a->restitution;
+    return rbdi_gap_gain(c, a, dt, purpose) * (a->gap + slop);
+}
+
+/* The same of a joint's limit. */
+static rbd_real rbdi_limit_gain(const rbd_contact_set *c, const rbdi_dof_row *a, rbd_real dt, int purpose) {
+    if (a->iq < 0) return rbdi_zero();
+    if (a->distance > 0) return 1 / dt;
+    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->distance, dt) : rbdi_zero();
 }
 
 /* Of a held row with the error e. */
@@ -220,22 +241,21 @@ static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
             c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row < 0 || a->iq < 0) continue;
-        if (a->distance > 0)
-            c->b[a->row] = c->b[a->row] + a->distance / dt;
-        else if (purpose == RBDI_FOR_POSITIONS)
-            c->b[a->row] = c->b[a->row] + rbdi_correction(c, a->distance, dt);
+        const rbd_real slop = a->distance > 0 ? rbdi_zero() : RBD_C(c->options.slop);
+        if (a->row < 0) continue;
+        c->b[a->row] = c->b[a->row] + rbdi_limit_gain(c, a, dt, purpose) * (a->distance + slop);
     }
 }
 
-/* Whether positions and velocities have different biases. */
-static int rbdi_needs_velocities(const rbd_contact_set *c, rbd_real dt) {
+/* Whether positions and velocities have different biases; notes who rebounds. */
+static int rbdi_needs_velocities(rbd_contact_set *c, rbd_real dt) {
     const rbd_constraint_set *s = c->rows;
     int differ = 0;
     for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
+        rbdi_contact *a = &c->contact[i];
         if (a->row < 0) continue;
-        differ |= rbdi_rebounds(c, a) || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
+        a->rebounds = rbdi_rebounds(c, a);
+        differ |= a->rebounds || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
     }
     for (int i = c->n; i < c->n + c->held; ++i)
         for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)

@@ -42,9 +42,9 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, i
 }
 
 static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
-    const double values[5] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance};
-    const char *const names[5] = {"margin", "slop", "correction", "bounce", "tolerance"};
-    for (int j = 0; j < 5; ++j)
+    const double values[6] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance, o->slip};
+    const char *const names[6] = {"margin", "slop", "correction", "bounce", "tolerance", "slip"};
+    for (int j = 0; j < 6; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
     if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
@@ -52,7 +52,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -91,11 +91,12 @@ static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int rows, bounded;
+    int rows, bounded, most;
     if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
     rows = rbdi_rows_of(held, n_held);
-    bounded = rows + rbdi_list_dof_rows(m, &o, NULL);
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(3 * n + bounded));
+    bounded = rows + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(most)) +
+           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
 }
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
@@ -114,12 +115,13 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 }
 
 /* Cuts the arrays of a set off the memory. */
-static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows, int dof_rows,
-                                          void *memory) {
-    const int bounded = held_rows + dof_rows;
+static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
+                                          const rbd_contact_options *o, void *memory) {
+    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows;
     unsigned char *p = rbdi_aligned(memory);
     rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
     rbd_real *x;
+    c->options = *o;
     c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
     c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
     c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
@@ -130,6 +132,8 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    c->sigma = o->derivatives ? (rbd_real *)p : NULL;
+    if (o->derivatives) p += RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, c->most));
     c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
     return c;
 }
@@ -187,13 +191,14 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     if (size < rbd_contact_set_size(m, n, held, n_held, options))
         return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
-    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), rbdi_list_dof_rows(m, &o, NULL), memory);
-    c->options = o;
+    c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
     for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
     c->rows->w = w, c->rows->infeasible = -1;
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
-    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows)
+    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
         rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+        c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
+    }
     rbdi_list_dof_rows(m, &o, c->dof_row);
     rbdi_reach_contacts(m, c->rows);
     rbd_contact_reset(c);

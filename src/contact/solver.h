@@ -87,7 +87,7 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
-    s->p = p;
+    s->p = p, s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
     for (int i = 0; i < given->contacts; ++i)

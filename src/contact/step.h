@@ -44,7 +44,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
 }
 
 /* Keeps impulses, states and forces. */
-static void rbdi_keep_impulses(rbd_contact_set *c, int contacts, rbd_real dt) {
+static void rbdi_keep_impulses(rbd_contact_set *c, rbd_real dt) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = dt;
     for (int i = 0; i < c->n; ++i) {
@@ -60,15 +60,16 @@ static void rbdi_keep_impulses(rbd_contact_set *c, int contacts, rbd_real dt) {
         }
     }
     for (rbd_real *p = c->held_impulse; p < c->lower; ++p)
-        *p = s->lambda[3 * contacts + (int)(p - c->held_impulse)];
+        *p = s->lambda[3 * c->solver.given.contacts + (int)(p - c->held_impulse)];
     for (int i = 0; i < c->dof_rows; ++i)
         c->dof_row[i].impulse = c->dof_row[i].row < 0 ? rbdi_zero() : s->lambda[c->dof_row[i].row];
 }
 
-/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. */
-static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                        const rbd_real *damping, rbd_real dt) {
+/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. First the
+   former. */
+static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *damping, rbd_real dt) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     const rbd_status status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping, dt);
@@ -87,19 +88,38 @@ static rbd_status rbdi_contact_velocity(const rbd_model *m, rbd_contact_set *c, 
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
-    if (rbdi_needs_velocities(c, dt)) {
-        const rbd_contact_solution first = c->solver.solution;
+    return RBD_OK;
+}
+
+/* Then the latter. Returns whether it is another. */
+static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    const rbd_contact_solution first = c->solver.solution;
+    const int differ = rbdi_needs_velocities(c, dt);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
+    if (differ) {
         rbdi_write_biases(c, dt, RBDI_FOR_VELOCITIES);
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
-    } else {
-        for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     }
-    rbdi_keep_impulses(c, given.contacts, dt);
-    return RBD_OK;
+    rbdi_keep_impulses(c, dt);
+    return differ;
+}
+
+/* The state after the step; after an error q and 0. */
+static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
+                              const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (int b = 0; b < m->nb && !status; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv == 0) continue;
+        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
+    }
+    if (!status) return;
+    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
+    rbdi_clear(v_next, m->nv);
 }
 
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
@@ -114,16 +134,9 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
-    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
-    for (int b = 0; b < m->nb && !status; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
-    }
-    if (!status) return RBD_OK;
-    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
-    rbdi_clear(v_next, m->nv);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
     return status;
 }
 
@@ -132,7 +145,8 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
-    status = rbdi_contact_velocity(m, c, q, v, tau, f_ext, damping, dt);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    if (!status) (void)rbdi_solve_velocities(m, c, dt);
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }

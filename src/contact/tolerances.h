@@ -5,8 +5,10 @@
 /* ---- tolerances [tolerances] ---- */
 
 /* RBDI_UNMOVED: a block's entry below this share of its trace is rounding: nothing gives way there.
-   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. */
+   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. RBDI_SIDES_PROXIMAL: the
+   same of derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
+#define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
 #define RBDI_CONTACT_TOLERANCE 1e-5f

@@ -5,7 +5,7 @@
 #include "motion/manifold.h"
 #include "api/derivatives.h"
 
-/* Interface: rbdi_ad_function_of, rbdi_tails, RBDI_J_R_INVERSE */
+/* Interface: rbdi_ad_function_of, rbdi_glide_columns, rbdi_move_columns, rbdi_tails, RBDI_J_R_INVERSE */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
@@ -84,21 +84,37 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
         }
 }
 
+/* Velocity of a joint whose step is not a sum, or a column or row of derivatives of such: components `stride`
+   apart. From and to them. */
+RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
+    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
+}
+static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
+    return rbdi_motion_from_array(a);
+}
+static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    rbdi_motion_to_array(V, a);
+    for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
+}
+
 /* A joint's part of a matrix that is zero: scale f(ad) of d sign; for joints whose steps add, scale. */
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
     const int first = u->type == RBD_PLANAR ? 2 : 0;
-    rbd_real a[6], c[7], J[6][6];
+    rbd_real c[7], J[6][6];
     rbdi_motion step;
     out += u->iv * nv + u->iv;
-    if (u->type != RBD_SPHERICAL && u->type != RBD_PLANAR && u->type != RBD_FLOATING) {
+    if (!rbdi_joint_turns(u)) {
         for (int k = 0; k < u->nv; ++k) out[k * nv + k] = scale;
         return;
     }
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < u->nv; ++k) a[first + k] = d[k] * sign;
-    step = rbdi_motion_from_array(a);
+    step = rbdi_joint_motion(u, d, 1);
+    step.omega = rbdi_scale(sign, step.omega), step.v = rbdi_scale(sign, step.v);
     rbdi_tails(step.omega, c);
     rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
     for (int i = 0; i < u->nv; ++i)
@@ -118,6 +134,69 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
         if (dnext_dv && u->nv > 0) rbdi_put_step(m, u, RBDI_J_R, d, dt, dt, dnext_dv);
     }
     return RBD_OK;
+}
+
+/* Of rbd_step, whose origins move straight: M dv~/dv in place of M, v~ being what rbdi_glide makes of v. */
+static RBDI_UNUSED void rbdi_glide_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbdi_motion V;
+        if (!rbdi_joint_turns(u)) continue;
+        V = rbdi_joint_motion(u, &v[u->iv], 1);
+        for (rbd_real *row = M + u->iv; row < M + m->nv * m->nv; row += m->nv) {
+            rbdi_motion J = rbdi_joint_motion(u, row, 1);
+            J.omega = rbdi_add(J.omega, rbdi_scale(dt, rbdi_cross(V.v, J.v)));
+            J.v = rbdi_add(J.v, rbdi_scale(dt, rbdi_cross(J.v, V.omega)));
+            rbdi_put_joint_motion(u, J, row, 1);
+        }
+    }
+}
+
+/* Rows of a joint that turns, of derivatives of rbdi_move_straight and rbdi_turn_velocity, in place of those
+   of `moved` and nu. With moved = (w; v) and E = exp(-dt [w]x), and the step (e; s) of q that a column is by:
+
+       turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
+       dv_next = E dnu + v_next x turn */
+static void rbdi_turn_columns(const rbdi_frame *u, int n, const rbd_real *moved, const rbd_real *nu,
+                              rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
+    const rbdi_motion V = rbdi_joint_motion(u, moved, 1), end = rbdi_joint_motion(u, nu, 1);
+    const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
+    const rbdi_exp e = rbdi_exp_of(w);
+    const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
+    for (int k = 0; k < n; ++k, ++dq, ++dv) {
+        rbdi_motion p = rbdi_joint_motion(u, dq, n), x = rbdi_joint_motion(u, dv, n);
+        const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, p.omega));
+        p.omega = turn, p.v = rbdi_scale(dt, p.v);
+        if (by_q && k >= u->iv && k < u->iv + u->nv) {
+            rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
+            rbdi_motion step;
+            unit[k - u->iv] = rbdi_set(RBD_C(1));
+            step = rbdi_joint_motion(u, unit, 1);
+            p.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
+            p.v = rbdi_add(rbdi_add(p.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
+        }
+        p.v = rbdi_turn_back(e, w, p.v);
+        x.omega = rbdi_add(rbdi_turn_back(e, w, x.omega), rbdi_cross(end_w, turn));
+        x.v = rbdi_add(rbdi_turn_back(e, w, x.v), rbdi_cross(end_v, turn));
+        rbdi_put_joint_motion(u, p, dq, n), rbdi_put_joint_motion(u, x, dv, n);
+    }
+}
+
+/* The same of all joints. */
+static RBDI_UNUSED void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu,
+                                          rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
+    const ptrdiff_t n = m->nv;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (rbdi_joint_turns(u)) {
+            rbdi_turn_columns(u, m->nv, &moved[u->iv], &nu[u->iv], dt, by_q, &dq[u->iv * n], &dv[u->iv * n]);
+            continue;
+        }
+        for (int k = u->iv; k < u->iv + u->nv; ++k) {
+            for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
+            if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
+        }
+    }
 }
 
 RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,

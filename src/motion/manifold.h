@@ -4,7 +4,7 @@
 #include "model/layout.h"
 #include "algebra/rotations.h"
 
-/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_move_straight, rbdi_turn_velocity */
+/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_move_straight, rbdi_turn_back, rbdi_turn_velocity */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -84,8 +84,7 @@ static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd
 }
 
 /* x turned by -turn: x - A turn x x + B turn x (turn x x). */
-static rbdi_v3 rbdi_turn_back(rbdi_v3 turn, rbdi_v3 x) {
-    const rbdi_exp e = rbdi_exp_of(turn);
+static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 x) {
     const rbdi_v3 across = rbdi_cross(turn, x);
     const rbdi_v3 inward = rbdi_cross(turn, across);
     x = rbdi_sub(x, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
@@ -97,12 +96,14 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
                                rbd_real *v_next) {
     const int planar = u->type == RBD_PLANAR;
     rbdi_v3 turn, x;
+    rbdi_exp e;
     if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
         turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_vec(moved[0], moved[1], moved[2]);
         turn = rbdi_scale(dt, turn);
+        e = rbdi_exp_of(turn);
         for (int k = planar; k < u->nv; k += 3) {
             x = rbdi_vec(nu[k], nu[k + 1], planar ? rbdi_zero() : nu[k + 2]);
-            x = rbdi_turn_back(turn, x);
+            x = rbdi_turn_back(e, turn, x);
             v_next[k] = x.x, v_next[k + 1] = x.y;
             if (!planar) v_next[k + 2] = x.z;
         }
