@@ -1,10 +1,9 @@
-// mujoco.cpp - MuJoCo (https://mujoco.org) beside rbd: its model is compiled from MJCF text that this file
+// mujoco.cpp - MuJoCo (https://mujoco.org) beside rbd: its model is compiled from MJCF text that mjcf.hpp
 // writes from the description; contacts, limits, damping and all other forces are absent or off. What is
 // timed stands in `conventions` below. SPDX-License-Identifier: MIT
 #include <cstring>
 #include <new>
-#include <string>
-#include <mujoco/mujoco.h>
+#include "mjcf.hpp"
 #include "world_base.hpp"
 
 namespace {
@@ -18,72 +17,12 @@ struct model {
     int last = 0;               // its number of the last body
 };
 
-// ---- MJCF ----
-
-std::string numbers(const double *x, int n) {
-    std::string s;
-    char text[40];
-    for (int i = 0; i < n; i++) {
-        std::snprintf(text, sizeof text, "%s%.17g", i ? " " : "", x[i]);
-        s += text;
-    }
-    return s;
-}
-
-std::string attribute(const char *name, const double *x, int n) {
-    return std::string(" ") + name + "=\"" + numbers(x, n) + "\"";
-}
-
-// With principal moments: from a full matrix MuJoCo computes them to some nine digits only.
-std::string inertial(const rbd_body &b) {
-    double moments[3];
-    mat3 axes;
-    if (b.mass == 0) return "";
-    principal(b.inertia, moments, &axes);
-    return "<inertial" + attribute("mass", &b.mass, 1) + attribute("pos", b.com, 3) +
-           attribute("diaginertia", moments, 3) + attribute("xyaxes", transpose(axes).m, 6) + "/>";
-}
-
-std::string joint(const rbd_body &b, int index) {
-    const std::string name = " name=\"j" + std::to_string(index) + "\"";
-    if (b.type == RBD_FLOATING) return "<freejoint" + name + "/>";
-    if (b.type == RBD_FIXED) return "";
-    return "<joint" + name + " type=\"" + (turns(b) ? "hinge" : "slide") + "\"" +
-           attribute("axis", b.axis, 3) + attribute("armature", b.armature, 1) + "/>";
-}
-
-std::string children(const tree &t, int parent) {
-    std::string s;
-    for (int i = 0; i < (int)t.bodies.size(); i++) {
-        const rbd_body &b = t.bodies[(size_t)i];
-        if (b.parent != parent) continue;
-        const mat3 C = transpose(rotation_given(b.rotation)); // its rows: the axes
-        s += "<body name=\"b" + std::to_string(i) + "\"" + attribute("pos", b.position, 3) +
-             attribute("xyaxes", C.m, 6) + ">" + inertial(b) + joint(b, i) + children(t, i) + "</body>\n";
-    }
-    return s;
-}
-
 std::string mjcf(const tree &t) {
-    return "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\" balanceinertia=\"false\"/>"
-           "<option><flag constraint=\"disable\"/></option><worldbody>" +
-           children(t, -1) + "</worldbody></mujoco>";
+    return "<mujoco>" MJCF_COMPILER "<option><flag constraint=\"disable\"/></option><worldbody>" +
+           mjcf_children(t.bodies, -1, [](int) { return std::string(); }) + "</worldbody></mujoco>";
 }
 
 // What differs between versions, whose number is 222 for 2.2.2 and 3010000 for 3.10.0:
-// how a file is made in memory,
-#if mjVERSION_HEADER < 313
-bool add_file(mjVFS *files, const char *name, const std::string &text) {
-    if (mj_makeEmptyFileVFS(files, name, (int)text.size()) != 0) return false;
-    std::memcpy(files->filedata[0], text.data(), text.size());
-    return true;
-}
-#else
-bool add_file(mjVFS *files, const char *name, const std::string &text) {
-    return mj_addBufferVFS(files, name, text.data(), (int)text.size()) == 0;
-}
-#endif
-
 // what computes the mass matrix that mj_factorM reads,
 #if mjVERSION_HEADER < 333
 #define MASS_MATRIX "mj_crb"
@@ -109,16 +48,6 @@ void angular_momentum(const mjModel *, mjData *, double *) {}
 void angular_momentum(const mjModel *m, mjData *d, double *A) { mj_angmomMat(m, d, A, 0); }
 #endif
 
-mjModel *compile(const std::string &xml, char *text) {
-    mjVFS *files = new mjVFS;
-    mj_defaultVFS(files);
-    mjModel *m = nullptr;
-    if (add_file(files, "robot.xml", xml)) m = mj_loadXML("robot.xml", files, text, 160);
-    mj_deleteVFS(files);
-    delete files;
-    return m;
-}
-
 // ---- model and work ----
 
 void find_places(model *p) {
@@ -142,7 +71,7 @@ rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, con
         return RBD_ERR_TYPE;
     }
     if (!read_tree(bodies, nb, &p->t, text) || p->t.nv > 256) return RBD_ERR_TYPE;
-    p->m = compile(mjcf(p->t), text);
+    p->m = mjcf_compile(mjcf(p->t), text);
     if (!p->m) return RBD_ERR_MEMORY;
     find_places(p);
     return RBD_OK;
