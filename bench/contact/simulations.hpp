@@ -1,0 +1,210 @@
+// simulations.hpp - a scene in rbd and in MuJoCo, step by step. SPDX-License-Identifier: MIT
+#ifndef CONTACT_SIMULATIONS_HPP
+#define CONTACT_SIMULATIONS_HPP
+
+#include <memory>
+#include "../peers/mjcf.hpp"
+#include "scenes.hpp"
+
+#ifndef MASS_FACTOR // the test of this program makes MuJoCo's bodies heavier
+#define MASS_FACTOR 1.0
+#endif
+
+class simulation {
+  public:
+    virtual ~simulation() = default;
+    virtual void begin(const double *q, const double *v) = 0; // forgets what was before
+    virtual void apply(const double *tau) = 0;                // of joints, for the next step
+    virtual void step() = 0;                                  // what is timed and counted
+    virtual void state(double *q, double *v) const = 0;       // as rbd has it
+    virtual double ground_force() const = 0;                  // of the last step, along the normal, N
+    virtual int iterations() const = 0; // Newton steps, or sweeps of PGS, of the last step
+};
+
+// Which law is solved, and how far. A solver of MuJoCo's is -1 for rbd.
+struct setting {
+    const char *name;
+    int solver, cone, iterations;
+    double tolerance; // rbd: m/s; MuJoCo: relative
+    double ratio;     // impratio: stiffness of friction to that of the normal
+    bool stiff;       // time constant of two steps, impedance as near to 1 as MuJoCo allows
+    int noslip;       // further sweeps that take slip back
+};
+
+const setting settings[] = {
+    {"rbd, 1e-8 m/s", -1, 0, 0, 1e-8, 0, false, 0},
+    {"rbd, 1e-5 m/s", -1, 0, 0, 1e-5, 0, false, 0},
+    {"Newton, pyramid", mjSOL_NEWTON, mjCONE_PYRAMIDAL, 100, 1e-8, 1, false, 0}, // the defaults
+    {"Newton, pyramid, 1e-4", mjSOL_NEWTON, mjCONE_PYRAMIDAL, 100, 1e-4, 1, false, 0},
+    {"Newton, cone", mjSOL_NEWTON, mjCONE_ELLIPTIC, 100, 1e-8, 1, false, 0},
+    {"Newton, cone, 1e-4", mjSOL_NEWTON, mjCONE_ELLIPTIC, 100, 1e-4, 1, false, 0},
+    {"CG, pyramid", mjSOL_CG, mjCONE_PYRAMIDAL, 100, 1e-8, 1, false, 0},
+    {"stiff, cone", mjSOL_NEWTON, mjCONE_ELLIPTIC, 100, 1e-12, 1, true, 0},
+    {"stiff, cone, impratio 100", mjSOL_NEWTON, mjCONE_ELLIPTIC, 100, 1e-12, 100, true, 0},
+    {"stiff, cone, noslip", mjSOL_NEWTON, mjCONE_ELLIPTIC, 100, 1e-12, 1, true, 100},
+};
+
+inline bool is_rbd(const setting &o) { return o.solver < 0; }
+
+// ---- rbd ----
+
+class rbd_simulation : public simulation {
+    robot r;
+    std::vector<unsigned char> memory;
+    rbd_contact_set *c = nullptr;
+    std::vector<rbd_contact> contacts;
+    vector q, v, tau, damping;
+    double h;
+
+  public:
+    rbd_simulation(const scene &s, const setting &o, double step)
+        : r(s.bodies), contacts(s.contacts), q((size_t)r.nq), v((size_t)r.nv), tau((size_t)r.nv),
+          damping((size_t)r.nv), h(step) {
+        rbd_contact_options options = {};
+        const int n = (int)contacts.size();
+        options.tolerance = o.tolerance;
+        memory.resize(rbd_contact_set_size(r.m, n, nullptr, 0, &options));
+        must(rbd_contact_set_init(r.m, r.w, contacts.data(), n, nullptr, 0, &options, memory.data(),
+                                  memory.size(), &c, nullptr),
+             "contacts");
+        r.set_slope(s.slope);
+        for (const rbd_joint_info &j : r.joints)
+            if (j.nv == 1) damping[(size_t)j.iv] = s.kd + h * s.kp;
+    }
+    void begin(const double *start, const double *velocity) override {
+        std::copy(start, start + r.nq, q.begin()), std::copy(velocity, velocity + r.nv, v.begin());
+        rbd_contact_reset(c);
+    }
+    void apply(const double *torque) override { std::copy(torque, torque + r.nv, tau.begin()); }
+    void step() override {
+        must(rbd_contact_step(r.m, c, q.data(), v.data(), tau.data(), nullptr, damping.data(), h, q.data(),
+                              v.data()),
+             "step");
+    }
+    void state(double *position, double *velocity) const override {
+        std::copy(q.begin(), q.end(), position), std::copy(v.begin(), v.end(), velocity);
+    }
+    double ground_force() const override {
+        double sum = 0, force[3];
+        for (size_t i = 0; i < contacts.size(); i++)
+            if (contacts[i].body2 < 0) rbd_contact_get(c, (int)i, nullptr, force), sum += force[2];
+        return sum;
+    }
+    int iterations() const override { return rbd_contact_last(c).newton_steps; }
+};
+
+// ---- MuJoCo ----
+
+// A contact's ball meets the surface of one body only: that is what the bits are for. The surface of a box
+// is a box, whose upper face the balls meet; rbd has the plane of that face.
+inline std::string mjcf_geoms(const scene &s, int body) {
+    std::string text;
+    bool carries = false;
+    for (const rbd_contact &c : s.contacts) {
+        carries = carries || c.body2 == body;
+        if (c.body1 != body) continue;
+        text += "<geom type=\"sphere\"" + mjcf_attribute("size", &c.radius, 1) +
+                mjcf_attribute("pos", c.point, 3) + mjcf_attribute("friction", &c.friction, 1) +
+                " contype=\"" + std::to_string(1 << (c.body2 + 1)) + "\" conaffinity=\"0\"/>";
+    }
+    if (carries)
+        text += "<geom type=\"box\" size=\"0.1 0.1 0.1\" friction=\"0\" contype=\"0\" conaffinity=\"" +
+                std::to_string(1 << (body + 1)) + "\"/>";
+    return text;
+}
+
+// Its contacts do not know of its implicit damping, so the controller's stands in armature and torque: M +
+// h d instead of M, and tau - d v, are the same equations.
+inline std::string mjcf_scene(const scene &s, const setting &o, double h) {
+    const double gravity[3] = {g * std::sin(s.slope), 0, -g * std::cos(s.slope)}, stiff[2] = {2 * h, 1};
+    std::vector<rbd_body> bodies = s.bodies;
+    for (rbd_body &b : bodies) {
+        b.mass *= MASS_FACTOR;
+        if (has_one_axis(b)) b.armature[0] += h * (s.kd + h * s.kp);
+    }
+    return "<mujoco>" MJCF_COMPILER "<option" + mjcf_attribute("timestep", &h, 1) +
+           mjcf_attribute("gravity", gravity, 3) + mjcf_attribute("tolerance", &o.tolerance, 1) +
+           mjcf_attribute("impratio", &o.ratio, 1) + "/><default><geom condim=\"3\"" +
+           (o.stiff ? mjcf_attribute("solref", stiff, 2) + " solimp=\"0.9999 0.9999 0.001\"" : "") +
+           "/></default><worldbody><geom type=\"plane\" size=\"100 100 1\" friction=\"0\" contype=\"0\" "
+           "conaffinity=\"1\"/>" +
+           mjcf_children(bodies, -1, [&](int body) { return mjcf_geoms(s, body); }) + "</worldbody></mujoco>";
+}
+
+class mujoco_simulation : public simulation {
+    std::unique_ptr<mjModel, void (*)(mjModel *)> m{nullptr, mj_deleteModel};
+    std::unique_ptr<mjData, void (*)(mjData *)> d{nullptr, mj_deleteData};
+    robot r;
+    std::vector<int> qpos, dof; // MuJoCo's places of each body's joint, -1: fixed
+    double damping;
+
+  public:
+    mujoco_simulation(const scene &s, const setting &o, double h) : r(s.bodies), damping(s.kd + h * s.kp) {
+        char text[160] = "";
+        m.reset(mjcf_compile(mjcf_scene(s, o, h), text));
+        if (!m) {
+            std::fprintf(stderr, "contact: MuJoCo refuses '%s': %s\n", s.name.c_str(), text);
+            std::exit(1);
+        }
+        m->opt.solver = o.solver, m->opt.cone = o.cone, m->opt.iterations = o.iterations;
+        m->opt.noslip_iterations = o.noslip, m->opt.noslip_tolerance = o.tolerance;
+        // What no scene has, so that it takes no time; contacts and the checks of mj_step stay.
+        m->opt.disableflags |=
+            mjDSBL_EQUALITY | mjDSBL_FRICTIONLOSS | mjDSBL_LIMIT | mjDSBL_ACTUATION | mjDSBL_SENSOR;
+        d.reset(mj_makeData(m.get()));
+        for (size_t i = 0; i < s.bodies.size(); i++) {
+            const int j = mj_name2id(m.get(), mjOBJ_JOINT, ("j" + std::to_string(i)).c_str());
+            qpos.push_back(j < 0 ? -1 : m->jnt_qposadr[j]), dof.push_back(j < 0 ? -1 : m->jnt_dofadr[j]);
+        }
+    }
+    void begin(const double *q, const double *v) override {
+        mj_resetData(m.get(), d.get());
+        for (size_t i = 0; i < qpos.size(); i++) {
+            const rbd_joint_info &j = r.joints[i];
+            const double *own = q + j.iq, *rate = v + j.iv;
+            double *position = d->qpos + qpos[i], *velocity = d->qvel + dof[i];
+            if (j.nv == 1) *position = *own, *velocity = *rate;
+            if (j.nv != 6) continue;
+            put(position, get(own)), put(position + 4, get(own + 3)), position[3] = own[6];
+            put(velocity, rotation_of(own + 3) * get(rate + 3)), put(velocity + 3, get(rate));
+        }
+    }
+    void apply(const double *tau) override {
+        for (size_t i = 0; i < qpos.size(); i++)
+            if (r.joints[i].nv == 1)
+                d->qfrc_applied[dof[i]] = tau[r.joints[i].iv] - damping * d->qvel[dof[i]];
+    }
+    void step() override { mj_step(m.get(), d.get()); }
+    void state(double *q, double *v) const override {
+        for (size_t i = 0; i < qpos.size(); i++) {
+            const rbd_joint_info &j = r.joints[i];
+            const double *position = d->qpos + qpos[i], *velocity = d->qvel + dof[i];
+            double *own = q + j.iq, *rate = v + j.iv;
+            if (j.nv == 1) *own = *position, *rate = *velocity;
+            if (j.nv != 6) continue;
+            put(own, get(position)), put(own + 3, get(position + 4)), own[6] = position[3];
+            put(rate, get(velocity + 3)), put(rate + 3, transpose(rotation_of(own + 3)) * get(velocity));
+        }
+    }
+    double ground_force() const override {
+        double sum = 0, force[6];
+        for (int i = 0; i < d->ncon; i++) {
+            if (m->geom_bodyid[d->contact[i].geom1] && m->geom_bodyid[d->contact[i].geom2]) continue;
+            mj_contactForce(m.get(), d.get(), i, force);
+            sum += force[0];
+        }
+        return sum;
+    }
+#if mjVERSION_HEADER < 300
+    int iterations() const override { return d->solver_iter; }
+#else
+    int iterations() const override { return d->solver_niter[0]; }
+#endif
+};
+
+inline std::unique_ptr<simulation> simulate(const scene &s, const setting &o, double h) {
+    if (is_rbd(o)) return std::make_unique<rbd_simulation>(s, o, h);
+    return std::make_unique<mujoco_simulation>(s, o, h);
+}
+
+#endif
