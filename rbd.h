@@ -85,6 +85,8 @@
                           #include "arm_model.h"
                           #include "rbd.h"
                           #include "arm_model.h"
+     RBD_REPRODUCIBLE the same bits on every machine: see [guarantees]. From the include to the end of the
+                      file no product and sum are contracted to FMA, the caller's neither
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
                       models from generated tables only. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
@@ -99,9 +101,13 @@
      data in flash. Finite input gives finite output, as long as nothing overflows: a singular
      system is an error that names the degree of freedom. Input is not searched for NaN: one that
      reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
-     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with compilers
-     other than GCC and clang or with excess precision (x87). The same input gives the same bits on every call
-     of one build; between builds, contraction to FMA changes last bits.
+     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess precision
+     (x87). The same input gives the same bits on every call of one build; between builds, contraction to FMA
+     and the order of sums change last bits.
+     With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
+     rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
+     Sums have one order, and sine is rbd's own. It takes clang without -ffp-contract=fast, no -ffast-math or
+     part of it, a sqrt that rounds correctly, and, on a 32-bit x86, SSE2 (x87 does not compile).
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one
@@ -176,6 +182,26 @@
 #if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
 #error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
 #undef RBD_LANES
+#endif
+
+/* From here to the end of the file, for what it inlines too. clang keeps to this unless -ffp-contract=fast is
+   on its command line. */
+#ifdef RBD_REPRODUCIBLE
+#if RBDI_REAL_KIND % 3 == 0
+#error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif defined __clang__
+#pragma clang fp contract(off)
+#elif defined __GNUC__
+#pragma GCC optimize("fp-contract=off")
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#endif
+#ifdef RBD_REPRODUCIBLE
+#define RBDI_REPRODUCIBLE 1
+#else
+#define RBDI_REPRODUCIBLE 0
 #endif
 
 #ifdef RBD_STATIC
@@ -1253,6 +1279,8 @@ struct rbd_work {
    the transpose. */
 
 /* ==== src/base/compiler.h ==== */
+#include <float.h>
+
 /* ---- compiler [compiler] ----
    All that depends on the compiler and its target; no other place asks for them, but that [configuration]
    asks for vector types and C99. */
@@ -1305,22 +1333,39 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HAS_SHUFFLE 0
 #endif
 
-/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values,
-   as 16 of GCC's default dialects where there is a half precision unit, are of types that are not used here.
-   */
-#if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+/* Products and sums are rounded to the scalar: not with -1 and 2, which keep more of them, and with 1 those
+   of double alone. Other values, as 16 of GCC's default dialects where there is a half precision unit, are of
+   types that are not used here. tcc does not tell. */
+#ifdef __FLT_EVAL_METHOD__
+#define RBDI_EVALUATION __FLT_EVAL_METHOD__
+#elif defined FLT_EVAL_METHOD
+#define RBDI_EVALUATION FLT_EVAL_METHOD
+#elif defined __TINYC__ && !defined __i386__
+#define RBDI_EVALUATION 0
+#else
+#define RBDI_EVALUATION -1
+#endif
+#if RBDI_EVALUATION == 0 || RBDI_EVALUATION > 2 || (RBDI_EVALUATION == 1 && RBDI_REAL_KIND == 1)
 #define RBDI_ROUNDS 1
 #else
 #define RBDI_ROUNDS 0
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE: x87 keeps more digits (use SSE2), and s390x those of double (use -std=gnu99)"
+#endif
 #endif
 
+#if RBDI_REPRODUCIBLE
+#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=off\")")
+#else
+#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=fast\")")
+#endif
 /* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
    loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
    */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_CODE_BEGIN \
     _Pragma("GCC push_options") _Pragma("GCC optimize(\"no-tree-slp-vectorize,no-tree-vectorize\")") \
-        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns,fp-contract=fast\")")
+        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns\")") RBDI_CONTRACTION
 #define RBDI_CODE_END _Pragma("GCC pop_options")
 #else
 #define RBDI_CODE_BEGIN
@@ -1432,6 +1477,9 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #endif
 #ifdef RBD_SIN
 #define RBDI_OWN_SINCOS
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE needs rbd's own sine: leave RBD_SIN and RBD_COS undefined"
+#endif
 #else
 #define RBD_SIN(x) RBDI_LIBM(sin)(x)
 #define RBD_COS(x) RBDI_LIBM(cos)(x)
@@ -1510,9 +1558,9 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
 /* ==== src/base/simd.h ==== */
 /* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
    vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
-#if defined RBD_LANES || !RBDI_GNU || RBDI_REAL_KIND % 3 == 0
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #define RBDI_BATCH 1
-#elif RBDI_SIMD > 0
+#elif RBDI_GNU && RBDI_SIMD > 0
 #define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
 #else
 #define RBDI_BATCH 1
@@ -1521,7 +1569,7 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
 #if RBDI_BATCH > RBDI_CHUNK
 #error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
 #endif
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || !RBDI_GNU || defined RBDI_BATCH_SCALAR
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || defined RBDI_BATCH_SCALAR
 typedef rbd_real rbdi_batch;
 #else
 typedef rbd_real rbdi_batch
@@ -1576,15 +1624,31 @@ RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
     return x;
 #endif
 }
-RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
+
+/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes; with
+   RBD_REPRODUCIBLE one scalar after the other, for then it does not depend on the length of a batch. */
+#if RBDI_REPRODUCIBLE || RBDI_BATCH == 1
+typedef rbd_real rbdi_sum;
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero(); }
+RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
 #if RBDI_BATCH > 1
+    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + x[j];
+    return sum;
+#else
+    return sum + x;
+#endif
+}
+RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
+#else
+typedef rbdi_batch rbdi_sum;
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero_batch(); }
+RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) { return sum + x; }
+RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];
     for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
     return sum;
-#else
-    return x;
-#endif
 }
+#endif
 
 /* Four scalars that go together: an axis or origin and a fourth that is not used, or parameters of a body. By
    address: clang without AVX warns of vectors of four doubles as values. GCC takes what is wider than a batch
@@ -1640,7 +1704,7 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
    multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
    also where x is near a multiple of pi/2. */
 
-#if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
+#if RBDI_REAL_KIND % 3 != 0 && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 #define RBDI_SINCOS_LIMIT 1e6
@@ -5782,11 +5846,19 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle of a point on the unit circle, c >= 0; as rbdi_signed_angle, in the build's arithmetic. */
+/* Angle of a point on the unit circle, at most 45 degrees; as rbdi_signed_angle, in the build's arithmetic
+   and with the series of sine and cosine, which are the same everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
-    for (int k = 0; k < 4; ++k) angle += sine * RBDI_WIDE_LIBM(cos)(angle) - c * RBDI_WIDE_LIBM(sin)(angle);
+    for (int i = 0; i < 4; ++i) {
+        rbdi_wide x2 = angle * angle, sum_c = 1, sum_s = 1;
+        for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
+            sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
+            sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
+        }
+        angle += sine * sum_c - c * (angle * sum_s);
+    }
     return s < 0 ? -angle : angle;
 }
 

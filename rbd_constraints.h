@@ -702,12 +702,12 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 
 /* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
-    rbdi_batch lanes = rbdi_zero_batch();
-    rbd_real sum = rbdi_zero();
+    rbdi_sum lanes = rbdi_sum_of_none();
+    rbd_real sum;
     int k = 0;
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
-        lanes = lanes + *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k];
-    if (k > 0) sum = rbdi_sum_lanes(lanes);
+        lanes = rbdi_sum_and(lanes, *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k]);
+    sum = rbdi_sum_value(lanes);
     for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
 }
@@ -797,10 +797,10 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
 static void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
-        rbdi_batch sum = rbdi_zero_batch();
+        rbdi_sum sum = rbdi_sum_of_none();
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
-            sum = sum + *(const rbdi_batch *)&R[j] * *(const rbdi_batch *)&c->lambda[j];
-        c->lambda[t] = c->inverse[t] * (R[c->rows] - rbdi_sum_lanes(sum));
+            sum = rbdi_sum_and(sum, *(const rbdi_batch *)&R[j] * *(const rbdi_batch *)&c->lambda[j]);
+        c->lambda[t] = c->inverse[t] * (R[c->rows] - rbdi_sum_value(sum));
     }
 }
 
@@ -1093,10 +1093,10 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
 RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
-    rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
-    for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
-        sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
-    return rbdi_sum_lanes(sum);
+    rbdi_sum sum = rbdi_sum_of_none();
+    for (int r = s.first; r < s.end; r += RBDI_BATCH)
+        sum = rbdi_sum_and(sum, *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r]);
+    return rbdi_sum_value(sum);
 }
 
 /* x = L^-1 D^-1 (x + Y lambda). */

@@ -1234,7 +1234,7 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const int turns = b * RBDI_BATCH < 3;
+        const int turns = RBDI_REPRODUCIBLE || b * RBDI_BATCH < 3; /* signs of zeros differ */
         const rbdi_cbatch m = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
         rbdi_bmotion U = c->S;
@@ -1646,18 +1646,17 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
    has it. Else it is that of the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
-    rbdi_b3 h;
+    rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
     if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
-    h.x = h.y = h.z = rbdi_zero_batch();
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         const rbdi_b3 own = rbdi_b_rotate(c, k->all_hx, k->all_hy, k->all_hz);
-        h.x = h.x + own.x + c->x.x * k->all_m;
-        h.y = h.y + own.y + c->x.y * k->all_m;
-        h.z = h.z + own.z + c->x.z * k->all_m;
+        x = rbdi_sum_and(x, own.x + c->x.x * k->all_m);
+        y = rbdi_sum_and(y, own.y + c->x.y * k->all_m);
+        z = rbdi_sum_and(z, own.z + c->x.z * k->all_m);
     }
-    return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
+    return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
 }
 
 /* From a free base's axes to the world's, E being its rotation. */
@@ -1795,13 +1794,13 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
 RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN_SIZE;
     rbd_real *to = x + d->entry[d->base - 1].at;
-    rbdi_batch sum[9];
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_zero_batch();
+    rbdi_sum sum[9];
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_of_none();
     for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN_SIZE) {
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_and(sum[j], in[j]);
     }
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
-        to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
+        to[j * RBDI_BATCH] + rbdi_sum_value(sum[j]);
 }
 
 /* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */

@@ -84,6 +84,8 @@
                           #include "arm_model.h"
                           #include "rbd.h"
                           #include "arm_model.h"
+     RBD_REPRODUCIBLE the same bits on every machine: see [guarantees]. From the include to the end of the
+                      file no product and sum are contracted to FMA, the caller's neither
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
                       models from generated tables only. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
@@ -98,9 +100,13 @@
      data in flash. Finite input gives finite output, as long as nothing overflows: a singular
      system is an error that names the degree of freedom. Input is not searched for NaN: one that
      reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
-     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with compilers
-     other than GCC and clang or with excess precision (x87). The same input gives the same bits on every call
-     of one build; between builds, contraction to FMA changes last bits.
+     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess precision
+     (x87). The same input gives the same bits on every call of one build; between builds, contraction to FMA
+     and the order of sums change last bits.
+     With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
+     rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
+     Sums have one order, and sine is rbd's own. It takes clang without -ffp-contract=fast, no -ffast-math or
+     part of it, a sqrt that rounds correctly, and, on a 32-bit x86, SSE2 (x87 does not compile).
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Takes the status and the n results of a call. */
-typedef void all_calls_sink(void *to, const char *call, rbd_status status, const rbd_real *x, int n);
+/* Takes the status and the n results of a call, and the header that declares it. */
+typedef void all_calls_sink(void *to, const char *header, const char *call, rbd_status status,
+                            const rbd_real *x, int n);
 
 /* From -1 to 1, in steps of 2^-20: Lehmer's generator. */
 static rbd_real all_calls_number(uint64_t *seed) {
@@ -28,6 +29,7 @@ typedef struct all_calls {
     unsigned char *given;
     all_calls_sink *sink;
     void *to;
+    const char *header;
 } all_calls;
 
 #define ALL_CALLS_RUN(call, n) \
@@ -35,12 +37,13 @@ typedef struct all_calls {
         const int n_ = (n); \
         memset(s->out, 0, sizeof(rbd_real) * (size_t)s->room); \
         const rbd_status status_ = call; \
-        s->sink(s->to, #call, status_, s->out, n_); \
+        s->sink(s->to, s->header, #call, status_, s->out, n_); \
     } while (0)
 
 static void all_calls_dynamics(all_calls *s) {
     const int nv = s->nv;
     rbd_real *o = s->out;
+    s->header = "rbd.h";
     ALL_CALLS_RUN(rbd_rnea(s->m, s->w, s->q, s->v, s->a, s->f_ext, o), nv);
     ALL_CALLS_RUN(rbd_bias(s->m, s->w, s->q, s->v, NULL, o), nv);
     ALL_CALLS_RUN(rbd_gravity_torque(s->m, s->w, s->q, o), nv);
@@ -62,6 +65,7 @@ static void all_calls_kinematics(all_calls *s) {
     const int nv = s->nv, last = s->nb - 1;
     const rbd_real point[3] = {(rbd_real)0.125, (rbd_real)-0.25, (rbd_real)0.375};
     rbd_real *o = s->out;
+    s->header = "rbd.h";
     ALL_CALLS_RUN(rbd_joint_wrench(s->m, s->w, s->q, s->v, s->a, s->f_ext, o), 6 * s->nb);
     ALL_CALLS_RUN(rbd_kinematics(s->m, s->w, s->q, s->v, s->a), 0);
     for (int i = 0; i < s->nb; i++) {
@@ -89,6 +93,7 @@ static void all_calls_derivatives(all_calls *s) {
     void *memory = malloc(size);
     rbd_derivatives *d;
     rbd_real *o = s->out;
+    s->header = "rbd_derivatives.h";
     ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, memory, size, &d), 0);
     ALL_CALLS_RUN(rbd_id_derivatives(s->m, d, s->q, s->v, s->a, s->f_ext, o, o + n, o + 2 * n), 3 * n);
     ALL_CALLS_RUN(
@@ -118,6 +123,7 @@ static void all_calls_constraints(all_calls *s) {
     void *memory = malloc(size);
     rbd_constraint_set *c;
     rbd_real *o = s->out;
+    s->header = "rbd_constraints.h";
     ALL_CALLS_RUN(rbd_constraint_set_init(s->m, s->w, list, 2, memory, size, &c, NULL), 0);
     const int rows = rbd_constraint_rows(c);
     ALL_CALLS_RUN(rbd_constraint_jacobian(s->m, c, s->q, s->v, o, o + rows * nv, NULL), rows * (nv + 1));
@@ -137,6 +143,7 @@ static void all_calls_contact(all_calls *s) {
     void *memory = malloc(size);
     rbd_contact_set *c;
     rbd_real *o = s->out;
+    s->header = "rbd_contact.h";
     ALL_CALLS_RUN(rbd_contact_set_init(s->m, s->w, list, 2, NULL, 0, &options, memory, size, &c, NULL), 0);
     ALL_CALLS_RUN(
         rbd_contact_step(s->m, c, s->q, s->v, s->tau, s->f_ext, NULL, (rbd_real)0.0078125, o, o + s->nq),
@@ -159,8 +166,10 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
     s->f_ext = s->tau + nv;
     s->out = s->f_ext + 6 * nb;
     s->given = (unsigned char *)calloc((size_t)nv + 1, 1);
+    s->header = "rbd.h";
     ALL_CALLS_RUN(rbd_work_init(m, memory, size, &s->w), 0);
     for (int i = 0; i < states && s->w; i++) {
+        s->header = "rbd.h";
         ALL_CALLS_RUN((rbd_neutral(m, s->q), rbd_neutral(m, s->q2)), 0);
         all_calls_numbers(&seed, 2, s->v, nv);
         ALL_CALLS_RUN(rbd_integrate(m, s->q2, s->v, 1, s->q2), 0);

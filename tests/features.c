@@ -47,8 +47,10 @@ typedef struct results {
     rbd_status status[MOST / 64];
 } results;
 
-static void keep(void *to, const char *call, rbd_status status, const rbd_real *x, int n) {
+static void keep(void *to, const char *header, const char *call, rbd_status status, const rbd_real *x,
+                 int n) {
     results *r = (results *)to;
+    (void)header;
     r->call[r->calls] = call, r->first[r->calls] = r->n, r->status[r->calls++] = status;
     memcpy(r->x + r->n, x, sizeof *x * (size_t)n);
     r->n += n;

@@ -65,6 +65,26 @@
 #undef RBD_LANES
 #endif
 
+/* From here to the end of the file, for what it inlines too. clang keeps to this unless -ffp-contract=fast is
+   on its command line. */
+#ifdef RBD_REPRODUCIBLE
+#if RBDI_REAL_KIND % 3 == 0
+#error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif defined __clang__
+#pragma clang fp contract(off)
+#elif defined __GNUC__
+#pragma GCC optimize("fp-contract=off")
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#endif
+#ifdef RBD_REPRODUCIBLE
+#define RBDI_REPRODUCIBLE 1
+#else
+#define RBDI_REPRODUCIBLE 0
+#endif
+
 #ifdef RBD_STATIC
 #define RBDI_API static RBDI_UNUSED
 #else

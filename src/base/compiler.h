@@ -1,6 +1,7 @@
 #ifndef RBDI_BASE_COMPILER_H
 #define RBDI_BASE_COMPILER_H
 #include "api/configuration.h"
+#include <float.h>
 
 /* ---- compiler [compiler] ----
    All that depends on the compiler and its target; no other place asks for them, but that [configuration]
@@ -54,22 +55,39 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HAS_SHUFFLE 0
 #endif
 
-/* Products and sums are rounded to the scalar: not with -1, 1 and 2, which keep more of them. Other values,
-   as 16 of GCC's default dialects where there is a half precision unit, are of types that are not used here.
-   */
-#if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+/* Products and sums are rounded to the scalar: not with -1 and 2, which keep more of them, and with 1 those
+   of double alone. Other values, as 16 of GCC's default dialects where there is a half precision unit, are of
+   types that are not used here. tcc does not tell. */
+#ifdef __FLT_EVAL_METHOD__
+#define RBDI_EVALUATION __FLT_EVAL_METHOD__
+#elif defined FLT_EVAL_METHOD
+#define RBDI_EVALUATION FLT_EVAL_METHOD
+#elif defined __TINYC__ && !defined __i386__
+#define RBDI_EVALUATION 0
+#else
+#define RBDI_EVALUATION -1
+#endif
+#if RBDI_EVALUATION == 0 || RBDI_EVALUATION > 2 || (RBDI_EVALUATION == 1 && RBDI_REAL_KIND == 1)
 #define RBDI_ROUNDS 1
 #else
 #define RBDI_ROUNDS 0
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE: x87 keeps more digits (use SSE2), and s390x those of double (use -std=gnu99)"
+#endif
 #endif
 
+#if RBDI_REPRODUCIBLE
+#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=off\")")
+#else
+#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=fast\")")
+#endif
 /* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
    loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
    */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_CODE_BEGIN \
     _Pragma("GCC push_options") _Pragma("GCC optimize(\"no-tree-slp-vectorize,no-tree-vectorize\")") \
-        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns,fp-contract=fast\")")
+        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns\")") RBDI_CONTRACTION
 #define RBDI_CODE_END _Pragma("GCC pop_options")
 #else
 #define RBDI_CODE_BEGIN

@@ -8,7 +8,7 @@
    multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
    also where x is near a multiple of pi/2. */
 
-#if RBDI_REAL_KIND % 3 != 0 && RBDI_GNU && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
+#if RBDI_REAL_KIND % 3 != 0 && !defined RBDI_OWN_SINCOS && RBDI_ROUNDS
 #define RBDI_POLYNOMIAL_SINCOS
 #if RBDI_REAL_KIND == 1
 #define RBDI_SINCOS_LIMIT 1e6

@@ -27,6 +27,9 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #endif
 #ifdef RBD_SIN
 #define RBDI_OWN_SINCOS
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE needs rbd's own sine: leave RBD_SIN and RBD_COS undefined"
+#endif
 #else
 #define RBD_SIN(x) RBDI_LIBM(sin)(x)
 #define RBD_COS(x) RBDI_LIBM(cos)(x)

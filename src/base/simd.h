@@ -5,9 +5,9 @@
 
 /* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
    vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
-#if defined RBD_LANES || !RBDI_GNU || RBDI_REAL_KIND % 3 == 0
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #define RBDI_BATCH 1
-#elif RBDI_SIMD > 0
+#elif RBDI_GNU && RBDI_SIMD > 0
 #define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
 #else
 #define RBDI_BATCH 1
@@ -16,7 +16,7 @@
 #if RBDI_BATCH > RBDI_CHUNK
 #error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
 #endif
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || !RBDI_GNU || defined RBDI_BATCH_SCALAR
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || defined RBDI_BATCH_SCALAR
 typedef rbd_real rbdi_batch;
 #else
 typedef rbd_real rbdi_batch
@@ -71,15 +71,31 @@ RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
     return x;
 #endif
 }
-RBDI_INLINE rbd_real rbdi_sum_lanes(rbdi_batch x) {
+
+/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes; with
+   RBD_REPRODUCIBLE one scalar after the other, for then it does not depend on the length of a batch. */
+#if RBDI_REPRODUCIBLE || RBDI_BATCH == 1
+typedef rbd_real rbdi_sum;
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero(); }
+RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
 #if RBDI_BATCH > 1
+    for (int j = 0; j < RBDI_BATCH; ++j) sum = sum + x[j];
+    return sum;
+#else
+    return sum + x;
+#endif
+}
+RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
+#else
+typedef rbdi_batch rbdi_sum;
+RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero_batch(); }
+RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) { return sum + x; }
+RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];
     for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
     return sum;
-#else
-    return x;
-#endif
 }
+#endif
 
 /* Four scalars that go together: an axis or origin and a fourth that is not used, or parameters of a body. By
    address: clang without AVX warns of vectors of four doubles as values. GCC takes what is wider than a batch

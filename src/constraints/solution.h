@@ -36,10 +36,10 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
 RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
     const rbdi_span s = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
-    rbdi_batch sum = *(const rbdi_batch *)&y[s.first] * *(const rbdi_batch *)&lambda[s.first];
-    for (int r = s.first + RBDI_BATCH; r < s.end; r += RBDI_BATCH)
-        sum = sum + *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r];
-    return rbdi_sum_lanes(sum);
+    rbdi_sum sum = rbdi_sum_of_none();
+    for (int r = s.first; r < s.end; r += RBDI_BATCH)
+        sum = rbdi_sum_and(sum, *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r]);
+    return rbdi_sum_value(sum);
 }
 
 /* x = L^-1 D^-1 (x + Y lambda). */

@@ -246,7 +246,7 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const int turns = b * RBDI_BATCH < 3;
+        const int turns = RBDI_REPRODUCIBLE || b * RBDI_BATCH < 3; /* signs of zeros differ */
         const rbdi_cbatch m = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
         rbdi_bmotion U = c->S;

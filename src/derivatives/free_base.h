@@ -28,13 +28,13 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
 RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
     const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN_SIZE;
     rbd_real *to = x + d->entry[d->base - 1].at;
-    rbdi_batch sum[9];
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_zero_batch();
+    rbdi_sum sum[9];
+    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_of_none();
     for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN_SIZE) {
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = sum[j] + in[j];
+        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_and(sum[j], in[j]);
     }
     RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
-        to[j * RBDI_BATCH] + rbdi_sum_lanes(sum[j]);
+        to[j * RBDI_BATCH] + rbdi_sum_value(sum[j]);
 }
 
 /* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */

@@ -38,18 +38,17 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
    has it. Else it is that of the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
-    rbdi_b3 h;
+    rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
     if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
-    h.x = h.y = h.z = rbdi_zero_batch();
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         const rbdi_b3 own = rbdi_b_rotate(c, k->all_hx, k->all_hy, k->all_hz);
-        h.x = h.x + own.x + c->x.x * k->all_m;
-        h.y = h.y + own.y + c->x.y * k->all_m;
-        h.z = h.z + own.z + c->x.z * k->all_m;
+        x = rbdi_sum_and(x, own.x + c->x.x * k->all_m);
+        y = rbdi_sum_and(y, own.y + c->x.y * k->all_m);
+        z = rbdi_sum_and(z, own.z + c->x.z * k->all_m);
     }
-    return rbdi_scale(share, rbdi_vec(rbdi_sum_lanes(h.x), rbdi_sum_lanes(h.y), rbdi_sum_lanes(h.z)));
+    return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
 }
 
 /* From a free base's axes to the world's, E being its rotation. */

@@ -62,11 +62,19 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle of a point on the unit circle, c >= 0; as rbdi_signed_angle, in the build's arithmetic. */
+/* Angle of a point on the unit circle, at most 45 degrees; as rbdi_signed_angle, in the build's arithmetic
+   and with the series of sine and cosine, which are the same everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
-    for (int k = 0; k < 4; ++k) angle += sine * RBDI_WIDE_LIBM(cos)(angle) - c * RBDI_WIDE_LIBM(sin)(angle);
+    for (int i = 0; i < 4; ++i) {
+        rbdi_wide x2 = angle * angle, sum_c = 1, sum_s = 1;
+        for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
+            sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
+            sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
+        }
+        angle += sine * sum_c - c * (angle * sum_s);
+    }
     return s < 0 ? -angle : angle;
 }
 

@@ -25,7 +25,8 @@ double uniform(uint64_t *seed, double low, double high) {
 
 /* 2^n to 2^(n + 1), n from low to high - 1: a magnitude */
 static double magnitude(uint64_t *seed, int low, int high) {
-    return ldexp(uniform(seed, 1, 2), low + below(seed, high - low));
+    const int n = low + below(seed, high - low);
+    return ldexp(uniform(seed, 1, 2), n);
 }
 
 static double sign(uint64_t *seed) { return below(seed, 2) ? 1 : -1; }
@@ -90,8 +91,9 @@ static void nearly_quarter_turns(uint64_t *seed, double R[9]) {
 static int has(const sample *s, int trait) { return (s->traits >> trait & 1) != 0; }
 
 static void coordinate_axis(uint64_t *seed, double axis[3]) {
+    const int k = below(seed, 3);
     axis[0] = axis[1] = axis[2] = 0;
-    axis[below(seed, 3)] = sign(seed);
+    axis[k] = sign(seed);
 }
 
 static void draw_axis(sample *s, double axis[3]) {
@@ -186,7 +188,8 @@ static void maybe_follow(sample *s, int i) {
     const int leader = below(&s->seed, i + 1);
     if (leader == i || !below(&s->seed, 3) || !can_follow(b) || !can_follow(&s->bodies[leader])) return;
     b->mimic = joint_name(leader);
-    b->mimic_ratio = sign(&s->seed) * magnitude(&s->seed, -3, 2);
+    b->mimic_ratio = sign(&s->seed);
+    b->mimic_ratio *= magnitude(&s->seed, -3, 2);
     b->mimic_offset =
         b->type == RBD_PRISMATIC ? s->length[i] * uniform(&s->seed, -1, 1) : uniform(&s->seed, -3, 3);
 }
@@ -245,8 +248,10 @@ static double to_float(double x) { return (double)(float)x; }
 
 /* n numbers within +-size; large angles if turned */
 static void draw_angles(sample *s, double *x, int n) {
-    for (int k = 0; k < n; k++)
-        x[k] = uniform(&s->seed, -4, 4) * (has(s, TURNED) ? magnitude(&s->seed, -1, 18) : 1);
+    for (int k = 0; k < n; k++) {
+        x[k] = uniform(&s->seed, -4, 4);
+        if (has(s, TURNED)) x[k] *= magnitude(&s->seed, -1, 18);
+    }
 }
 
 static void draw_lengths(sample *s, double length, double *x, int n) {

@@ -1,0 +1,170 @@
+/* reproducible.c - RBD_REPRODUCIBLE: hashes over the results of all calls, which are the same whatever
+   compiled this and whatever runs it. Prints a line for each header; --calls: one for each call. */
+#ifndef NOT_REPRODUCIBLE
+#define RBD_REPRODUCIBLE
+#endif
+#define RBD_IMPLEMENTATION
+#include "rbd_spatial.h"
+
+#include "rbd_contact.h"
+#include "rbd_derivatives.h"
+
+#include "models/atlas.h"
+#include "models/atlas_model.h"
+#include "models/hyq.h"
+#include "models/hyq_model.h"
+#include "models/iiwa.h"
+#include "models/iiwa_model.h"
+
+#include "all_calls.h"
+#include <stdio.h>
+
+#define WORLD_LONG_DOUBLE /* nothing is computed with it here */
+#include "fuzz/robots.c"
+
+#define QUOTE_OF(x) #x
+#define QUOTE(x) QUOTE_OF(x)
+
+/* Of robots.c's descriptions; world.c has them too, with all else. */
+int world_nv(const rbd_body *b) { return rbdi_joint_facts(b->type)->nv; }
+int world_nq(const rbd_body *b) { return rbdi_joint_facts(b->type)->nq; }
+
+/* ---- hashes ---- */
+
+/* FNV-1a, of Fowler, Noll and Vo, over the bytes of a word of `size` bytes, the least first. */
+static void hash_word(uint64_t *hash, uint64_t word, int size) {
+    for (int i = 0; i < size; i++) *hash = (*hash ^ (word >> 8 * i & 255)) * UINT64_C(0x100000001b3);
+}
+
+/* The bits of a number; all that are none count as the same one. */
+static void hash_number(uint64_t *hash, rbd_real x) {
+    rbdi_bit bits;
+    memcpy(&bits, &x, sizeof bits);
+    if (!(x - x <= 0) && !(x < 0) && !(x > 0)) bits = ~(rbdi_bit)0;
+    hash_word(hash, bits, (int)sizeof bits);
+}
+
+enum { HEADERS = 5 };
+static const char *const headers[HEADERS] = {"rbd.h", "rbd_derivatives.h", "rbd_constraints.h",
+                                             "rbd_contact.h", "rbd_spatial.h"};
+
+typedef struct hashes {
+    uint64_t of[HEADERS];
+    int calls, each; /* whether each call is printed */
+    const char *robot;
+} hashes;
+
+static void hash_call(void *to, const char *header, const char *call, rbd_status status, const rbd_real *x,
+                      int n) {
+    hashes *h = (hashes *)to;
+    uint64_t own = UINT64_C(0xcbf29ce484222325);
+    int k = 0;
+    while (strcmp(headers[k], header) != 0) k++;
+    hash_word(&own, (uint64_t)(int64_t)status, 8);
+    for (int i = 0; i < n; i++) hash_number(&own, x[i]);
+    hash_word(&h->of[k], own, 8);
+    h->calls++;
+    if (h->each)
+        printf("%s %s %d %d %08lx%08lx %.*s\n", QUOTE(RBD_REAL), h->robot, h->calls, (int)status,
+               (unsigned long)(own >> 32), (unsigned long)(own & UINT32_MAX), (int)strcspn(call, "\n"), call);
+}
+
+/* ---- what is computed ---- */
+
+/* From what rbd_describe says of the model, every robot a second time. */
+static void hash_described(const rbd_model *m, hashes *h) {
+    rbd_real x[64];
+    for (int i = 0; i < rbd_nb(m); i++) {
+        rbd_body row;
+        const rbd_status status = rbd_describe(m, i, &row);
+        int n = 0;
+        for (int k = 0; k < 3; k++) x[n++] = (rbd_real)row.axis[k], x[n++] = (rbd_real)row.position[k];
+        for (int k = 0; k < 3; k++) x[n++] = (rbd_real)row.axis2[k], x[n++] = (rbd_real)row.com[k];
+        for (int k = 0; k < 9; k++) x[n++] = (rbd_real)row.rotation[k];
+        for (int k = 0; k < 6; k++) x[n++] = (rbd_real)row.inertia[k];
+        x[n++] = (rbd_real)row.mass, x[n++] = (rbd_real)row.pitch;
+        hash_call(h, "rbd.h", "rbd_describe", status, x, n);
+    }
+}
+
+static void hash_model(const char *name, const rbd_model *m, int states, hashes *h) {
+    h->robot = name;
+    hash_described(m, h);
+    all_calls_of(m, states, hash_call, h);
+}
+
+static void hash_description(const char *name, const rbd_body *bodies, int nb, int states, hashes *h) {
+    const size_t size = rbd_model_size(bodies, nb);
+    void *memory = malloc(size);
+    const rbd_model *m;
+    rbd_report report;
+    rbd_status status = rbd_model_build(bodies, nb, memory, size, &m, &report);
+    h->robot = name;
+    hash_call(h, "rbd.h", "rbd_model_build", status, NULL, 0);
+    if (!status) hash_model(name, m, states, h);
+    free(memory);
+}
+
+/* Random robots of the fuzzer: all types of joints, mimic joints, massless links, axes in every position. */
+static void hash_random(int each_class, hashes *h) {
+    static sample s;
+    for (int class_number = 0; class_number < CLASSES; class_number++)
+        for (int i = 0; i < each_class; i++) {
+            char name[32];
+            draw_robot(&s, class_number, i);
+            snprintf(name, sizeof name, "%s-%d", class_names[class_number], i);
+            hash_description(name, s.bodies, s.nb, 2, h);
+        }
+}
+
+static rbd_real *put_rotation(rbd_rotation r, rbd_real *x) {
+    rbd_rotation_to_array(r, x);
+    return x + 9;
+}
+
+static void hash_spatial(hashes *h) {
+    uint64_t seed = 7;
+    h->robot = "spatial";
+    for (int n = 0; n < 20; n++) {
+        rbd_real in[64], out[128], *x = out;
+        all_calls_numbers(&seed, 2, in, 64);
+        const rbd_rotation R = rbd_rotation_from_quaternion(in),
+                           S = rbd_rotation_from_rpy(in[4], in[5], in[6]);
+        const rbd_placement p = rbd_placement_of(rbd_rotation_product(R, S), rbd_vec3_from_array(&in[7]), 1,
+                                                 2),
+                            back = rbd_placement_inverse(p);
+        const rbd_motion v = rbd_motion_up(p, rbd_motion_from_array(&in[10], 1)), u = rbd_motion_down(p, v);
+        const rbd_force f = rbd_force_up(p, rbd_force_from_array(&in[16], 1)), g = rbd_force_down(p, f);
+        const rbd_inertia I = rbd_inertia_from_parameters((const rbd_const *)&in[22], 1);
+        x = put_rotation(rbd_placement_compose(p, back).rotation, x);
+        x = put_rotation(p.rotation, x);
+        rbd_rotation_to_quaternion(p.rotation, x), x += 4;
+        rbd_rotation_to_rpy(p.rotation, x), x += 3;
+        rbd_motion_to_array(rbd_motion_cross(v, rbd_motion_scale(in[32], v)), x), x += 6;
+        rbd_motion_to_array(rbd_motion_add(u, u), x), x += 6;
+        rbd_force_to_array(rbd_force_cross(u, g), x), x += 6;
+        rbd_force_to_array(rbd_inertia_times(I, u), x), x += 6;
+        rbd_inertia_to_parameters(rbd_inertia_down(p, rbd_inertia_up(p, rbd_inertia_add(I, I))), x), x += 10;
+        rbd_vec3_to_array(rbd_point_down(p, rbd_point_up(back, rbd_vec3_from_array(in))), x), x += 3;
+        *x++ = rbd_power(u, g);
+        hash_call(h, "rbd_spatial.h", "all of rbd_spatial.h", RBD_OK, out, (int)(x - out));
+    }
+}
+
+/* Another unit of arithmetic than this program was asked to be compiled for would say nothing of it. */
+int main(int argc, char **argv) {
+    static hashes h;
+    h.each = argc > 1 && strcmp(argv[1], "--calls") == 0;
+    hash_model("iiwa-table", &iiwa_model, 4, &h);
+    hash_model("hyq-table", &hyq_model, 4, &h);
+    hash_model("atlas-table", &atlas_model, 4, &h);
+    hash_description("iiwa", iiwa_bodies, IIWA_NB, 2, &h);
+    hash_description("hyq", hyq_bodies, HYQ_NB, 2, &h);
+    hash_description("atlas", atlas_bodies, ATLAS_NB, 2, &h);
+    hash_random(3, &h);
+    hash_spatial(&h);
+    for (int k = 0; !h.each && k < HEADERS; k++)
+        printf("%s %s %08lx%08lx\n", QUOTE(RBD_REAL), headers[k], (unsigned long)(h.of[k] >> 32),
+               (unsigned long)(h.of[k] & UINT32_MAX));
+    return 0;
+}
