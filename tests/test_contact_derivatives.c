@@ -266,6 +266,7 @@ START_TEST(corner_rebounds) {
             scene s;
             open_scene(&s, "box", &body, 1, 1e-3);
             add_contact(&s, 0, -1, 0.2, 0.15, -0.1)->restitution = 0.6;
+            add_contact(&s, 0, -1, 0, 0, 5)->restitution = 0.6; /* far away */
             s.list[0].friction = slides ? 0.1 : 2;
             begin_scene(&s);
             spin(&s, 1);
@@ -576,6 +577,16 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_NULL);
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, 0, &whole), RBD_ERR_RANGE);
     ck_assert_int_eq(CALL(s.r.m, s.c, other.d, s.q, s.v, s.tau, s.h, &whole), RBD_ERR_WORK);
+    {
+        const size_t size[2] = {rbd_work_size(s.r.m), rbd_derivatives_size(s.r.m)};
+        void *memory[2] = {malloc(size[0]), malloc(size[1])};
+        rbd_derivatives *d;
+        rbd_work *w;
+        ck_assert_int_eq(rbd_work_init(s.r.m, memory[0], size[0], &w), RBD_OK);
+        ck_assert_int_eq(rbd_derivatives_init(s.r.m, w, memory[1], size[1], &d), RBD_OK);
+        ck_assert_int_eq(CALL(s.r.m, s.c, d, s.q, s.v, s.tau, s.h, &whole), RBD_ERR_WORK);
+        for (int i = 0; i < 2; i++) free(memory[i]);
+    }
     ck_assert_int_eq(CALL(other.r.m, other.c, other.d, s.q, s.v, s.tau, s.h, &whole), RBD_ERR_MEMORY);
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &whole), RBD_OK);
     out = whole, out.q_next = q, out.v_next = v;
@@ -583,6 +594,9 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_NAN);
     ck_assert_double_eq(largest(v, 7), 0);
     for (int k = 0; k < 6; k++) ck_assert_double_eq(largest(x.by[k], 49), 0);
+    out.dq_next_dv = out.dv_next_dv = NULL;
+    ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_NAN);
+    out = whole, out.q_next = q, out.v_next = v;
     s.q[7] = 0, s.v[0] = NAN; /* the step has no check of it */
     memset(&x, 0xff, sizeof x);
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_SINGULAR);

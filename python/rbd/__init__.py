@@ -485,6 +485,12 @@ da_dv         nv nv    row: acceleration; column: velocity
 da_dtau       nv nv    row: acceleration; column: torque
 dnext_dq      nv nv    row: tangent step of q_next; column: of q
 dnext_dv      nv nv    row: tangent step of q_next; column: velocity
+dq_next_dq    nv nv    row: tangent step of q_next; column: of q
+dq_next_dv    nv nv    row: tangent step of q_next; column: velocity
+dq_next_dtau  nv nv    row: tangent step of q_next; column: torque
+dv_next_dq    nv nv    row: v_next; column: tangent step of q
+dv_next_dv    nv nv    row: v_next; column: velocity
+dv_next_dtau  nv nv    row: v_next; column: torque
 dd_dq0        nv nv    row: d; column: tangent step of q0
 dd_dq1        nv nv    row: d; column: tangent step of q1
 Y             nv 10nb  torque regressor: Y pi of all bodies, one after the other
@@ -2236,6 +2242,13 @@ class ContactSet(_Owner):
     def fd(self, q, v, tau, dt, f_ext=None, damping=None):
         """The step's acceleration alone: Model.step with it gives the step's v_next, and q_next where nothing
         penetrates."""
+
+    @_c("contact_set derivatives", "q_next v_next dq_next_dq?dq dq_next_dv?dv dq_next_dtau?dtau "
+        "dv_next_dq?dq dv_next_dv?dv dv_next_dtau?dtau", struct=True, c_name="contact_step_derivatives",
+        c_inputs="q v tau f_ext damping dt")
+    def step_derivatives(self, q, v, tau, dt, f_ext=None, damping=None, *, dq=True, dv=True, dtau=True):
+        """The step, and its derivatives by q, v and tau, while no contact changes its state; by those for which
+        the keyword is True. Needs ContactOptions(derivatives=True)."""
 
     def plane(self, contact: int | str, normal: ArrayLike = (0, 0, 1), height: float = 0.0) -> None:
         """Another plane under a contact from the next step on: the tangent plane of terrain.

@@ -243,6 +243,8 @@ class ContactOptions:
     joint_limits: bool = False      #: limits of one-dof joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
+    slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
+    derivatives: bool = False       #: memory for step_derivatives
 
 
 class ContactResult(NamedTuple):
@@ -300,6 +302,30 @@ class ContactSet:
             damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
         gives
             a            nv        acceleration dv/dt: rad/s^2, m/s^2
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def step_derivatives(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: ArrayLike,
+                         f_ext: ArrayLike | None = None, damping: ArrayLike | None = None, *,
+                         dq: bool = True, dv: bool = True,
+                         dtau: bool = True) -> contact_step_derivatives_results:
+        """The step, and its derivatives by q, v and tau, while no contact changes its state; by those for which
+        the keyword is True. Needs ContactOptions(derivatives=True).
+
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            tau          nv        torque or force of each degree of freedom: N m, N
+            dt                     s
+            f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+        gives
+            q_next       nq        configuration
+            v_next       nv        velocity
+            dq_next_dq   nv x nv   row: tangent step of q_next; column: of q
+            dq_next_dv   nv x nv   row: tangent step of q_next; column: velocity
+            dq_next_dtau nv x nv   row: tangent step of q_next; column: torque
+            dv_next_dq   nv x nv   row: v_next; column: tangent step of q
+            dv_next_dv   nv x nv   row: v_next; column: velocity
+            dv_next_dtau nv x nv   row: v_next; column: torque
         Axes before these count states, and are broadcast: one call of C for each state."""
 
     def plane(self, contact: int | str, normal: ArrayLike = (0, 0, 1), height: float = 0.0) -> None:
@@ -1568,6 +1594,17 @@ class constrained_fd_derivatives_results(NamedTuple):
 class contact_step_results(NamedTuple):
     q_next: Array
     v_next: Array
+
+
+class contact_step_derivatives_results(NamedTuple):
+    q_next: Array
+    v_next: Array
+    dq_next_dq: Array | _MaybeNone
+    dq_next_dv: Array | _MaybeNone
+    dq_next_dtau: Array | _MaybeNone
+    dv_next_dq: Array | _MaybeNone
+    dv_next_dv: Array | _MaybeNone
+    dv_next_dtau: Array | _MaybeNone
 
 
 class hybrid_results(NamedTuple):

@@ -57,6 +57,7 @@ ELSEWHERE = {
     "rbd_contact_set_init": "ContactSet", "rbd_contact_set_size": "ContactSet",
     "rbd_contact_solve_size": "Library.contact_solve",
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
+    "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
 }
 

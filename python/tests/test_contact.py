@@ -96,6 +96,29 @@ def test_options_and_held_constraints_count(double):
     assert abs(q[held][0][0]) < 1e-4 and abs(q[held][1][0]) < 1e-9
 
 
+def test_derivatives_are_those_of_the_step(block):
+    """A point mass that slides down a compliant slope, against differences."""
+    double = block.library.real == "double"
+    ground = block.contacts([rbd.Contact("ground", "block", friction=0.2, stiffness=1e4, damping=100)],
+                            options=rbd.ContactOptions(derivatives=True, slip=1e-4, tolerance=1e-12 * double))
+    q, v, tau = np.array([0.1, 0.2, -0.001]), np.array([1, 0.5, 0.1]), np.array([1, 2, 3])
+    found = ground.step_derivatives(q, v, tau, DT)
+    ground.reset()
+    assert (found.v_next == ground.step(q, v, tau, DT).v_next).all()
+    for name, x in ("dq", q), ("dv", v), ("dtau", tau):
+        for k in range(3 * double):
+            t = (1e-4 if name == "dtau" else 1e-6) * np.eye(3)[k]
+            ends = [ground.step(*[x + sign * t if y is x else y for y in (q, v, tau)], DT) for sign in (1, -1)]
+            for end in "q", "v":
+                column = getattr(found, f"d{end}_next_{name}")[:, k]
+                difference = (getattr(ends[0], f"{end}_next") - getattr(ends[1], f"{end}_next")) / (2 * t[k])
+                assert np.abs(column - difference).max() < 1e-7
+    some = ground.step_derivatives(q, v, tau, DT, dq=False, dtau=False)
+    assert some.dq_next_dq is None and np.abs(some.dv_next_dv - found.dv_next_dv).max() < (1e-9 if double else 1e-3)
+    with pytest.raises(rbd.RbdError):
+        block.contacts([rbd.Contact("ground", "block")]).step_derivatives(q, v, tau, DT)
+
+
 def test_many_states_are_stepped_one_by_one(block):
     ground = block.contacts([rbd.Contact("ground", "block", friction=0.5)])
     q, v = np.array([[0, 0, 0.0], [0, 0, 1]]), np.array([1, 0, 0.0])
