@@ -71,10 +71,11 @@
      RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
      RBD_SQRT(x)      replaces libm's square root
      RBD_STATIC       every function is static
-     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
-                      other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
-                      ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
-                      scalar differs on purpose; 1 with clang, where it does no link-time optimisation
+     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST, RBD_LANES and RBD_REPRODUCIBLE of this file
+                      with those of all other files that have 1; costs nothing at run time and no memory.
+                      Default: 1 with GCC on ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say
+                      0 in a file whose scalar differs on purpose; 1 with clang, where it does no link-time
+                      optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the calls of rbd_batch.h
      RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
                       ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of
@@ -236,10 +237,10 @@
 #else
 #define RBDI_SCALAR_LANES 1
 #endif
-#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES"
+#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_RBD_LANES_or_RBD_REPRODUCIBLE"
 #define RBDI_SCALAR_VALUE \
     "(" RBDI_QUOTE(RBDI_KIND(RBD_REAL)) "+4*" RBDI_QUOTE(RBDI_KIND(RBD_CONST)) "+16*" RBDI_QUOTE( \
-        RBDI_SCALAR_LANES) ")"
+        RBDI_REPRODUCIBLE) "+32*" RBDI_QUOTE(RBDI_SCALAR_LANES) ")"
 __asm__(".ifndef " RBDI_SCALAR "\n"
         ".globl " RBDI_SCALAR "\n"
         ".hidden " RBDI_SCALAR "\n" RBDI_SCALAR " = " RBDI_SCALAR_VALUE "\n"
@@ -433,6 +434,7 @@ typedef enum rbd_status {
     RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
+    RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -5379,6 +5381,17 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
                            m->nv, m->nh + m->nhx);
 }
 
+#if RBDI_REPRODUCIBLE
+/* Whether products and sums are rounded one by one and to nearest, and denormals are numbers. */
+RBDI_COLD int rbdi_rounds(void) {
+    const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
+    const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
+    const volatile RBD_REAL half = tiny * (RBD_REAL)0.5;
+    return x * x - square == 0 && one + e * (RBD_REAL)0.75 == x && one + e * (RBD_REAL)0.25 == one &&
+           half > 0 && half + half == tiny;
+}
+#endif
+
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
@@ -5386,6 +5399,9 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;
+#if RBDI_REPRODUCIBLE
+    if (!rbdi_rounds()) return RBD_ERR_ARITHMETIC;
+#endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);
@@ -5501,6 +5517,9 @@ RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
+    case RBD_ERR_ARITHMETIC:
+        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or denormals "
+               "are 0";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:

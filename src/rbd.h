@@ -70,10 +70,11 @@
      RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
      RBD_SQRT(x)      replaces libm's square root
      RBD_STATIC       every function is static
-     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST and RBD_LANES of this file with those of all
-                      other files that have 1; costs nothing at run time and no memory. Default: 1 with GCC on
-                      ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say 0 in a file whose
-                      scalar differs on purpose; 1 with clang, where it does no link-time optimisation
+     RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST, RBD_LANES and RBD_REPRODUCIBLE of this file
+                      with those of all other files that have 1; costs nothing at run time and no memory.
+                      Default: 1 with GCC on ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say
+                      0 in a file whose scalar differs on purpose; 1 with clang, where it does no link-time
+                      optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the calls of rbd_batch.h
      RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
                       ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of

@@ -47,6 +47,9 @@ says "RBD_CONST must be RBD_REAL" -DRBD_REAL=float -DRBD_CONST=double
 says "needs C99 or later" -std=c90
 says "needs C99 or later" -std=gnu90
 
+says "RBD_REPRODUCIBLE needs RBD_REAL double or float" -DRBD_REPRODUCIBLE -DRBD_REAL=__float128
+says "RBD_REPRODUCIBLE needs rbd's own sine" -DRBD_REPRODUCIBLE "-DRBD_SIN=sin" "-DRBD_COS=cos"
+
 echo '#include "rbd_batch.h"' >"$scratch/file.c"
 says "RBD_BATCH_IMPLEMENTATION needs RBD_LANES" -DRBD_BATCH_IMPLEMENTATION
 says "the batch calls need RBD_NO_CHOLESKY undefined" -DRBD_LANES=2 -DRBD_BATCH_IMPLEMENTATION -DRBD_NO_CHOLESKY

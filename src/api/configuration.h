@@ -117,10 +117,10 @@
 #else
 #define RBDI_SCALAR_LANES 1
 #endif
-#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_or_RBD_LANES"
+#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_RBD_LANES_or_RBD_REPRODUCIBLE"
 #define RBDI_SCALAR_VALUE \
     "(" RBDI_QUOTE(RBDI_KIND(RBD_REAL)) "+4*" RBDI_QUOTE(RBDI_KIND(RBD_CONST)) "+16*" RBDI_QUOTE( \
-        RBDI_SCALAR_LANES) ")"
+        RBDI_REPRODUCIBLE) "+32*" RBDI_QUOTE(RBDI_SCALAR_LANES) ")"
 __asm__(".ifndef " RBDI_SCALAR "\n"
         ".globl " RBDI_SCALAR "\n"
         ".hidden " RBDI_SCALAR "\n" RBDI_SCALAR " = " RBDI_SCALAR_VALUE "\n"

@@ -35,6 +35,7 @@ typedef enum rbd_status {
     RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
+    RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
     /* warnings of the build: dynamics can compute with it, but no real body is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_WORK_INIT_H
 #include "api/model.h"
 #include "model/work.h"
+#include "base/tolerances.h"
 #include "base/memory.h"
 #include "model/features.h"
 
@@ -13,6 +14,17 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
                            m->nv, m->nh + m->nhx);
 }
 
+#if RBDI_REPRODUCIBLE
+/* Whether products and sums are rounded one by one and to nearest, and denormals are numbers. */
+RBDI_COLD int rbdi_rounds(void) {
+    const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
+    const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
+    const volatile RBD_REAL half = tiny * (RBD_REAL)0.5;
+    return x * x - square == 0 && one + e * (RBD_REAL)0.75 == x && one + e * (RBD_REAL)0.25 == one &&
+           half > 0 && half + half == tiny;
+}
+#endif
+
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work) {
     unsigned char *p;
     rbd_work *w;
@@ -20,6 +32,9 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;
+#if RBDI_REPRODUCIBLE
+    if (!rbdi_rounds()) return RBD_ERR_ARITHMETIC;
+#endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
     n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
     p = rbdi_aligned(memory);

@@ -1,0 +1,222 @@
+#!/bin/sh
+# RBD_REPRODUCIBLE: reproducible.c prints the hashes of reproducible.txt, whatever compiles and runs it, and its code has
+# no FMA. On another machine's processor by qemu-user, on microcontrollers by QEMU. Says what it had to leave out.
+# usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]
+#     light: some of each kind, in a minute or two; --all in half an hour; --write keeps the hashes of gcc -O1 as those of
+#     reproducible.txt. REGEX: only those whose command line it matches.
+set -eu
+
+usage='usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]'
+how=light
+case ${1-} in --*) how=${1#--} && shift ;; esac
+root=${1:?$usage} only=${2-}
+expected=$root/tests/reproducible.txt
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+failures=0 checks=0 missing=
+scalars="double float"
+fused='\<(vfn?m(add|sub)|fn?m(add|sub)|fml[as]|vfn?m[as]\.|ma[de]b|ms[de]b|wfn?m[as][ds]b)'
+quickly=-Dalways_inline=unused # compiled in a third of the time
+
+# compile OUTPUT SCALAR COMPILER OPTION...: by way of assembly, in which no FMA may be
+compile() {
+    output=$1 real=$2 compiler=$3
+    shift 3
+    set -- -std="${dialect:-c99}" -w -DRBD_REAL="$real" -I"$root" -I"$root/tests" "$@"
+    if [ "$compiler" = tcc ]; then
+        tcc "$@" "$root/tests/reproducible.c" -o "$output" -lm
+        return
+    fi
+    $compiler "$@" -S "$root/tests/reproducible.c" -o "$scratch/code.s" || return 1
+    if grep -E "$fused" "$scratch/code.s" >"$scratch/fused"; then
+        echo "FAILED: FMA in the code:" && sed -n '1,3p' "$scratch/fused"
+        return 1
+    fi
+    # shellcheck disable=SC2086 # words wanted
+    $compiler ${machine-} "$scratch/code.s" -o "$output" ${link:--lm}
+}
+
+# build COMPILER OPTION...: with each scalar; `emulator` runs it, `machine` and `link` are options for linking
+build() {
+    for real in $scalars; do
+        name="$* $real"
+        printf '%s\n' "$name" | grep -Eq -e "$only" || continue
+        checks=$((checks + 1))
+        # shellcheck disable=SC2086 # words wanted
+        if compile "$scratch/program" "$real" "$@" && ${emulator-} "$scratch/program" >"$scratch/found" &&
+            grep "^$real " "$expected" | cmp -s - "$scratch/found"; then
+            echo "ok: $name"
+            continue
+        fi
+        failures=$((failures + 1))
+        echo "FAILED: $name"
+        grep "^$real " "$expected" | diff - "$scratch/found" || true
+        # The first call that differs.
+        (emulator='' machine='' link=-lm && compile "$scratch/right" "$real" gcc -O1 -DEACH_CALL && "$scratch/right") >"$scratch/calls"
+        # shellcheck disable=SC2086 # words wanted
+        compile "$scratch/program" "$real" "$@" -DEACH_CALL && ${emulator-} "$scratch/program" |
+            diff "$scratch/calls" - | sed -n '1,4p'
+    done
+}
+
+# with COMPILER [EMULATOR]: whether they are there; else they are noted as missing
+with() {
+    for program; do
+        command -v "$program" >/dev/null 2>&1 || { missing="$missing $program" && return 1; }
+    done
+}
+
+if [ "$how" = write ]; then
+    for real in $scalars; do
+        compile "$scratch/program" "$real" gcc -O1 && "$scratch/program"
+    done >"$scratch/found"
+    cp "$scratch/found" "$expected"
+    exit
+fi
+
+# runs UNIT...: whether this processor has these SIMD units, as /proc/cpuinfo names them
+runs() {
+    for unit; do grep -qw "$unit" /proc/cpuinfo 2>/dev/null || return 1; done
+}
+
+# ---- this machine's compilers ----
+
+if [ "$how" = light ]; then
+    ! with gcc || { build gcc -O0 $quickly; build gcc -O3 -march=native -ffp-contract=fast $quickly; }
+    ! with clang-19 || build clang-19 -O2 $quickly
+else
+    for compiler in gcc clang-16 clang-19; do
+        with $compiler || continue
+        contract=-ffp-contract=on # clang contracts in spite of us with `fast`: see below
+        [ $compiler != gcc ] || contract=-ffp-contract=fast
+        for level in 0 g 1 2 3 s; do
+            build $compiler -O$level
+            build $compiler -O$level -march=native $contract
+        done
+        if [ "$(uname -m)" = x86_64 ]; then
+            build $compiler -O2 -mno-sse3
+            build $compiler -O2 -U__SSE2__ # scalars alone
+            ! runs avx2 fma || build $compiler -O2 -mavx2 -mfma $contract
+            ! runs avx512f avx512dq || build $compiler -O3 -mavx512f -mavx512dq -mfma $contract
+        fi
+    done
+fi
+# tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one.
+if [ "$(uname -m)" = x86_64 ] && with tcc; then scalars=double build tcc; fi
+
+# ---- what is refused ----
+
+cat >"$scratch/rod.c" <<'END'
+#define RBD_REPRODUCIBLE
+#define RBD_STATIC
+#define RBD_IMPLEMENTATION
+#include "rbd.h"
+
+int main(void) {
+    static const rbd_body rod[1] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -1}}};
+    static unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
+    const rbd_model *m;
+    rbd_work *w;
+    if (rbd_model_build(rod, 1, model_memory, sizeof model_memory, &m, NULL)) return 1;
+#ifdef MXCSR
+    __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | MXCSR);
+#endif
+    return rbd_work_init(m, work_memory, sizeof work_memory, &w) == EXPECTED ? 0 : 1;
+}
+END
+
+# gives STATUS COMPILER OPTION...: so does rbd_work_init
+gives() {
+    status=$1
+    shift
+    name="$* $status"
+    printf '%s\n' "$name" | grep -Eq -e "$only" || return 0
+    checks=$((checks + 1))
+    if "$@" -std=c99 -w $quickly -DEXPECTED="$status" -I"$root" "$scratch/rod.c" -o "$scratch/program" -lm &&
+        "$scratch/program"; then
+        echo "ok: $name"
+    else
+        failures=$((failures + 1)) && echo "FAILED: $name"
+    fi
+}
+# Rounding down, up and to zero; results flushed to zero, and arguments.
+if [ "$(uname -m)" = x86_64 ]; then
+    for mode in 0x2000 0x4000 0x6000 0x8000 0x40; do
+        ! with gcc || gives RBD_ERR_ARITHMETIC gcc -O2 -DMXCSR=$mode
+    done
+    ! with gcc || gives RBD_OK gcc -O2 -DMXCSR=0
+    if with clang-19 && runs fma; then gives RBD_ERR_ARITHMETIC clang-19 -O2 -mfma -ffp-contract=fast; fi
+    if with gcc && ! gcc -std=c99 -mfpmath=387 -w -fsyntax-only -DEXPECTED=0 -I"$root" "$scratch/rod.c" 2>"$scratch/messages" &&
+        grep -q 'rbd: RBD_REPRODUCIBLE: x87' "$scratch/messages"; then
+        echo "ok: x87 is refused"
+    else
+        failures=$((failures + 1)) && echo "FAILED: x87 is not refused"
+    fi
+fi
+
+# ---- other machines ----
+
+# foreign NAME COMPILER EMULATOR OPTION...
+foreign() {
+    foreign_name=$1 foreign_compiler=$2 emulator=$3
+    shift 3
+    # shellcheck disable=SC2086 # words wanted
+    with $foreign_compiler $emulator || { emulator=; return 0; }
+    link='-static -lm'
+    levels="1"
+    [ "$how" = light ] || levels="0 2 3 s"
+    for level in $levels; do build "$foreign_compiler" -O"$level" $quickly "$@"; done
+    emulator='' link=''
+}
+foreign aarch64 aarch64-linux-gnu-gcc qemu-aarch64
+foreign i386 i686-linux-gnu-gcc qemu-i386 -msse2 -mfpmath=sse
+dialect=gnu99 # in c99 s390x computes floats as doubles
+foreign s390x s390x-linux-gnu-gcc qemu-s390x
+dialect=c99
+if [ "$how" != light ]; then
+    foreign armhf arm-linux-gnueabihf-gcc qemu-arm
+    foreign armhf arm-linux-gnueabihf-gcc qemu-arm -mfpu=neon-vfpv4 -ffp-contract=fast
+    foreign riscv64 riscv64-linux-gnu-gcc qemu-riscv64
+    scalars=double dialect=c99 foreign s390x s390x-linux-gnu-gcc qemu-s390x -march=z14
+fi
+
+# ---- microcontrollers ----
+
+# board NAME MACHINE OPTION...: of Arm, or `virt` of RISC-V
+board() {
+    board_name=$1 board=$2 memory='-Wl,--defsym=__flash=0 -Wl,--defsym=__ram=0x20000000'
+    cross=arm-none-eabi emulator_of=qemu-system-arm more='-mthumb'
+    case $board_name in
+    rv32*) cross=riscv64-unknown-elf emulator_of=qemu-system-riscv32 more='-misa-spec=2.2 -mcmodel=medany'
+           memory='-Wl,--defsym=__flash=0x80000000 -Wl,--defsym=__ram=0x80400000' ;;
+    esac
+    shift 2
+    with $cross-gcc $emulator_of || return 0
+    [ -e /usr/lib/picolibc/$cross ] || { missing="$missing picolibc"; return 0; }
+    semihosting='-semihosting-config enable=on,target=native,chardev=con'
+    [ "$board" != virt ] || board='virt -bios none'
+    emulator="timeout 600 $emulator_of -M $board -display none -monitor none -serial none -chardev stdio,id=con $semihosting -kernel"
+    machine="$* $more --specs=picolibc.specs --crt0=semihost --oslib=semihost"
+    link="-Wl,--gc-sections -Wl,--defsym=__stack_size=0x10000 $memory -Wl,--defsym=__flash_size=0x400000 -Wl,--defsym=__ram_size=0x400000 -lm"
+    # shellcheck disable=SC2086 # words wanted
+    for level in ${levels_of_boards}; do
+        build $cross-gcc -O$level "$@" $more $quickly --specs=picolibc.specs -fno-math-errno -ffunction-sections
+    done
+    emulator='' machine='' link=''
+}
+levels_of_boards=s
+[ "$how" = light ] || levels_of_boards="2 s"
+# A small set, and float alone: doubles are calls there.
+[ "$how" != light ] || scalars=float
+board cortex-m4f mps2-an386 -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
+if [ "$how" != light ]; then
+    board cortex-m7 mps2-an500 -mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16
+    board cortex-m3 mps2-an385 -mcpu=cortex-m3 -mfloat-abi=soft
+    board cortex-m0 mps2-an385 -mcpu=cortex-m0 -mfloat-abi=soft # whose code an M3 runs
+    board rv32imafc virt -march=rv32imafc -mabi=ilp32f
+    board rv32imac virt -march=rv32imac -mabi=ilp32
+fi
+
+echo "$checks checks, $failures failed; missing:${missing:- nothing}"
+[ "$checks" -gt 0 ] && [ "$failures" -eq 0 ]
