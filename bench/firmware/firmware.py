@@ -44,6 +44,8 @@ for name in ("mpc_cart_pole", "mpc_iiwa"):
 EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot": r"robot (\d+) instructions",
                                      "worst": r"(\d+) at worst", "rate": r"(\d+) Hz", "set": r"set (\d+)",
                                      "stack": r"stack (\d+) bytes"}
+EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
+                                             "ring": r"ring (\d+) bytes"}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "model", "work", "stack", "frames"]
@@ -123,9 +125,10 @@ def run_tests(target, folder):
     printed = {}
     for line in log.read_text().splitlines():
         test = json.loads(line)
-        printed[test["name"].split("/")[-1].split(":")[-1].strip()] = test.get("stdout", "").strip()
+        text = test.get("stdout", "").partition("\nrbd-recording ")[0].strip()  # the dump of recorded_control is long
+        printed[test["name"].split("/")[-1].split(":")[-1].strip()] = text
         if test["result"] != "OK":
-            problem(f"{target}: {test['name']}: {test['result']}\n{test.get('stdout', '')}{test.get('stderr', '')}")
+            problem(f"{target}: {test['name']}: {test['result']}\n{text}\n{test.get('stderr', '')}")
     if not printed:
         problem(target + ": no tests")
     return printed
@@ -176,8 +179,8 @@ def prove(target, folder, scalars, levels):
     if len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     for program in ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa",
-                    "standing"):
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc", "stand")):  # an FPU
+                    "recorded_control", "standing"):
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc", "record", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
@@ -483,6 +486,14 @@ def standing_table(_, examples):
                                     for figure, name in names.items())]
 
 
+def recorded_table(_, examples):
+    names = {"push": "a push of 42 scalars, instructions", "controller": "the controller, instructions",
+             "ring": "the ring of 500 ticks, RAM, bytes", "ram": "RAM without stack, with the simulated robot, bytes",
+             "flash": "flash, of the whole program with `printf`, bytes"}
+    return ["| | |", "|---|--:|", *(f"| {name} | {number(examples['cortex-m7', 'recorded_control', figure])} |"
+                                    for figure, name in names.items())]
+
+
 def contacts_table(some, _):
     lines = ["| 12 rows, float, -O2 | flash | HyQ on four points: instructions | Atlas on two flat feet |", "|---|--:|--:|--:|"]
     for algorithm, call in {"fd": "rbd_aba", **KINDS["contacts"]}.items():
@@ -505,6 +516,7 @@ def alone_table(some, _):
 # In which document each stands, between <!-- firmware NAME --> and <!-- end -->.
 BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
           "standing": ("examples/firmware/README.md", standing_table),
+          "recorded": ("examples/firmware/README.md", recorded_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
 

@@ -14,7 +14,7 @@
 #endif
 
 /* Paints what lies below the stack pointer, or with look tells how much of that paint is gone. */
-static __attribute__((noinline)) uint32_t cost_stack(int look) {
+static __attribute__((noinline, unused)) uint32_t cost_stack(int look) {
     enum { PAINT = 0xa5, PAINTED = 6000 };
     volatile unsigned char *sp;
     uint32_t depth = PAINTED;
