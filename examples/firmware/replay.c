@@ -199,8 +199,8 @@ int main(int argc, char **argv) {
     fclose(file);
     if (status != UNUSABLE && argc == 3 && !(table = fopen(argv[2], "w")))
         status = unusable("the table cannot be written");
-    if (status != UNUSABLE && rbd_work_init(&iiwa_model, memory, sizeof memory, &w) != RBD_OK)
-        status = unusable("no work");
+    const rbd_status refused = rbd_work_init(&iiwa_model, memory, sizeof memory, &w);
+    if (status != UNUSABLE && refused != RBD_OK) status = unusable(rbd_status_string(refused));
     if (status != UNUSABLE) {
         const int differing = replay(&r, w, table), there = r.ticks - r.missing;
         if (differing > 0) {
