@@ -13,7 +13,7 @@
 
 #if RBD_MODEL_VERSION != 6
 #error "cart_pole_model.h was written for another version of rbd.h: write it again"
-#elif defined RBD_FEATURES && (CART_POLE_FEATURES) & ~(RBD_FEATURES)
+#elif defined RBD_FEATURES && (CART_POLE_FEATURES) & ~(RBD_FEATURES + 0u)
 #error "RBD_FEATURES lacks some of CART_POLE_FEATURES"
 #endif
 

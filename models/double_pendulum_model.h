@@ -13,7 +13,7 @@
 
 #if RBD_MODEL_VERSION != 6
 #error "double_pendulum_model.h was written for another version of rbd.h: write it again"
-#elif defined RBD_FEATURES && (DOUBLE_PENDULUM_FEATURES) & ~(RBD_FEATURES)
+#elif defined RBD_FEATURES && (DOUBLE_PENDULUM_FEATURES) & ~(RBD_FEATURES + 0u)
 #error "RBD_FEATURES lacks some of DOUBLE_PENDULUM_FEATURES"
 #endif
 

@@ -13,7 +13,7 @@
 
 #if RBD_MODEL_VERSION != 6
 #error "five_bar_model.h was written for another version of rbd.h: write it again"
-#elif defined RBD_FEATURES && (FIVE_BAR_FEATURES) & ~(RBD_FEATURES)
+#elif defined RBD_FEATURES && (FIVE_BAR_FEATURES) & ~(RBD_FEATURES + 0u)
 #error "RBD_FEATURES lacks some of FIVE_BAR_FEATURES"
 #endif
 

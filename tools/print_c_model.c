@@ -228,7 +228,7 @@ static void write_head(const robot *r, const char *name) {
            "#elif defined RBD_FEATURES && (",
            RBD_MODEL_VERSION, name);
     print_upper(name);
-    printf("_FEATURES) & ~(RBD_FEATURES)\n#error \"RBD_FEATURES lacks some of ");
+    printf("_FEATURES) & ~(RBD_FEATURES + 0u)\n#error \"RBD_FEATURES lacks some of ");
     print_upper(name);
     printf("_FEATURES\"\n#endif\n\n/* clang-format off */\n\n");
 }
