@@ -170,8 +170,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    name.
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not above 0; _SINGULAR, _NAN as rbd_constrained_fd: then q_next is
-   q and v_next or a is 0. A solution above the tolerance is no error: rbd_contact_last. */
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR, _NAN as rbd_constrained_fd,
+   _NAN also of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt, semi-implicit: velocities first, by
 
@@ -353,6 +353,7 @@ typedef struct rbdi_contact_solver {
     rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
     int sides;                     /* how many */
     int symmetric;                 /* whether G is: no contact slips */
+    rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 
@@ -451,11 +452,12 @@ RBDI_CODE_BEGIN
 
 #define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
-#define RBDI_SHORTENINGS 3           /* shares of a Newton step that are tried: */
-#define RBDI_SHORTEN_BY RBD_C(0.3)
-#define RBDI_FULL_STEP_GAIN RBD_C(0.98) /* the residual must fall below this share of itself */
-#define RBDI_SHORT_STEP_GAIN RBD_C(0.9)
-#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
+#define RBDI_SHORTENINGS 4           /* shares of a Newton step that are tried: all, to the first bound, .. */
+#define RBDI_SHARES {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)}
+#define RBDI_GAINS \
+    {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)} /* the residual must fall below this share */
+#define RBDI_MOST_SWEEPS 32                         /* between two Newton steps */
+#define RBDI_FASTEST RBD_C(1e12)                    /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
@@ -603,7 +605,8 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
      bounded                          p = z, or the bound that z is behind
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
+   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. The rounding of
+   u counts too: contacts that jam could else be answered by impulses of any size. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -634,11 +637,12 @@ RBDI_PART void rbdi_sweep_contact(rbdi_contact_solver *s, int i) {
 /* z of bounded row number i, and P(z). */
 RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, rbd_contact_state *state) {
     const int r = 3 * s->given.contacts + i;
-    const rbd_real d = s->given.delta[r * s->rows + r], z = d > 0 ? s->p[r] - s->u[r] / d : rbdi_zero();
+    const rbd_real d = s->given.delta[r * s->rows + r],
+                   z = d > s->unmoved ? s->p[r] - s->u[r] / d : rbdi_zero();
     *state = RBD_OPENS;
     if (z <= s->given.lower[i]) return s->given.lower[i];
     if (z >= s->given.upper[i]) return s->given.upper[i];
-    *state = d > 0 ? RBD_STICKS : RBD_APART;
+    *state = d > s->unmoved ? RBD_STICKS : RBD_APART;
     return z;
 }
 
@@ -690,14 +694,22 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
         if (law->state == RBD_APART) continue;
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
-        worst = rbdi_worse(worst, law->d * rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]));
+        worst = rbdi_worse(
+            worst, law->d * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;
         const rbd_real x = rbdi_project_bounded(s, i, &s->bound[i]);
-        worst = rbdi_worse(worst, s->given.delta[r * s->rows + r] * rbdi_abs(x - s->p[r]));
+        worst = rbdi_worse(worst, s->given.delta[r * s->rows + r] *
+                                      (rbdi_abs(x - s->p[r]) + RBDI_EPS * rbdi_abs(x)));
     }
     s->solution.residual = worst;
+}
+
+/* u and the residual of p. */
+RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
+    rbdi_contact_velocities(s);
+    rbdi_project_laws(s);
 }
 
 /* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */
@@ -879,21 +891,17 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along
-   e, and rows that are at a bound there; u belongs to p. */
-RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
+/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along e, rows that are at
+   a bound there; u belongs to p. */
+RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
-        rbd_real *p = &s->p[3 * i], x = p[0], y = p[1], size;
+        rbd_real *p = &s->p[3 * i];
         if (law->state == RBD_OPENS) p[0] = p[1] = p[2] = rbdi_zero();
         if (law->state != RBD_SLIPS) continue;
-        if (!(p[2] > 0)) p[2] = rbdi_zero();
-        if (along_e) x = law->e[0], y = law->e[1];
-        size = rbdi_sqrt(x * x + y * y);
-        size = size > 0 ? law->friction * p[2] / size : rbdi_zero();
-        p[0] = x * size, p[1] = y * size;
+        for (int j = 0; j < 2; ++j) p[j] = law->friction * p[2] * law->e[j];
     }
-    for (int i = 0; along_e && i < s->given.bounded; ++i)
+    for (int i = 0; i < s->given.bounded; ++i)
         if (s->bound[i] != RBD_STICKS)
             s->p[3 * s->given.contacts + i] = rbdi_project_bounded(s, i, &s->bound[i]);
 }
@@ -908,43 +916,54 @@ RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real
     }
 }
 
-/* p as a step of all its length has it. Returns 0 if there is none. */
+RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *from, rbd_real *to) {
+    for (int r = 0; r < s->rows; ++r) to[r] = from[r];
+}
+
+/* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     int n;
-    rbdi_onto_cones(s, 1);
+    rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
     n = rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, n, proximal, s->u);
     if (!rbdi_newton_solve(s, n)) return 0;
     rbdi_add_increments(s, n, s->p);
-    rbdi_onto_cones(s, 0);
+    rbdi_copy_rows(s, s->p, s->aim);
     return 1;
 }
 
-RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *from, rbd_real *to) {
-    for (int r = 0; r < s->rows; ++r) to[r] = from[r];
+/* The share of a step at which the first contact opens, or the first row comes to its bound. */
+RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
+    rbd_real share = rbdi_set(RBD_C(1));
+    for (int i = 0; i < s->given.contacts; ++i) {
+        const rbd_real from = s->start[3 * i + 2], to = s->aim[3 * i + 2];
+        if (to < 0 && from < share * (from - to)) share = from / (from - to);
+    }
+    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r) {
+        const rbd_real from = s->start[r], to = s->aim[r],
+                       bound = to < from ? s->given.lower[i] : s->given.upper[i];
+        if ((to < s->given.lower[i] || to > s->given.upper[i]) && share * (to - from) / (bound - from) > 1)
+            share = (bound - from) / (to - from);
+    }
+    return share;
 }
 
 /* A Newton step that makes the residual smaller, perhaps a shortened one. Returns 0, p, u and states as they
    were, if there is none. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
+    const rbd_const gain[RBDI_SHORTENINGS] = RBDI_GAINS, shorter[RBDI_SHORTENINGS] = RBDI_SHARES;
     const rbd_real before = s->solution.residual;
-    rbd_const share = 1;
     rbdi_copy_rows(s, s->p, s->start);
-    if (rbdi_newton_aim(s, proximal)) {
-        rbdi_copy_rows(s, s->p, s->aim);
-        for (int i = 0; i < RBDI_SHORTENINGS; ++i, share *= RBDI_SHORTEN_BY) {
-            for (int r = 0; i > 0 && r < s->rows; ++r)
-                s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
-            rbdi_contact_velocities(s);
-            rbdi_project_laws(s);
-            if (s->solution.residual < before * (i > 0 ? RBDI_SHORT_STEP_GAIN : RBDI_FULL_STEP_GAIN))
-                return 1;
-        }
+    for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
+        const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
+        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
+        (void)rbdi_into_cones(s);
+        rbdi_contact_judge(s);
+        if (s->solution.residual < before * gain[i]) return 1;
     }
     rbdi_copy_rows(s, s->start, s->p);
-    rbdi_contact_velocities(s);
-    rbdi_project_laws(s);
+    rbdi_contact_judge(s);
     return 0;
 }
 
@@ -966,34 +985,44 @@ RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* u and the residual of p. */
-RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
-    rbdi_contact_velocities(s);
-    rbdi_project_laws(s);
-}
-
-/* Sweeps forth and back, up to n. They change u with p; where a jam makes p huge, rounding adds up in it. */
+/* Sweeps forth and back, up to n. u is computed anew: it may have the rounding of far larger impulses. */
 RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
     while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
     rbdi_contact_judge(s);
 }
 
-/* Puts p into cones and bounds; whether the residual is within the tolerance there. */
-RBDI_PART int rbdi_contact_solved(rbdi_contact_solver *s) {
-    if (s->solution.residual > s->given.tolerance) return 0;
-    if (rbdi_into_cones(s)) rbdi_contact_judge(s);
+/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than the
+   tolerance, counts as sticking. Returns whether that solves the problem. */
+RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
+    int changed = rbdi_into_cones(s);
+    for (int i = 0; i < s->given.contacts; ++i) {
+        rbd_real *p = &s->p[3 * i];
+        if (s->law[i].state != RBD_OPENS || !(p[2] > 0)) continue;
+        p[0] = p[1] = p[2] = rbdi_zero(), changed = 1;
+    }
+    if (changed) rbdi_contact_judge(s);
+    for (int i = 0; i < s->given.contacts; ++i)
+        if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
 }
 
-/* p of a problem that is not solved: the best one, in cones and bounds; 0 if something has overflowed. */
+/* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
+   that jam would be answered by impulses that drown the velocities. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
-    rbdi_copy_rows(s, s->best, s->p);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
-    if (s->solution.residual < RBDI_UNBOUNDED) return;
+    rbd_real least;
     rbdi_clear(s->p, s->rows);
     (void)rbdi_into_cones(s);
     rbdi_contact_judge(s);
+    least = s->solution.residual / 2;
+    rbdi_copy_rows(s, s->p, s->start);
+    rbdi_copy_rows(s, s->best, s->p);
+    (void)rbdi_into_cones(s);
+    rbdi_contact_judge(s);
+    if (!(s->solution.residual < least)) {
+        rbdi_copy_rows(s, s->start, s->p);
+        rbdi_contact_judge(s);
+    }
+    (void)rbdi_contact_end(s);
 }
 
 /* p and u of a problem that has been laid out, from p. */
@@ -1003,7 +1032,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
     rbdi_sweep_some(s, 1);
-    for (int sweeps = 2; !rbdi_contact_solved(s);) {
+    for (int sweeps = 2; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
         if (rbdi_contact_left(s) <= 0) {
             rbdi_contact_give_up(s);
@@ -1037,6 +1066,11 @@ RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_prob
     s->p = p, s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
+    s->unmoved = rbdi_zero();
+    for (int r = 0; r < s->rows; ++r) {
+        const rbd_real least = given->delta[r * (s->rows + 1)] * RBDI_UNMOVED * RBDI_UNMOVED;
+        if (least > s->unmoved) s->unmoved = least;
+    }
     for (int i = 0; i < given->contacts; ++i)
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
@@ -1663,6 +1697,17 @@ static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_rea
     return differ;
 }
 
+/* Whether velocities and steps are numbers; a set that overflowed forgets its impulses. */
+static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    for (int k = 0; k < m->nv; ++k)
+        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->moved[k]) < RBDI_FASTEST &&
+              rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
+            rbd_contact_reset(c);
+            return RBD_ERR_NAN;
+        }
+    return RBD_OK;
+}
+
 /* The state after the step; after an error q and 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                               const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
@@ -1680,7 +1725,7 @@ static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
     const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
     if (status) return status;
-    return dt > 0 && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
+    return dt > 1 / RBDI_UNBOUNDED && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
 }
 
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
@@ -1690,7 +1735,10 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    if (!status) {
+        (void)rbdi_solve_velocities(m, c, dt);
+        status = rbdi_contact_status(m, c, dt);
+    }
     rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
     return status;
 }
@@ -1701,7 +1749,10 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    if (!status) {
+        (void)rbdi_solve_velocities(m, c, dt);
+        status = rbdi_contact_status(m, c, dt);
+    }
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }
@@ -1903,6 +1954,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
             solved &= rbdi_all_finite(dq[x], nv * nv) & rbdi_all_finite(dv[x], nv * nv);
         }
         if (!solved) status = RBD_ERR_SINGULAR;
+        if (rbdi_contact_status(m, c, dt)) status = RBD_ERR_NAN;
     }
     for (int x = 0; status && x < 3; ++x)
         if (dq[x]) rbdi_clear(dq[x], nv * nv), rbdi_clear(dv[x], nv * nv);

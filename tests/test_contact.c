@@ -409,6 +409,59 @@ START_TEST(residual_belongs_to_the_impulses) {
 }
 END_TEST
 
+/* Four equal rows that ask for different velocities: forces change hands without any effect until three of
+   them open. */
+START_TEST(equal_contacts_at_different_gaps) {
+    problem x = {.n = 4, .tolerance = 1e-9};
+    for (int r = 0; r < 12; r++)
+        for (int k = 0; k < 12; k++) x.delta[12 * r + k] = r % 3 == k % 3 ? 0.1 : 0;
+    for (int i = 0; i < 4; i++) x.b[3 * i + 2] = -1 + 2e-4 * (3 - i), x.p[3 * i + 2] = i ? 0 : 9;
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_double_le(x.solution.residual, 1e-9);
+    ck_assert_double_eq_tol(x.p[11], 10, 1e-7);
+    for (int i = 0; i < 4; i++) ck_assert_double_eq_tol(x.u[3 * i + 2], 2e-4 * (3 - i), 1e-8);
+    for (int i = 0; i < 3; i++) ck_assert_double_eq(x.p[3 * i + 2], 0);
+    problem y = {.bounded = 3, .tolerance = 1e-9, .upper = {8, 1, 9}}; /* the same with bounds */
+    for (int k = 0; k < 9; k++) y.delta[k] = 0.1;
+    for (int i = 0; i < 3; i++) y.b[i] = -1 + 2e-4 * i, y.p[i] = i ? 0 : 8;
+    ck_assert_int_eq(solve(&y), RBD_OK);
+    ck_assert_double_le(y.solution.residual, 1e-9);
+    ck_assert_double_eq_tol(y.p[0] + y.p[1] + y.p[2], 9.996, 1e-7);
+}
+END_TEST
+
+/* A point that only moves along one line, under a friction that blocks it: no impulse makes it open. The
+   answer is no impulse that velocities are lost in. */
+START_TEST(jammed_contact_has_a_bounded_answer) {
+    problem x = {.n = 1, .mu = {2}, .b = {0, 0, -1}};
+    const double line[3] = {1, 0, 0.7};
+    for (int k = 0; k < 9; k++) x.delta[k] = line[k / 3] * line[k % 3];
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_double_gt(x.solution.residual, 0.1);
+    ck_assert_double_le(largest(x.p, 3), 1e9);
+    ck_assert_double_le(violation_of(&x).cone, 0);
+}
+END_TEST
+
+/* Not what is asked for, but answered: a Delta that is not positive semidefinite. */
+START_TEST(indefinite_matrix_is_survived) {
+    problem x = {.bounded = 2, .delta = {1, 2, 2, 1}, .b = {-1, 1}, .lower = {-5, -1e30}, .upper = {5, 1e30}};
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert(isfinite(x.p[0]) && isfinite(x.p[1]) && isfinite(x.solution.residual));
+    ck_assert_double_le(fabs(x.p[0]), 5);
+}
+END_TEST
+
+/* A row that nothing moves but rounding takes no force. */
+START_TEST(row_that_is_rounding_is_apart) {
+    problem x = {.bounded = 2, .delta = {1, 0, 0, 1e-33}, .b = {-1, -1}, .lower = {-1e30, -1e30}};
+    x.upper[0] = x.upper[1] = 1e30;
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_double_eq_tol(x.p[0], 1, 1e-12);
+    ck_assert_double_eq(x.p[1], 0);
+}
+END_TEST
+
 START_TEST(same_bits_on_each_run) {
     uint64_t seed = 7;
     problem x = {.n = 12, .bounded = 6}, y;
@@ -485,6 +538,10 @@ Suite *contact_suite(void) {
     tcase_add_test(c, indefinite_delta_stays_finite);
     tcase_add_test(c, contact_that_nothing_moves_is_apart);
     tcase_add_test(c, residual_belongs_to_the_impulses);
+    tcase_add_test(c, equal_contacts_at_different_gaps);
+    tcase_add_test(c, jammed_contact_has_a_bounded_answer);
+    tcase_add_test(c, indefinite_matrix_is_survived);
+    tcase_add_test(c, row_that_is_rounding_is_apart);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_problems_are_refused);
     suite_add_tcase(suite, c);

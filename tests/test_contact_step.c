@@ -803,6 +803,24 @@ START_TEST(box_rests_on_a_ball_of_the_world) {
 }
 END_TEST
 
+/* A torque that would make the rod faster than 1e12 rad/s, or its acceleration infinite. */
+START_TEST(overflow_is_an_error) {
+    const rbd_body body = rod();
+    scene s;
+    double a;
+    open_scene(&s, "rod", &body, 1, 1e-3);
+    begin_scene(&s);
+    s.tau[0] = 1e20, s.q[0] = 0.3;
+    ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_ERR_NAN);
+    ck_assert_double_eq(s.v[0], 0);
+    ck_assert_double_eq(s.q[0], 0.3);
+    ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, &a), RBD_ERR_NAN);
+    ck_assert_double_eq(a, 0);
+    ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e-31, &a), RBD_ERR_RANGE);
+    close_scene(&s);
+}
+END_TEST
+
 START_TEST(singular_states_are_errors) {
     rbd_body body[2] = {rod(), rod()};
     scene s;
@@ -854,6 +872,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
+    tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, singular_states_are_errors);
     suite_add_tcase(suite, c);
     return suite;

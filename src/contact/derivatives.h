@@ -176,6 +176,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
             solved &= rbdi_all_finite(dq[x], nv * nv) & rbdi_all_finite(dv[x], nv * nv);
         }
         if (!solved) status = RBD_ERR_SINGULAR;
+        if (rbdi_contact_status(m, c, dt)) status = RBD_ERR_NAN;
     }
     for (int x = 0; status && x < 3; ++x)
         if (dq[x]) rbdi_clear(dq[x], nv * nv), rbdi_clear(dv[x], nv * nv);

@@ -13,7 +13,8 @@
      bounded                          p = z, or the bound that z is behind
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. */
+   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. The rounding of
+   u counts too: contacts that jam could else be answered by impulses of any size. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -44,11 +45,12 @@ RBDI_PART void rbdi_sweep_contact(rbdi_contact_solver *s, int i) {
 /* z of bounded row number i, and P(z). */
 RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, rbd_contact_state *state) {
     const int r = 3 * s->given.contacts + i;
-    const rbd_real d = s->given.delta[r * s->rows + r], z = d > 0 ? s->p[r] - s->u[r] / d : rbdi_zero();
+    const rbd_real d = s->given.delta[r * s->rows + r],
+                   z = d > s->unmoved ? s->p[r] - s->u[r] / d : rbdi_zero();
     *state = RBD_OPENS;
     if (z <= s->given.lower[i]) return s->given.lower[i];
     if (z >= s->given.upper[i]) return s->given.upper[i];
-    *state = d > 0 ? RBD_STICKS : RBD_APART;
+    *state = d > s->unmoved ? RBD_STICKS : RBD_APART;
     return z;
 }
 
@@ -100,14 +102,22 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
         if (law->state == RBD_APART) continue;
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
-        worst = rbdi_worse(worst, law->d * rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]));
+        worst = rbdi_worse(
+            worst, law->d * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;
         const rbd_real x = rbdi_project_bounded(s, i, &s->bound[i]);
-        worst = rbdi_worse(worst, s->given.delta[r * s->rows + r] * rbdi_abs(x - s->p[r]));
+        worst = rbdi_worse(worst, s->given.delta[r * s->rows + r] *
+                                      (rbdi_abs(x - s->p[r]) + RBDI_EPS * rbdi_abs(x)));
     }
     s->solution.residual = worst;
+}
+
+/* u and the residual of p. */
+RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
+    rbdi_contact_velocities(s);
+    rbdi_project_laws(s);
 }
 
 /* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */

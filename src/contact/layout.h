@@ -39,6 +39,7 @@ typedef struct rbdi_contact_solver {
     rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
     int sides;                     /* how many */
     int symmetric;                 /* whether G is: no contact slips */
+    rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 

@@ -159,21 +159,17 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along p_t. along_e: along
-   e, and rows that are at a bound there; u belongs to p. */
-RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s, int along_e) {
+/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along e, rows that are at
+   a bound there; u belongs to p. */
+RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
-        rbd_real *p = &s->p[3 * i], x = p[0], y = p[1], size;
+        rbd_real *p = &s->p[3 * i];
         if (law->state == RBD_OPENS) p[0] = p[1] = p[2] = rbdi_zero();
         if (law->state != RBD_SLIPS) continue;
-        if (!(p[2] > 0)) p[2] = rbdi_zero();
-        if (along_e) x = law->e[0], y = law->e[1];
-        size = rbdi_sqrt(x * x + y * y);
-        size = size > 0 ? law->friction * p[2] / size : rbdi_zero();
-        p[0] = x * size, p[1] = y * size;
+        for (int j = 0; j < 2; ++j) p[j] = law->friction * p[2] * law->e[j];
     }
-    for (int i = 0; along_e && i < s->given.bounded; ++i)
+    for (int i = 0; i < s->given.bounded; ++i)
         if (s->bound[i] != RBD_STICKS)
             s->p[3 * s->given.contacts + i] = rbdi_project_bounded(s, i, &s->bound[i]);
 }
@@ -188,43 +184,54 @@ RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real
     }
 }
 
-/* p as a step of all its length has it. Returns 0 if there is none. */
+RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *from, rbd_real *to) {
+    for (int r = 0; r < s->rows; ++r) to[r] = from[r];
+}
+
+/* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     int n;
-    rbdi_onto_cones(s, 1);
+    rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
     n = rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, n, proximal, s->u);
     if (!rbdi_newton_solve(s, n)) return 0;
     rbdi_add_increments(s, n, s->p);
-    rbdi_onto_cones(s, 0);
+    rbdi_copy_rows(s, s->p, s->aim);
     return 1;
 }
 
-RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *from, rbd_real *to) {
-    for (int r = 0; r < s->rows; ++r) to[r] = from[r];
+/* The share of a step at which the first contact opens, or the first row comes to its bound. */
+RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
+    rbd_real share = rbdi_set(RBD_C(1));
+    for (int i = 0; i < s->given.contacts; ++i) {
+        const rbd_real from = s->start[3 * i + 2], to = s->aim[3 * i + 2];
+        if (to < 0 && from < share * (from - to)) share = from / (from - to);
+    }
+    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r) {
+        const rbd_real from = s->start[r], to = s->aim[r],
+                       bound = to < from ? s->given.lower[i] : s->given.upper[i];
+        if ((to < s->given.lower[i] || to > s->given.upper[i]) && share * (to - from) / (bound - from) > 1)
+            share = (bound - from) / (to - from);
+    }
+    return share;
 }
 
 /* A Newton step that makes the residual smaller, perhaps a shortened one. Returns 0, p, u and states as they
    were, if there is none. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
+    const rbd_const gain[RBDI_SHORTENINGS] = RBDI_GAINS, shorter[RBDI_SHORTENINGS] = RBDI_SHARES;
     const rbd_real before = s->solution.residual;
-    rbd_const share = 1;
     rbdi_copy_rows(s, s->p, s->start);
-    if (rbdi_newton_aim(s, proximal)) {
-        rbdi_copy_rows(s, s->p, s->aim);
-        for (int i = 0; i < RBDI_SHORTENINGS; ++i, share *= RBDI_SHORTEN_BY) {
-            for (int r = 0; i > 0 && r < s->rows; ++r)
-                s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
-            rbdi_contact_velocities(s);
-            rbdi_project_laws(s);
-            if (s->solution.residual < before * (i > 0 ? RBDI_SHORT_STEP_GAIN : RBDI_FULL_STEP_GAIN))
-                return 1;
-        }
+    for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
+        const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
+        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
+        (void)rbdi_into_cones(s);
+        rbdi_contact_judge(s);
+        if (s->solution.residual < before * gain[i]) return 1;
     }
     rbdi_copy_rows(s, s->start, s->p);
-    rbdi_contact_velocities(s);
-    rbdi_project_laws(s);
+    rbdi_contact_judge(s);
     return 0;
 }
 

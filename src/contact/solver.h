@@ -19,34 +19,44 @@ RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* u and the residual of p. */
-RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
-    rbdi_contact_velocities(s);
-    rbdi_project_laws(s);
-}
-
-/* Sweeps forth and back, up to n. They change u with p; where a jam makes p huge, rounding adds up in it. */
+/* Sweeps forth and back, up to n. u is computed anew: it may have the rounding of far larger impulses. */
 RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
     while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
     rbdi_contact_judge(s);
 }
 
-/* Puts p into cones and bounds; whether the residual is within the tolerance there. */
-RBDI_PART int rbdi_contact_solved(rbdi_contact_solver *s) {
-    if (s->solution.residual > s->given.tolerance) return 0;
-    if (rbdi_into_cones(s)) rbdi_contact_judge(s);
+/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than the
+   tolerance, counts as sticking. Returns whether that solves the problem. */
+RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
+    int changed = rbdi_into_cones(s);
+    for (int i = 0; i < s->given.contacts; ++i) {
+        rbd_real *p = &s->p[3 * i];
+        if (s->law[i].state != RBD_OPENS || !(p[2] > 0)) continue;
+        p[0] = p[1] = p[2] = rbdi_zero(), changed = 1;
+    }
+    if (changed) rbdi_contact_judge(s);
+    for (int i = 0; i < s->given.contacts; ++i)
+        if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
 }
 
-/* p of a problem that is not solved: the best one, in cones and bounds; 0 if something has overflowed. */
+/* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
+   that jam would be answered by impulses that drown the velocities. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
-    rbdi_copy_rows(s, s->best, s->p);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
-    if (s->solution.residual < RBDI_UNBOUNDED) return;
+    rbd_real least;
     rbdi_clear(s->p, s->rows);
     (void)rbdi_into_cones(s);
     rbdi_contact_judge(s);
+    least = s->solution.residual / 2;
+    rbdi_copy_rows(s, s->p, s->start);
+    rbdi_copy_rows(s, s->best, s->p);
+    (void)rbdi_into_cones(s);
+    rbdi_contact_judge(s);
+    if (!(s->solution.residual < least)) {
+        rbdi_copy_rows(s, s->start, s->p);
+        rbdi_contact_judge(s);
+    }
+    (void)rbdi_contact_end(s);
 }
 
 /* p and u of a problem that has been laid out, from p. */
@@ -56,7 +66,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
     rbdi_sweep_some(s, 1);
-    for (int sweeps = 2; !rbdi_contact_solved(s);) {
+    for (int sweeps = 2; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
         if (rbdi_contact_left(s) <= 0) {
             rbdi_contact_give_up(s);
@@ -90,6 +100,11 @@ RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_prob
     s->p = p, s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
+    s->unmoved = rbdi_zero();
+    for (int r = 0; r < s->rows; ++r) {
+        const rbd_real least = given->delta[r * (s->rows + 1)] * RBDI_UNMOVED * RBDI_UNMOVED;
+        if (least > s->unmoved) s->unmoved = least;
+    }
     for (int i = 0; i < given->contacts; ++i)
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }

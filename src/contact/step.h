@@ -108,6 +108,17 @@ static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_rea
     return differ;
 }
 
+/* Whether velocities and steps are numbers; a set that overflowed forgets its impulses. */
+static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    for (int k = 0; k < m->nv; ++k)
+        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->moved[k]) < RBDI_FASTEST &&
+              rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
+            rbd_contact_reset(c);
+            return RBD_ERR_NAN;
+        }
+    return RBD_OK;
+}
+
 /* The state after the step; after an error q and 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                               const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
@@ -125,7 +136,7 @@ static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
     const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
     if (status) return status;
-    return dt > 0 && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
+    return dt > 1 / RBDI_UNBOUNDED && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
 }
 
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
@@ -135,7 +146,10 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    if (!status) {
+        (void)rbdi_solve_velocities(m, c, dt);
+        status = rbdi_contact_status(m, c, dt);
+    }
     rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
     return status;
 }
@@ -146,7 +160,10 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) (void)rbdi_solve_velocities(m, c, dt);
+    if (!status) {
+        (void)rbdi_solve_velocities(m, c, dt);
+        status = rbdi_contact_status(m, c, dt);
+    }
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }

@@ -1,0 +1,1327 @@
+/* contacts.c - the fuzzer of rbd_contact.h. It prints how many problems of each kind there were, the worst of
+   each quantity, and how many stayed above the tolerance; docs/accuracy.md says what is measured.
+       contacts [--problems N]   N single contacts, N/10 problems on random trees, N steps of robots and N/10
+                                 broken descriptions; 100000
+                [--seconds S]    as many of these as there is time for, ten thousand by ten thousand
+                [--kind NAME]    of this kind only: single, a class of trees, runs or broken
+                [--from N]       begins with problem N of each kind
+       contacts --one CLASS N    shows one problem of a class of trees
+   In float (RBD_REAL): single contacts, runs and broken descriptions only. */
+#define RBD_IMPLEMENTATION
+#include "rbd_contact.h"
+
+#include "dense.h"
+#include "robots.h"
+
+#include "models/atlas.h"
+#include "models/hyq.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#if RBDI_KIND(RBD_REAL) == 2
+enum { IN_FLOAT = 1 };
+#else
+enum { IN_FLOAT = 0 };
+#endif
+static const double unit_of_real = IN_FLOAT ? (double)FLT_EPSILON : DBL_EPSILON;
+
+/* ---- what is measured ---- */
+
+enum {
+    SINGLE,
+    WORLD,
+    BODIES,
+    FRICTIONLESS,
+    LIMITS,
+    HELD,
+    REDUNDANT,
+    ANY,
+    TREES_END,
+    RUNS = TREES_END,
+    BROKEN,
+    KINDS
+};
+static const char *const kinds[KINDS] = {"single", "world",     "bodies", "frictionless", "limits",
+                                         "held",   "redundant", "any",    "runs",         "broken"};
+
+/* Errors above the bound are failures; of problems that are not solved nothing but `cone` is held. */
+enum { DELTA, FREE, GAP, EQUATION, CONE, SIGNORINI, DISSIPATION, ENERGY, METHODS, QUANTITIES };
+static const struct quantity {
+    const char *name;
+    double bound;
+} quantities[QUANTITIES] = {
+    {"Delta", 1e-10},     {"free velocity", 1e-10}, {"gap", 1e-13},        {"equation of motion", 1e-9},
+    {"cone", 1e-14},      {"Signorini", 1e-7},      {"dissipation", 1e-7}, {"energy made", 1e-7},
+    {"two methods", 1e-5}};
+
+/* Failures that are no matter of size. */
+enum { NOT_BUILT, NOT_FINITE, STATUS, NOT_A_ROW, NOT_REPEATED, WRONG_ANSWER, FAILURES };
+static const char *const failure_names[FAILURES] = {"not built",          "not finite",   "status",
+                                                    "no row though near", "not repeated", "wrong answer"};
+
+enum {
+    PROBLEMS,
+    ROWS,
+    UNSOLVED,
+    OTHER_SOLVES,
+    SINGULAR,
+    COMPARED,
+    SEVERAL,
+    NOT_COMPARED,
+    ITERATIONS,
+    COUNTS
+};
+static const char *const count_names[COUNTS] = {
+    "problems",   "rows",           "above the tolerance", "the other method is not",
+    "M singular", "by two methods", "several solutions",   "other method failed",
+    "iterations"};
+
+typedef struct worst {
+    double error;
+    int number;
+} worst;
+static worst worst_of[KINDS][QUANTITIES];
+static double worst_unsolved[KINDS]; /* residual */
+static long counts[KINDS][COUNTS], failures;
+static int kind_now, number_now, shown = 5, show;
+
+static void fail(const char *what, double value) {
+    failures++;
+    if (shown-- > 0) printf("FAIL %s (%.2g): --one %s %d\n", what, value, kinds[kind_now], number_now);
+}
+
+static void record(int quantity, double value) {
+    const double error = value >= 0 ? value : value < 0 ? 0 : HUGE_VAL; /* not a number */
+    worst *w = &worst_of[kind_now][quantity];
+    const double bound = quantities[quantity].bound * (IN_FLOAT ? 1e9 : 1);
+    if (show) printf("%-20s %.2e\n", quantities[quantity].name, error);
+    if (error > w->error) *w = (worst){error, number_now};
+    if (!(error <= bound)) fail(quantities[quantity].name, error);
+}
+
+static double larger(double a, double b) { return a > b || !(b >= 0) ? a : b; }
+
+static double magnitude_of(const quad *x, int n) {
+    quad sum = 0;
+    for (int i = 0; i < n; i++) sum += x[i] * x[i];
+    return (double)world_sqrt(sum);
+}
+
+static int below(uint64_t *seed, int n) { return (int)uniform(seed, 0, n); }
+static double power(uint64_t *seed, double low, double high) { return pow(10, uniform(seed, low, high)); }
+static int one_in(uint64_t *seed, int n) { return below(seed, n) == 0; }
+
+/* Exactly as much memory as the library asks for, filled with what is not a number. */
+static void *memory_of(size_t size) { return memset(malloc(size ? size : 1), 0xff, size); }
+
+static int finite(const rbd_real *x, int n) {
+    for (int i = 0; i < n; i++)
+        if (!isfinite((double)x[i])) return 0;
+    return 1;
+}
+
+/* ---- laws, from outside ---- */
+
+enum { MOST_CONTACTS = 16, MOST_ROWS = 64 };
+
+/* A problem by its definition: u = Delta p + b, contacts first, then bounded rows. */
+typedef struct laws {
+    int contacts, rows;
+    quad delta[MOST_ROWS][MOST_ROWS], b[MOST_ROWS], p[MOST_ROWS], u[MOST_ROWS];
+    double mu[MOST_CONTACTS], lower[MOST_ROWS], upper[MOST_ROWS]; /* by row */
+    double speed;   /* what velocities are measured by: the largest b, or p moved by its own row */
+    double unmoved; /* a row's own 1/mass below is rounding */
+} laws;
+
+/* speed: at least. */
+static void find_velocities(laws *x, double speed) {
+    x->speed = speed, x->unmoved = 0;
+    for (int r = 0; r < x->rows; r++) {
+        x->u[r] = x->b[r];
+        x->unmoved = larger(x->unmoved, 1e-24 * (double)x->delta[r][r]);
+        for (int k = 0; k < x->rows; k++) x->u[r] += x->delta[r][k] * x->p[k];
+        x->speed = larger(x->speed, fabs((double)x->b[r]));
+        x->speed = larger(x->speed, fabs((double)(x->delta[r][r] * x->p[r])));
+    }
+}
+
+/* The residuals of Le Lidec and others (2023): impulses times the row's own 1/mass are velocities, all in
+   shares of the problem's. A contact that nothing moves has none. */
+static void judge_contact(const laws *x, int i, double *cone, double *signorini, double *dissipation) {
+    const quad *p = &x->p[3 * i], *u = &x->u[3 * i];
+    const double pt = magnitude_of(p, 2), ut = magnitude_of(u, 2), pn = (double)p[2], un = (double)u[2],
+                 d = (double)x->delta[3 * i + 2][3 * i + 2], s = x->speed,
+                 along = (double)(p[0] * u[0] + p[1] * u[1]);
+    double trace = d;
+    for (int j = 0; j < 2; j++) trace += (double)x->delta[3 * i + j][3 * i + j];
+    if (pn > 0 || pt > 0) *cone = larger(*cone, larger(pt / pn - x->mu[i], -pn) / (1 + x->mu[i]));
+    if (!(d > 64 * unit_of_real * trace)) return;
+    *signorini = larger(*signorini, larger(-un, d * pn * un / (s + d * pn)) / s);
+    *dissipation = larger(*dissipation, d * fabs(along + x->mu[i] * pn * ut) / (s * (s + d * (pt + pn))));
+}
+
+static void judge_bounded(const laws *x, int r, double *cone, double *signorini) {
+    const double p = (double)x->p[r], u = (double)x->u[r], d = (double)x->delta[r][r], s = x->speed,
+                 above = p - x->lower[r], under = x->upper[r] - p, room = u > 0 ? above : under;
+    *cone = larger(*cone, larger(-above, -under));
+    if (d > x->unmoved) *signorini = larger(*signorini, fabs(u) * d * room / (s * (s + d * room)));
+}
+
+/* Records the residuals; returns whether the problem counts as solved. residual: what the library says. */
+static int judge(const laws *x, double residual, double tolerance) {
+    double cone = 0, signorini = 0, dissipation = 0;
+    for (int i = 0; i < x->contacts; i++) judge_contact(x, i, &cone, &signorini, &dissipation);
+    for (int r = 3 * x->contacts; r < x->rows; r++) judge_bounded(x, r, &cone, &signorini);
+    record(CONE, cone / (IN_FLOAT ? 1e5 : 1));
+    if (show) printf("residual %.2e of tolerance %.2e, speed %.2e\n", residual, tolerance, x->speed);
+    if (!(residual <= tolerance)) {
+        counts[kind_now][UNSOLVED]++;
+        worst_unsolved[kind_now] = larger(worst_unsolved[kind_now], residual / x->speed);
+        return 0;
+    }
+    record(SIGNORINI, signorini);
+    record(DISSIPATION, dissipation);
+    return 1;
+}
+
+/* ---- single contacts ---- */
+
+/* A block of Delta of condition up to 1e9, or with a direction that nothing moves; mu 0.01 to 10, or 0. */
+static void run_single(int number) {
+    uint64_t seed = (uint64_t)number + (UINT64_C(1) << 41);
+    static laws x;
+    rbd_real delta[9], b[3], mu, p[3] = {0, 0, 0}, none = 0;
+    double J[9], scale[3];
+    unsigned char memory[2000];
+    rbd_contact_state state;
+    rbd_contact_solution solution;
+    kind_now = SINGLE, number_now = number;
+    for (int i = 0; i < 3; i++) uniform(&seed, 0, 1);
+    const double spread = IN_FLOAT ? 1 : 2.2, size = power(&seed, -3, 3);
+    for (int k = 0; k < 3; k++) scale[k] = one_in(&seed, 50) ? 0 : size * power(&seed, -spread, spread);
+    for (int k = 0; k < 9; k++) J[k] = uniform(&seed, -1, 1);
+    for (int k = 0; k < 9; k++) {
+        double sum = 0;
+        for (int i = 0; i < 3; i++) sum += scale[i] * J[i + k / 3 * 3] * J[i + k % 3 * 3];
+        delta[k] = (rbd_real)sum;
+    }
+    for (int r = 0; r < 3; r++) scale[r] = one_in(&seed, 3) ? 0 : uniform(&seed, -1, 1) * scale[r];
+    for (int r = 0; r < 3; r++) { /* what some motion has */
+        double sum = 0;
+        for (int i = 0; i < 3; i++) sum += J[i + 3 * r] * scale[i];
+        b[r] = (rbd_real)sum;
+    }
+    mu = one_in(&seed, 20) ? 0 : (rbd_real)power(&seed, -2, 1);
+    const rbd_real tolerance = IN_FLOAT ? (rbd_real)1e-5 : (rbd_real)1e-8;
+    const rbd_contact_problem given = {1, 0, delta, b, &mu, &none, &none, tolerance, 0};
+    if (rbd_contact_solve(&given, memory, sizeof memory, p, &state, &solution) != RBD_OK)
+        fail(failure_names[STATUS], 0);
+    if (!finite(p, 3)) fail(failure_names[NOT_FINITE], 0);
+    counts[SINGLE][PROBLEMS]++, counts[SINGLE][ROWS] += 3;
+    counts[SINGLE][ITERATIONS] += solution.sweeps + solution.newton_steps;
+    x.contacts = 1, x.rows = 3, x.mu[0] = (double)mu;
+    for (int r = 0; r < 3; r++) {
+        x.b[r] = (quad)b[r], x.p[r] = (quad)p[r];
+        for (int k = 0; k < 3; k++) x.delta[r][k] = (quad)delta[3 * r + k];
+    }
+    find_velocities(&x, 0.1);
+    judge(&x, (double)solution.residual, (double)tolerance);
+    if (show)
+        printf("state %d, mu %g, p %g %g %g, u %g %g %g, sweeps %d, Newton steps %d\n", (int)state,
+               (double)mu, (double)p[0], (double)p[1], (double)p[2], (double)x.u[0], (double)x.u[1],
+               (double)x.u[2], solution.sweeps, solution.newton_steps);
+}
+
+/* ---- problems on trees ---- */
+
+/* The tree, its state, and what touches. */
+typedef struct scene {
+    sample robot;
+    sample_state state;
+    rbd_contact list[MOST_CONTACTS];
+    rbd_constraint held[2];
+    int n, n_held;
+    double gap[MOST_CONTACTS]; /* that was asked for */
+    double damping[WORLD_DOFS];
+    rbd_contact_options options;
+    double dt;
+    uint64_t seed;
+} scene;
+
+static void vector(uint64_t *seed, double size, double *x, int n) {
+    for (int k = 0; k < n; k++) x[k] = uniform(seed, -size, size);
+}
+
+/* The body that a body is fixed to, itself where it can move. */
+static int carrier(const scene *s, int body) {
+    while (body >= 0 && (s->robot.bodies[body].type == RBD_FIXED)) body = s->robot.bodies[body].parent;
+    return body;
+}
+
+static int any_moving_body(scene *s) {
+    for (int tries = 0; tries < 50; tries++) {
+        const int body = below(&s->seed, s->robot.nb);
+        if (carrier(s, body) >= 0) return body;
+    }
+    return -1;
+}
+
+static rbd_contact *new_contact(scene *s, int body1, int body2) {
+    rbd_contact *a = &s->list[s->n];
+    if (s->n == MOST_CONTACTS || body1 == body2 || carrier(s, body1) == carrier(s, body2)) return NULL;
+    memset(a, 0, sizeof *a);
+    a->body1 = body1, a->body2 = body2;
+    vector(&s->seed, 0.3, a->point, 3);
+    vector(&s->seed, 1, a->normal, 3);
+    if (one_in(&s->seed, 3)) a->radius = uniform(&s->seed, 0, 0.2);
+    if (one_in(&s->seed, 3)) a->normal[0] = a->normal[1] = 0, a->normal[2] = 2;
+    a->friction = kind_now == FRICTIONLESS || one_in(&s->seed, 10) ? 0 : uniform(&s->seed, 0, 1.2);
+    if (one_in(&s->seed, 8)) a->friction = power(&s->seed, -3, 1);
+    if (kind_now == FRICTIONLESS) a->friction = 0;
+    if (one_in(&s->seed, 6)) a->stiffness = power(&s->seed, 2, 7), a->damping = power(&s->seed, -1, 3);
+    if (kind_now == ANY && one_in(&s->seed, 8)) a->restitution = uniform(&s->seed, 0, 1);
+    static const double gaps[8] = {0, 0, 0, 1e-6, -5e-6, 1e-3, 0.1, -2e-3};
+    s->gap[s->n++] = gaps[below(&s->seed, kind_now == ANY ? 8 : 7)];
+    return a;
+}
+
+static void draw_contacts(scene *s, int n, int between) {
+    for (; n > 0; n--) {
+        const int one = any_moving_body(s), two = between ? below(&s->seed, s->robot.nb + 1) - 1 : -1;
+        if (one >= 0 && one_in(&s->seed, 6)) /* the world's point over the body's plane */
+            new_contact(s, two, one);
+        else if (one >= 0)
+            new_contact(s, one, two);
+    }
+}
+
+/* More points of bodies that touch already; or the same points again. */
+static void draw_redundant(scene *s, int n) {
+    for (; n > 0 && s->n > 0 && s->n < MOST_CONTACTS; n--) {
+        const int like = below(&s->seed, s->n);
+        s->list[s->n] = s->list[like];
+        s->gap[s->n] = s->gap[like];
+        if (!one_in(&s->seed, 3)) vector(&s->seed, 0.3, s->list[s->n].point, 3);
+        s->n++;
+    }
+}
+
+static void draw_held(scene *s) {
+    for (int tries = 0; tries < 2; tries++) {
+        const int one = any_moving_body(s), two = one_in(&s->seed, 2) ? -1 : below(&s->seed, s->robot.nb);
+        double p1[3], p2[3];
+        vector(&s->seed, 0.3, p1, 3);
+        vector(&s->seed, 0.3, p2, 3);
+        if (one < 0 || carrier(s, one) == carrier(s, two)) continue;
+        s->held[s->n_held] = rbd_ball_loop(one, p1, two, p2);
+        for (int k = 0; k < 6; k++)
+            if (one_in(&s->seed, 4)) s->held[s->n_held].axes[k] ^= 1;
+        s->held[s->n_held].axes[3] = 1;
+        s->n_held++;
+    }
+}
+
+static int has_one_dof(const rbd_body *b) { return world_nv(b) == 1 && b->type != RBD_CONTINUOUS_CS; }
+
+/* Limits near the state's coordinates, and dry friction. */
+static void draw_limits(scene *s) {
+    static const double room[6] = {0, 1e-7, 1e-3, 0.01, 0.5, -1e-3}; /* beyond: of any problem only */
+    s->options.joint_limits = s->options.joint_friction = 1;
+    for (int i = 0, iq = 0; i < s->robot.nb; i++) {
+        rbd_body *b = &s->robot.bodies[i];
+        const int upper = one_in(&s->seed, 2);
+        const double q = s->state.q[iq], near = room[below(&s->seed, kind_now == ANY ? 6 : 5)];
+        if (has_one_dof(b) && !b->mimic && one_in(&s->seed, 2))
+            b->lower = upper ? q - 1 : q - near, b->upper = upper ? q + near : q + 1;
+        if (!b->mimic && one_in(&s->seed, 3))
+            for (int k = 0; k < world_nv(b); k++) b->friction[k] = power(&s->seed, -2, 2);
+        iq += world_nq(b);
+    }
+}
+
+static void count_dofs(sample *s) {
+    s->nq = s->nv = 0;
+    for (int i = 0; i < s->nb; i++) s->nq += world_nq(&s->bodies[i]), s->nv += world_nv(&s->bodies[i]);
+}
+
+static void draw_scene(scene *s, int kind, int number) {
+    static const double dts[5] = {5e-4, 1e-3, 2e-3, 5e-3, 1e-2};
+    memset(s, 0, sizeof *s);
+    s->seed = (uint64_t)number * KINDS + (uint64_t)kind + (UINT64_C(1) << 42);
+    for (int i = 0; i < 4; i++) uniform(&s->seed, 0, 1);
+    const int of = one_in(&s->seed, 6) ? FOLLOWERS : one_in(&s->seed, 4) ? AXES : ORDINARY;
+    draw_robot(&s->robot, of, number * KINDS + kind);
+    if (s->robot.nb > 12) s->robot.nb = 12;
+    if (of != FOLLOWERS && one_in(&s->seed, 2)) s->robot.bodies[0].type = RBD_FLOATING;
+    for (int i = 1; i < s->robot.nb; i++)
+        if (one_in(&s->seed, 10)) s->robot.bodies[i].parent = -1;
+    count_dofs(&s->robot);
+    draw_state(&s->robot, &s->state);
+    s->dt = dts[below(&s->seed, 5)];
+    for (int k = 0; k < s->robot.nv; k++) {
+        s->state.tau[k] *= 20;
+        s->damping[k] = one_in(&s->seed, 4) ? power(&s->seed, -1, 2) : 0;
+        if (number % 3 == 0) s->state.v[k] = 0;
+    }
+    draw_contacts(s, 1 + below(&s->seed, 5), kind == BODIES || kind == ANY);
+    if (kind == LIMITS || (kind == ANY && one_in(&s->seed, 2))) draw_limits(s);
+    if (kind == HELD || (kind == ANY && one_in(&s->seed, 3))) draw_held(s);
+    if (kind == REDUNDANT || (kind == ANY && one_in(&s->seed, 2))) draw_redundant(s, 2 + below(&s->seed, 8));
+    s->options.iterations = 200;
+}
+
+/* ---- the truth ---- */
+
+static scene now;
+static world truth;
+static dense exact;
+static dense_rows found_rows;
+static int nv;
+static quad J[MOST_ROWS][WORLD_DOFS], J_size[MOST_ROWS][WORLD_DOFS], lever[MOST_ROWS], start[WORLD_DOFS],
+    nu_free[WORLD_DOFS], bias[WORLD_DOFS], bias_size[WORLD_DOFS], M[WORLD_DOFS * WORLD_DOFS],
+    M_size[WORLD_DOFS];
+static laws exact_laws;
+
+static void widen(const double *x, int n, quad *y) {
+    for (int i = 0; i < n; i++) y[i] = x[i];
+}
+
+/* A body's point in the world, and a direction of a body. */
+static void point_in_world(int body, const double *x, quad *out) {
+    for (int i = 0; i < 3; i++) {
+        out[i] = body < 0 ? x[i] : truth.element[truth.last[body]].p[i];
+        for (int j = 0; body >= 0 && j < 3; j++)
+            out[i] += truth.element[truth.last[body]].R[3 * i + j] * x[j];
+    }
+}
+
+static void turn_to_world(int body, const quad *x, quad *out) {
+    for (int i = 0; i < 3; i++) {
+        out[i] = body < 0 ? x[i] : 0;
+        for (int j = 0; body >= 0 && j < 3; j++)
+            out[i] += truth.element[truth.last[body]].R[3 * i + j] * x[j];
+    }
+}
+
+/* World coordinates in the axes of a body. */
+static void into_body(int body, const quad *x, double *out) {
+    for (int i = 0; i < 3; i++) {
+        quad sum = body < 0 ? x[i] : 0;
+        for (int j = 0; body >= 0 && j < 3; j++) {
+            const world_element *e = &truth.element[truth.last[body]];
+            sum += e->R[3 * j + i] * (x[j] - e->p[j]);
+        }
+        out[i] = (double)sum;
+    }
+}
+
+/* The contact's gap for height 0, and the constraint whose linear rows are its: it holds the places where the
+   two bodies touch, in the axes of the plane. */
+static quad contact_constraint(const rbd_contact *a, rbd_constraint *k) {
+    quad n[3], n_world[3], p[3], origin[3], gap = 0;
+    double up[3] = {0, 0, 1};
+    const double zero[3] = {0, 0, 0};
+    const int given = a->normal[0] < 0 || a->normal[0] > 0 || a->normal[1] < 0 || a->normal[1] > 0 ||
+                      a->normal[2] < 0 || a->normal[2] > 0;
+    if (given) memcpy(up, a->normal, sizeof up);
+    *k = rbd_ball_loop(a->body1, NULL, a->body2, NULL);
+    rbdi_frame_along(up, k->rotation2); /* its tangents are what the rows' order is told by */
+    widen(up, 3, n);
+    const quad length = world_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int i = 0; i < 3; i++) n[i] /= length;
+    turn_to_world(a->body2, n, n_world);
+    point_in_world(a->body1, a->point, p);
+    point_in_world(a->body2, zero, origin);
+    for (int i = 0; i < 3; i++) gap += n_world[i] * (p[i] - origin[i]), p[i] -= a->radius * n_world[i];
+    into_body(a->body1, p, k->position1);
+    into_body(a->body2, p, k->position2);
+    return gap - a->radius;
+}
+
+/* Puts the planes where the gaps are as asked, and closes what is held. */
+static void place_contacts(void) {
+    quad q[WORLD_COORDINATES], v[WORLD_DOFS];
+    rbd_constraint k;
+    widen(now.state.q, now.robot.nq, q);
+    widen(now.state.v, nv, v);
+    world_move(&truth, now.robot.bodies, now.robot.nb, q, v, NULL);
+    for (int i = 0; i < now.n; i++)
+        now.list[i].height = (double)(contact_constraint(&now.list[i], &k))-now.gap[i];
+    for (int i = 0; i < now.n_held; i++) dense_close(&truth, &now.held[i]);
+}
+
+/* M with damping, the velocities without and with forces; whether M is regular. */
+static int find_motion(void) {
+    quad tau[WORLD_DOFS], wrench[6 * WORLD_BODIES], gravity[3], f[WORLD_DOFS];
+    static dense_rows no_rows;
+    widen(now.state.tau, nv, tau);
+    widen(now.state.f_ext, 6 * now.robot.nb, wrench);
+    widen(now.state.gravity, 3, gravity);
+    widen(now.state.v, nv, start);
+    world_torques(&truth, gravity, NULL, wrench, bias, bias_size);
+    world_mass_matrix(&truth, M, M_size);
+    for (int i = 0, iv = 0; i < now.robot.nb; i++) {
+        const rbd_body *b = &now.robot.bodies[i];
+        quad *x = &start[iv], y[3];
+        if (b->mimic) continue;
+        if (b->type == RBD_FLOATING) {
+            for (int j = 0; j < 3; j++) {
+                const int k = (j + 1) % 3, l = (j + 2) % 3;
+                y[j] = x[3 + j] + now.dt * (x[k] * x[3 + l] - x[l] * x[3 + k]);
+            }
+            memcpy(x + 3, y, sizeof y);
+        } else if (b->type == RBD_PLANAR) {
+            y[0] = x[1] - now.dt * x[0] * x[2], y[1] = x[2] + now.dt * x[0] * x[1];
+            x[1] = y[0], x[2] = y[1];
+        }
+        iv += world_nv(b);
+    }
+    for (int k = 0; k < nv; k++) {
+        const quad d = now.dt * now.damping[k];
+        f[k] = now.dt * (tau[k] - bias[k]) - d * start[k];
+        bias_size[k] =
+            now.dt * (bias_size[k] + fabsl((long double)tau[k])) + d * fabsl((long double)start[k]);
+        M[k * (nv + 1)] += d, M_size[k] += d;
+    }
+    no_rows.rows = 0;
+    if (!dense_factor(&exact, &no_rows, M, M_size, nv, 1) || !(exact.distance > (quad)1e-6L)) return 0;
+    dense_inverse(&exact, f, nu_free);
+    for (int k = 0; k < nv; k++) nu_free[k] += start[k], bias[k] = f[k];
+    return 1;
+}
+
+static quad along(const quad *row, const quad *x) {
+    quad sum = 0;
+    for (int k = 0; k < nv; k++) sum += row[k] * x[k];
+    return sum;
+}
+
+/* Keeps n of the rows found as rows of the problem, and what their levers alone would make of Delta. */
+static void keep_rows(int row, int n) {
+    memcpy(J[row], found_rows.J, (size_t)n * sizeof *J);
+    memcpy(J_size[row], found_rows.J_size, (size_t)n * sizeof *J);
+    for (int r = 0; r < n; r++) {
+        lever[row + r] = 0;
+        for (int k = 0; k < nv; k++)
+            lever[row + r] += found_rows.J_size[r][k] * found_rows.J_size[r][k] * exact.inverse[k];
+    }
+}
+
+static void keep_dof(int row, int dof, double side) {
+    memset(J[row], 0, sizeof *J);
+    memset(J_size[row], 0, sizeof *J);
+    J[row][dof] = side, lever[row] = exact.inverse[dof];
+}
+
+/* The rows of a contact, its gap, and how fast it is opening. */
+static void add_contact_rows(int i, quad *gap, quad *opening) {
+    rbd_constraint k;
+    quad v[WORLD_DOFS];
+    *gap = contact_constraint(&now.list[i], &k) - now.list[i].height;
+    dense_rows_of(&truth, &k, 1, NULL, &found_rows);
+    widen(now.state.v, nv, v);
+    *opening = along(found_rows.J[2], v);
+    keep_rows(exact_laws.rows, 3);
+}
+
+/* What the law of an active contact adds to u_n, for velocities; `rebounds` as the library decided. */
+static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds) {
+    if (rebounds) return a->restitution * opening;
+    if (gap > 0) return gap / now.dt;
+    return a->stiffness > 0 ? a->stiffness * gap / (now.dt * a->stiffness + a->damping) : 0;
+}
+
+/* ---- a problem in the library ---- */
+
+static const rbd_model *model;
+static rbd_work *work;
+static rbd_contact_set *set;
+static void *memory[3];
+
+static int build(void) {
+    const size_t size = rbd_model_size(now.robot.bodies, now.robot.nb);
+    memory[0] = memory_of(size);
+    if (rbd_model_build(now.robot.bodies, now.robot.nb, memory[0], size, &model, NULL)) return 0;
+    memory[1] = memory_of(rbd_work_size(model));
+    if (rbd_work_init(model, memory[1], rbd_work_size(model), &work)) return 0;
+    const rbd_const gravity[3] = {(rbd_const)now.state.gravity[0], (rbd_const)now.state.gravity[1],
+                                  (rbd_const)now.state.gravity[2]};
+    rbd_set_gravity(work, gravity);
+    return 1;
+}
+
+static int build_set(void) {
+    const size_t size = rbd_contact_set_size(model, now.n, now.held, now.n_held, &now.options);
+    memory[2] = memory_of(size);
+    return rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, &now.options, memory[2],
+                                size, &set, NULL) == RBD_OK;
+}
+
+static void release(void) {
+    for (int k = 0; k < 3; k++) free(memory[k]), memory[k] = NULL;
+    set = NULL;
+}
+
+/* All rows of the step by their definition, in the library's order, and its impulses. Returns 0 if it has
+   other rows. */
+static int find_rows(int *energy_holds) {
+    laws *x = &exact_laws;
+    const rbd_real *p = set->rows->lambda;
+    int bounded = 0;
+    x->rows = 0, *energy_holds = 1;
+    memset(x->b, 0, sizeof x->b);
+    memset(x->delta, 0, sizeof x->delta);
+    for (int i = 0; i < now.n; i++) {
+        const rbd_contact *a = &now.list[i];
+        const rbdi_contact *own = &set->contact[i];
+        quad gap, opening;
+        rbd_real told;
+        add_contact_rows(i, &gap, &opening);
+        rbd_contact_get(set, i, &told, NULL);
+        record(GAP, fabs((double)told - (double)gap) / (1 + (double)truth.reach[0] + fabs(a->height)));
+        gap = (quad)told; /* whose sign decides */
+        const int near = gap < (quad)0.005L || gap + 2 * now.dt * opening < 0;
+        if (near != (own->row >= 0) && fabs((double)(gap + 2 * now.dt * opening)) > 1e-9 &&
+            fabs((double)gap - 0.005) > 1e-9)
+            fail(failure_names[NOT_A_ROW], (double)gap);
+        if (own->row < 0) continue;
+        const double bias_there = (double)set->b[own->row + 2] + (double)set->rows->b[own->row + 2],
+                     rebound = a->restitution * (double)opening;
+        const int rebounds =
+            a->restitution > 0 && opening < (quad)-0.05L && fabs(bias_there - rebound) < 1e-9 * -rebound;
+        if (rebounds || a->stiffness > 0) *energy_holds = 0;
+        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, rebounds);
+        if (a->stiffness > 0 && gap <= 0)
+            x->delta[x->rows + 2][x->rows + 2] = 1 / ((quad)now.dt * (now.dt * a->stiffness + a->damping));
+        x->mu[x->rows / 3] = a->friction;
+        x->rows += 3;
+    }
+    x->contacts = x->rows / 3;
+    if (now.n_held) {
+        dense_rows_of(&truth, now.held, now.n_held, NULL, &found_rows);
+        keep_rows(x->rows, found_rows.rows);
+        for (; bounded < found_rows.rows; bounded++)
+            x->lower[x->rows + bounded] = -1e30, x->upper[x->rows + bounded] = 1e30;
+        x->rows += found_rows.rows;
+    }
+    for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
+        const rbd_body *b = &now.robot.bodies[i];
+        const double q = now.state.q[iq], v = now.state.v[iv];
+        const int upper = b->upper - q < q - b->lower;
+        const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
+        if (b->mimic) continue;
+        if (has_one_dof(b) && b->lower < b->upper &&
+            (distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) {
+            keep_dof(x->rows, iv, side);
+            x->lower[x->rows] = 0, x->upper[x->rows] = 1e30;
+            x->b[x->rows++] = distance > 0 ? distance / now.dt : 0;
+        }
+        iq += world_nq(b), iv += world_nv(b);
+    }
+    for (int i = 0, iv = 0; now.options.joint_friction && i < now.robot.nb; i++) {
+        const rbd_body *b = &now.robot.bodies[i];
+        for (int k = 0; !b->mimic && k < world_nv(b); k++, iv++) {
+            if (!(b->friction[k] > 0)) continue;
+            keep_dof(x->rows, iv, 1);
+            x->upper[x->rows] = now.dt * b->friction[k], x->lower[x->rows] = -x->upper[x->rows];
+            x->rows++;
+        }
+    }
+    for (int r = 0; r < x->rows && r < set->rows->rows; r++) x->p[r] = (quad)p[r];
+    return x->rows == set->rows->rows;
+}
+
+/* Delta = J M^-1 J' and b, beside the library's. */
+static void find_delta(void) {
+    laws *x = &exact_laws;
+    quad worst_delta = 0, worst_b = 0, size_b = (quad)1e-6L;
+    for (int r = 0; r < x->rows; r++) {
+        quad y[WORLD_DOFS];
+        dense_inverse(&exact, J[r], y);
+        for (int k = 0; k < x->rows; k++) x->delta[r][k] += along(J[k], y);
+        x->b[r] += along(J[r], nu_free);
+    }
+    for (int r = 0; r < x->rows; r++) {
+        const quad off = (quad)set->b[r] - x->b[r];
+        worst_b = larger((double)worst_b, fabs((double)off));
+        size_b = larger((double)size_b, fabs((double)x->b[r]));
+        for (int k = 0; k < x->rows; k++) {
+            const quad both = world_sqrt(lever[r] * lever[k]),
+                       error = (quad)set->rows->R[r * x->rows + k] - x->delta[r][k];
+            if (both > 0) worst_delta = larger((double)worst_delta, fabs((double)(error / both)));
+        }
+    }
+    for (int k = 0; k < nv; k++) size_b = larger((double)size_b, fabs((double)nu_free[k]));
+    record(DELTA, (double)(worst_delta * exact.distance));
+    record(FREE, (double)(worst_b / size_b * exact.distance));
+}
+
+/* Of the levers that make a term, beside the term itself: its own rounding. */
+static const quad little = 1e-6L;
+
+/* (M + dt D) (nu - start) = dt (tau - c - D start) + J' p with what the library returns. */
+static void check_equation(const rbd_real *a) {
+    const laws *x = &exact_laws;
+    double worst_row = 0;
+    for (int k = 0; k < nv; k++) {
+        quad error = -bias[k], size = bias_size[k] + (quad)1e-12L;
+        for (int j = 0; j < nv; j++) {
+            const quad term = M[k * nv + j] * (quad)a[j] * now.dt;
+            error += term, size += fabsl((long double)term);
+        }
+        for (int r = 0; r < x->rows; r++) {
+            const quad term = J[r][k] * x->p[r];
+            error -= term;
+            size += fabsl((long double)term) + little * J_size[r][k] * fabsl((long double)x->p[r]);
+        }
+        worst_row = larger(worst_row, fabs((double)(error / size)));
+    }
+    record(EQUATION, worst_row * (double)exact.distance);
+}
+
+/* Forces as rbd_contact_get has them: n of the plane, and mu. */
+static void check_forces(void) {
+    for (int i = 0; i < now.n; i++) {
+        rbd_real f[3];
+        const rbd_contact_state state = rbd_contact_get(set, i, NULL, f);
+        const int row = set->contact[i].row;
+        const double size = hypot(hypot((double)f[0], (double)f[1]), (double)f[2]) * now.dt,
+                     own = row < 0 ? 0 : magnitude_of(&exact_laws.p[row], 3);
+        if (fabs(size - own) > 1e-12 * own) fail(failure_names[WRONG_ANSWER], size);
+        if (state <= RBD_OPENS && own > 0) fail(failure_names[WRONG_ANSWER], own);
+    }
+}
+
+/* Contacts take kinetic energy: p'(u + u_free)/2 without biases. */
+static void check_energy(double residual) {
+    const laws *x = &exact_laws;
+    quad sum = 0, size = 0;
+    for (int r = 0; r < x->rows; r++) {
+        const quad before = along(J[r], nu_free);
+        quad after = before;
+        for (int k = 0; k < x->rows; k++) after += x->delta[r][k] * x->p[k];
+        sum += x->p[r] * (before + after) / 2;
+        size += fabsl((long double)x->p[r]);
+    }
+    if (size > 0) record(ENERGY, (double)(sum / size) / (x->speed + residual));
+}
+
+/* ---- another method: p = P(p - u/L) contact by contact, until nothing changes ---- */
+
+static quad clamp(quad x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+static void add_impulse(laws *x, int r, quad change) {
+    if (!(change < 0 || change > 0)) return;
+    for (int k = 0; k < x->rows; k++) x->u[k] += x->delta[k][r] * change;
+    x->p[r] += change;
+}
+
+static double project_contact(laws *x, int i) {
+    const int r = 3 * i;
+    const quad d = x->delta[r + 2][r + 2], L = x->delta[r][r] + x->delta[r + 1][r + 1];
+    double change = 0;
+    for (int again = 0; again < 4; again++) {
+        quad t[2], size, n;
+        if (!(d > (quad)1e-15L * L) || !(d > 0)) return 0;
+        n = x->p[r + 2] - x->u[r + 2] / d;
+        n = n > 0 ? n : 0;
+        change = larger(change, fabs((double)((n - x->p[r + 2]) * d)));
+        add_impulse(x, r + 2, n - x->p[r + 2]);
+        for (int j = 0; j < 2; j++) t[j] = L > 0 ? x->p[r + j] - x->u[r + j] / L : 0;
+        size = world_sqrt(t[0] * t[0] + t[1] * t[1]);
+        for (int j = 0; j < 2; j++) {
+            if (size > x->mu[i] * n) t[j] *= x->mu[i] * n / size;
+            change = larger(change, fabs((double)((t[j] - x->p[r + j]) * L)));
+        }
+        for (int j = 0; j < 2; j++) add_impulse(x, r + j, t[j] - x->p[r + j]);
+    }
+    return change;
+}
+
+/* From p = 0. Returns whether it has come to the end. */
+static int other_method(laws *x) {
+    for (int r = 0; r < x->rows; r++) x->p[r] = 0, x->u[r] = x->b[r];
+    for (int sweep = 0; sweep < 3000; sweep++) {
+        double change = 0;
+        for (int i = 0; i < x->contacts; i++) change = larger(change, project_contact(x, i));
+        for (int r = 3 * x->contacts; r < x->rows; r++) {
+            const quad d = x->delta[r][r],
+                       p = d > 0 ? clamp(x->p[r] - x->u[r] / d, x->lower[r], x->upper[r]) : 0;
+            change = larger(change, fabs((double)((p - x->p[r]) * d)));
+            add_impulse(x, r, p - x->p[r]);
+        }
+        if (change < 1e-13 * x->speed) return 1;
+    }
+    return 0;
+}
+
+static void compare_methods(void) {
+    static laws y;
+    double worst_u = 0;
+    int frictionless = 1;
+    y = exact_laws;
+    if (!other_method(&y)) {
+        counts[kind_now][NOT_COMPARED]++;
+        return;
+    }
+    counts[kind_now][COMPARED]++;
+    for (int r = 0; r < y.rows; r++)
+        worst_u = larger(worst_u, fabs((double)(y.u[r] - exact_laws.u[r])) / exact_laws.speed);
+    for (int i = 0; i < y.contacts; i++) frictionless &= !(y.mu[i] > 0);
+    if (worst_u > 1e-5 && !frictionless)
+        counts[kind_now][SEVERAL]++;
+    else
+        record(METHODS, worst_u);
+}
+
+/* ---- one problem ---- */
+
+static void check_answer(const rbd_real *a) {
+    int energy_holds;
+    if (!find_rows(&energy_holds)) {
+        fail(failure_names[NOT_A_ROW], exact_laws.rows);
+        return;
+    }
+    find_delta();
+    find_velocities(&exact_laws, now.options.tolerance / 1e-9);
+    const double residual = (double)rbd_contact_last(set).residual;
+    counts[kind_now][ROWS] += exact_laws.rows;
+    counts[kind_now][ITERATIONS] += rbd_contact_last(set).sweeps + rbd_contact_last(set).newton_steps;
+    check_forces();
+    const int solved = judge(&exact_laws, residual, now.options.tolerance);
+    if (solved) check_equation(a);
+    if (energy_holds) check_energy(residual);
+    if (solved && number_now % 4 == 0) compare_methods();
+    if (!solved && !rbdi_needs_velocities(set, (rbd_real)now.dt)) {
+        static laws y;
+        y = exact_laws;
+        const int other = other_method(&y);
+        counts[kind_now][OTHER_SOLVES] += other;
+    }
+}
+
+static void print_scene(void) {
+    static const char *const states[4] = {"apart", "opens", "sticks", "slips"};
+    print_robot(&now.robot);
+    print_state(&now.robot, &now.state);
+    printf("dt %g, %d contacts, %d held, tolerance %g\n", now.dt, now.n, now.n_held, now.options.tolerance);
+    for (int i = 0; set && i < now.n; i++) {
+        const rbd_contact *a = &now.list[i];
+        rbd_real gap, f[3];
+        const rbd_contact_state state = rbd_contact_get(set, i, &gap, f);
+        printf("%d: bodies %d, %d, gap %g, mu %g, e %g, k %g: %s, %g %g %g N\n", i, a->body1, a->body2,
+               (double)gap, a->friction, a->restitution, a->stiffness, states[state], (double)f[0],
+               (double)f[1], (double)f[2]);
+    }
+    if (set)
+        printf("%d sweeps, %d Newton steps\n", rbd_contact_last(set).sweeps,
+               rbd_contact_last(set).newton_steps);
+}
+
+static void run_tree(int kind, int number) {
+    rbd_real q[WORLD_COORDINATES], v[WORLD_DOFS], tau[WORLD_DOFS], damping[WORLD_DOFS],
+        a[WORLD_DOFS] = {0}, again[WORLD_DOFS], wrench[6 * WORLD_BODIES];
+    kind_now = kind, number_now = number;
+    draw_scene(&now, kind, number);
+    nv = now.robot.nv;
+    if (nv == 0 || now.n == 0) return;
+    place_contacts();
+    counts[kind][PROBLEMS]++;
+    if (!find_motion()) {
+        counts[kind][SINGULAR]++;
+        return;
+    }
+    double speed = 1;
+    for (int k = 0; k < nv; k++) speed = larger(speed, fabs((double)nu_free[k]));
+    now.options.tolerance = 1e-9 * speed;
+    if (!build() || !build_set()) {
+        fail(failure_names[NOT_BUILT], 0);
+    } else {
+        for (int k = 0; k < now.robot.nq; k++) q[k] = (rbd_real)now.state.q[k];
+        for (int k = 0; k < nv; k++) {
+            v[k] = (rbd_real)now.state.v[k], tau[k] = (rbd_real)now.state.tau[k];
+            damping[k] = (rbd_real)now.damping[k];
+        }
+        for (int k = 0; k < 6 * now.robot.nb; k++) wrench[k] = (rbd_real)now.state.f_ext[k];
+        const rbd_real dt = (rbd_real)now.dt;
+        const rbd_status status = rbd_contact_fd(model, set, q, v, tau, wrench, damping, dt, a);
+        if (status != RBD_OK)
+            fail(failure_names[STATUS], status);
+        else if (!finite(a, nv))
+            fail(failure_names[NOT_FINITE], 0);
+        else
+            check_answer(a);
+        if (show) print_scene();
+        rbd_contact_reset(set);
+        rbd_contact_fd(model, set, q, v, tau, wrench, damping, dt, again);
+        if (memcmp(a, again, (size_t)nv * sizeof *a)) fail(failure_names[NOT_REPEATED], 0);
+    }
+    release();
+}
+
+/* ---- runs of robots ---- */
+
+enum { HYQ_FALLS, HYQ_FALLS_LIMITS, HYQ_STANDS, HYQ_TROTS, ATLAS_FALLS, ATLAS_FALLS_LIMITS, SCENES };
+static const char *const scene_names[SCENES] = {"HyQ falls", "HyQ falls, limits", "HyQ lands and stands",
+                                                "HyQ trots", "Atlas falls over",  "Atlas falls, limits"};
+enum { STEP_SIZES = 5, DECADES = 8 };
+static const double step_sizes[STEP_SIZES] = {5e-4, 1e-3, 2e-3, 5e-3, 1e-2};
+
+/* What all steps of a scene of one step size came to. */
+typedef struct run_figures {
+    long steps, unsolved, histogram[DECADES]; /* residuals below 1e-8, 1e-7 .. 1e-2, above */
+    double worst, energy, cone, deepest;
+    long iterations;
+} run_figures;
+static run_figures runs[SCENES][STEP_SIZES];
+
+static const double hyq_stance[12] = {0, 0, 0, 0, 0.7, 0.7, -0.7, -0.7, -1.4, -1.4, 1.4, 1.4};
+
+typedef struct robot_run {
+    int scene;
+    rbd_real q[64], v[64], tau[64], damping[64], dt, t;
+    int q_of[64]; /* coordinate of a dof */
+    double wanted[64], kp, kd;
+    uint64_t seed;
+} robot_run;
+
+static rbd_contact *touch(int body, double x, double y, double z, double radius, double friction) {
+    rbd_contact *a = &now.list[now.n++];
+    memset(a, 0, sizeof *a);
+    a->body1 = body, a->body2 = -1, a->radius = radius, a->friction = friction;
+    a->point[0] = x, a->point[1] = y, a->point[2] = z;
+    return a;
+}
+
+static void list_hyq(int falls) {
+    for (int k = 0; k < 4; k++) touch(HYQ_BODY_LF_LOWERLEG + k, 0.33, 0, 0, 0.02, 0.7);
+    for (int k = 0; falls && k < 4; k++) touch(HYQ_BODY_LF_LOWERLEG + k, 0, 0, 0, 0.04, 0.5);
+    for (int k = 0; falls && k < 8; k++)
+        touch(HYQ_BODY_BASE_LINK_0, k & 1 ? 0.45 : -0.45, k & 2 ? 0.2 : -0.2, k & 4 ? 0.1 : -0.1, 0, 0.4);
+}
+
+static void list_atlas(void) {
+    for (int k = 0; k < 8; k++)
+        touch(k / 4 ? ATLAS_BODY_R_FOOT : ATLAS_BODY_L_FOOT, k & 1 ? 0.17 : -0.08, k & 2 ? 0.06 : -0.06,
+              -0.08, 0, 0.8);
+    for (int k = 0; k < 2; k++) {
+        touch(ATLAS_BODY_L_HAND + k, 0, 0, 0, 0.08, 0.5);
+        touch(ATLAS_BODY_L_LARM + k, 0, 0, 0, 0.06, 0.5);
+        touch(ATLAS_BODY_L_LLEG + k, 0, 0, 0, 0.08, 0.5);
+    }
+    touch(ATLAS_BODY_PELVIS, 0, 0, 0, 0.15, 0.4);
+    touch(ATLAS_BODY_HEAD, 0, 0, 0.05, 0.12, 0.4);
+}
+
+static int is_atlas(int scene_number) { return scene_number >= ATLAS_FALLS; }
+
+/* The state that a run begins with: in the air or on the feet, turned and thrown a little. */
+static void begin_run(robot_run *r) {
+    const int atlas = is_atlas(r->scene), falls = r->scene <= HYQ_FALLS_LIMITS;
+    const double tilt = falls ? 1 : atlas ? 0.1 : 0.02, throw = falls ? 2 : atlas ? 0.5 : 0.1;
+    double u[4], square = 1;
+    rbd_neutral(model, r->q);
+    memset(r->v, 0, sizeof r->v);
+    r->t = 0;
+    for (int k = 0; k < 3; k++) u[k] = uniform(&r->seed, -tilt, tilt), square += u[k] * u[k];
+    for (int k = 0; k < 3; k++) r->q[3 + k] = (rbd_real)(u[k] / sqrt(square));
+    r->q[6] = (rbd_real)(1 / sqrt(square));
+    for (int k = 0; k < 6; k++) r->v[k] = (rbd_real)uniform(&r->seed, -throw, throw);
+    for (int k = 6; k < nv; k++) {
+        r->wanted[k] = atlas ? 0 : hyq_stance[k - 6];
+        r->q[r->q_of[k]] = (rbd_real)(r->wanted[k] + (falls ? uniform(&r->seed, -0.2, 0.2) : 0));
+    }
+    if (atlas)
+        for (int k = 0; k < 2; k++) {
+            r->wanted[k ? ATLAS_DOF_R_LEG_HPY : ATLAS_DOF_L_LEG_HPY] = -0.4;
+            r->wanted[k ? ATLAS_DOF_R_LEG_KNY : ATLAS_DOF_L_LEG_KNY] = 0.8;
+            r->wanted[k ? ATLAS_DOF_R_LEG_AKY : ATLAS_DOF_L_LEG_AKY] = -0.4;
+        }
+    for (int k = 6; atlas && k < nv; k++) r->q[r->q_of[k]] = (rbd_real)r->wanted[k];
+    double lowest = 1e9;
+    rbd_kinematics(model, work, r->q, NULL, NULL);
+    for (int i = 0; i < now.n; i++) {
+        const rbd_real point[3] = {(rbd_real)now.list[i].point[0], (rbd_real)now.list[i].point[1],
+                                   (rbd_real)now.list[i].point[2]};
+        rbd_real p[3];
+        rbd_point_position(model, work, now.list[i].body1, point, p);
+        lowest = fmin(lowest, (double)p[2] - now.list[i].radius);
+    }
+    const double drop = r->scene == HYQ_TROTS ? 0 : falls ? 0.3 : 0.02;
+    r->q[2] = (rbd_real)((double)r->q[2] - lowest + drop);
+    rbd_contact_reset(set);
+}
+
+/* PD, its damping implicit; a trot of 2 Hz. */
+static void control(robot_run *r) {
+    for (int k = 6; k < nv; k++) {
+        double wanted = r->wanted[k];
+        const int j = k - 6, leg = j % 4, pair = leg == 0 || leg == 3;
+        const double side = leg < 2 ? 1 : -1,
+                     phase = 4 * 3.14159265358979 * (double)r->t + (pair ? 0 : 3.14159265358979);
+        if (r->scene == HYQ_TROTS && j >= 8) wanted -= 0.5 * side * fmax(sin(phase), 0);
+        if (r->scene == HYQ_TROTS && j >= 4 && j < 8)
+            wanted += 0.25 * side * fmax(sin(phase), 0) - 0.1 * cos(phase);
+        r->tau[k] = (rbd_real)(r->kp * (wanted - (double)r->q[r->q_of[k]]));
+        r->damping[k] = (rbd_real)(r->kd + (double)r->dt * r->kp);
+    }
+}
+
+/* What a step must hold, and its figures. */
+static void check_step(const robot_run *r, run_figures *f) {
+    const rbd_contact_solution last = rbd_contact_last(set);
+    const double residual = (double)last.residual;
+    const rbd_real *p = set->rows->lambda, *delta = set->rows->R;
+    const int rows = set->rows->rows;
+    double energy = 0, size = 0, bound = 1e-8;
+    int decade = 0;
+    if (!finite(r->q, rbd_nq(model)) || !finite(r->v, nv) || !isfinite(residual))
+        fail(failure_names[NOT_FINITE], 0);
+    for (; decade + 1 < DECADES && !(residual <= bound); decade++) bound *= 10;
+    f->steps++, f->histogram[decade]++;
+    f->unsolved += residual > now.options.tolerance;
+    f->iterations += last.sweeps + last.newton_steps;
+    f->worst = larger(f->worst, residual);
+    for (int i = 0; i < now.n; i++) {
+        rbd_real gap, w[3];
+        rbd_contact_get(set, i, &gap, w);
+        const double most = now.list[i].friction * (double)w[2], t = hypot((double)w[0], (double)w[1]);
+        f->deepest = larger(f->deepest, -(double)gap);
+        if (t > 0 || w[2] < 0 || w[2] > 0) f->cone = larger(f->cone, w[2] > 0 ? t / most - 1 : 1);
+    }
+    for (int i = 0; i < rows; i++) { /* p'(u + u_free) / 2, all without bias */
+        double u = -2 * (double)set->rows->b[i];
+        for (int k = 0; k < rows; k++) u += (double)delta[i * rows + k] * (double)p[k];
+        energy += (double)p[i] * u / 2, size += fabs((double)p[i]);
+    }
+    f->energy = larger(f->energy, energy);
+    const double rounding = IN_FLOAT ? 1e-4 : 1e-12;
+    if (!(f->cone <= 16 * unit_of_real)) fail("cone", f->cone);
+    if (!(energy <= size * (2 * residual + rounding))) fail("energy made", energy);
+}
+
+static uint64_t hash_of(uint64_t h, const rbd_real *x, int n) {
+    const unsigned char *bytes = (const unsigned char *)x;
+    for (size_t i = 0; i < (size_t)n * sizeof *x; i++) h = (h ^ bytes[i]) * UINT64_C(0x100000001b3);
+    return h;
+}
+
+/* So many steps, begun anew after each two seconds; returns a number that tells all states. */
+static uint64_t run_robot(int scene_number, int size, long steps, run_figures *figures) {
+    static robot_run r;
+    static const rbd_body *const tables[2] = {hyq_bodies, atlas_bodies};
+    const int atlas = is_atlas(scene_number);
+    uint64_t hash = 1;
+    memset(&now, 0, sizeof now);
+    memset(&r, 0, sizeof r);
+    now.robot.nb = atlas ? ATLAS_NB : HYQ_NB;
+    memcpy(now.robot.bodies, tables[atlas], (size_t)now.robot.nb * sizeof(rbd_body));
+    now.state.gravity[2] = -9.81;
+    now.options.tolerance = IN_FLOAT ? 1e-5 : 1e-6;
+    now.options.joint_limits = scene_number == HYQ_FALLS_LIMITS || scene_number == ATLAS_FALLS_LIMITS;
+    if (atlas)
+        list_atlas();
+    else
+        list_hyq(scene_number <= HYQ_FALLS_LIMITS);
+    if (!build() || !build_set()) fail(failure_names[NOT_BUILT], 0);
+    nv = rbd_nv(model);
+    for (int b = 0; b < rbd_nb(model); b++) {
+        rbd_joint_info joint;
+        rbd_joint(model, b, &joint);
+        if (joint.nv == 1) r.q_of[joint.iv] = joint.iq;
+    }
+    r.scene = scene_number, r.dt = (rbd_real)step_sizes[size],
+    r.seed = (uint64_t)(scene_number * STEP_SIZES + size + 1);
+    r.kp = atlas                        ? 100
+           : scene_number >= HYQ_STANDS ? 300
+                                        : 20,
+    r.kd = atlas                        ? 5
+           : scene_number >= HYQ_STANDS ? 8
+                                        : 2;
+    begin_run(&r);
+    for (long n = 0; n < steps; n++) {
+        number_now = (int)n;
+        if (r.t > 2) begin_run(&r);
+        control(&r);
+        if (rbd_contact_step(model, set, r.q, r.v, r.tau, NULL, r.damping, r.dt, r.q, r.v) != RBD_OK) {
+            fail(failure_names[STATUS], scene_number);
+            begin_run(&r);
+        }
+        r.t += r.dt;
+        if (figures) check_step(&r, figures);
+        hash = hash_of(hash_of(hash, r.q, rbd_nq(model)), r.v, nv);
+    }
+    release();
+    return hash;
+}
+
+static void run_robots(long steps) {
+    kind_now = RUNS;
+    for (int k = 0; k < SCENES; k++)
+        for (int size = 0; size < STEP_SIZES; size++) {
+            const long each = steps / (SCENES * STEP_SIZES) + 1;
+            const uint64_t hash = run_robot(k, size, each, &runs[k][size]);
+            if (run_robot(k, size, each, NULL) != hash) fail(failure_names[NOT_REPEATED], k);
+            counts[RUNS][PROBLEMS] += each;
+            counts[RUNS][UNSOLVED] += runs[k][size].unsolved;
+            counts[RUNS][ITERATIONS] += runs[k][size].iterations;
+            worst_unsolved[RUNS] = larger(worst_unsolved[RUNS], runs[k][size].worst);
+        }
+}
+
+/* ---- broken descriptions ---- */
+
+/* A field that is broken: what it is called and how it is refused. */
+typedef struct broken_field {
+    const char *name;
+    rbd_status status;
+    double *at;
+    double worst_allowed; /* larger values are refused */
+    int negative;         /* whether negative ones are allowed */
+} broken_field;
+
+static void break_field(uint64_t *seed, const broken_field *f) {
+    const int kind = below(seed, f->worst_allowed < 1e300 ? 5 : f->negative ? 3 : 4);
+    *f->at = kind == 0   ? (double)NAN
+             : kind == 1 ? HUGE_VAL
+             : kind == 2 ? -HUGE_VAL
+             : kind == 3 ? -power(seed, -300, 300)
+                         : 1 + power(seed, -10, 300);
+}
+
+static void expect_refused(const rbd_contact_options *o, rbd_status status, const char *field, int body) {
+    rbd_report report;
+    const size_t size = 100000;
+    memory[2] = memory_of(size);
+    set = (rbd_contact_set *)memory[2];
+    const rbd_status found = rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, o,
+                                                  memory[2], size, &set, &report);
+    char text[300];
+    if (found != status || set || report.error.status != status || report.error.body != body ||
+        !report.error.field || strcmp(report.error.field, field) ||
+        !strstr(rbd_constraint_finding_text(&report.error, text, sizeof text), field))
+        fail(failure_names[WRONG_ANSWER], found);
+    if (show)
+        printf("%s of %d: %s\n", field, body, rbd_constraint_finding_text(&report.error, text, sizeof text));
+}
+
+static void break_contact(uint64_t *seed, int i) {
+    rbd_contact *a = &now.list[i];
+    const broken_field fields[] = {
+        {"point", RBD_ERR_POSITION, &a->point[below(seed, 3)], HUGE_VAL, 1},
+        {"radius", RBD_ERR_RANGE, &a->radius, HUGE_VAL, 0},
+        {"normal", RBD_ERR_AXIS, &a->normal[below(seed, 3)], HUGE_VAL, 1},
+        {"height", RBD_ERR_POSITION, &a->height, HUGE_VAL, 1},
+        {"friction", RBD_ERR_RANGE, &a->friction, HUGE_VAL, 0},
+        {"restitution", RBD_ERR_RANGE, &a->restitution, 1, 0},
+        {"stiffness", RBD_ERR_RANGE, &a->stiffness, HUGE_VAL, 0},
+        {"damping", RBD_ERR_RANGE, &a->damping, HUGE_VAL, 0},
+    };
+    static const int wrong[4] = {-2, 1000000, -1000000, 12};
+    const int which = below(seed, 11);
+    const char *const names[3] = {"body1", "body2", "body2"};
+    if (which < 8) {
+        break_field(seed, &fields[which]);
+        expect_refused(&now.options, fields[which].status, fields[which].name, i);
+        return;
+    }
+    if (which == 8) a->body1 = wrong[below(seed, 4)];
+    if (which == 9) a->body2 = wrong[below(seed, 4)];
+    if (which == 10) a->body2 = a->body1;
+    expect_refused(&now.options, RBD_ERR_INDEX, a->body1 == -1 && a->body2 < 0 ? "body1" : names[which - 8],
+                   i);
+}
+
+static void break_options(uint64_t *seed) {
+    rbd_contact_options o = now.options;
+    const broken_field fields[] = {
+        {"margin", RBD_ERR_RANGE, &o.margin, HUGE_VAL, 0},
+        {"slop", RBD_ERR_RANGE, &o.slop, HUGE_VAL, 0},
+        {"correction", RBD_ERR_RANGE, &o.correction, HUGE_VAL, 0},
+        {"bounce", RBD_ERR_RANGE, &o.bounce, HUGE_VAL, 0},
+        {"tolerance", RBD_ERR_RANGE, &o.tolerance, HUGE_VAL, 0},
+    };
+    const int which = below(seed, 6);
+    if (which == 5)
+        o.iterations = -1 - below(seed, 1000000);
+    else
+        break_field(seed, &fields[which]);
+    expect_refused(&o, RBD_ERR_RANGE, which == 5 ? "iterations" : fields[which].name, -1);
+}
+
+/* Strange but finite numbers: the answer is finite, or an error says that something overflowed. */
+static double strange(uint64_t *seed) {
+    static const double some[8] = {0, 1, 1e-300, 1e300, 5e-324, 1e150, 1e-12, 1e12};
+    return IN_FLOAT ? (double)(float)fmin(some[below(seed, 8)], 1e30) : some[below(seed, 8)];
+}
+
+static void try_strange(uint64_t *seed) {
+    rbd_real q[WORLD_COORDINATES] = {0}, v[WORLD_DOFS], tau[WORLD_DOFS], out_q[WORLD_COORDINATES],
+             out_v[WORLD_DOFS];
+    rbd_contact_options o = now.options;
+    for (int i = 0; i < now.n; i++) {
+        rbd_contact *a = &now.list[i];
+        double *const fields[8] = {&a->radius, &a->friction, &a->stiffness, &a->damping,
+                                   &a->height, &a->point[0], &a->normal[0], &a->normal[2]};
+        for (int k = 0; k < 8; k++)
+            if (one_in(seed, 4)) *fields[k] = strange(seed);
+    }
+    if (one_in(seed, 3)) o.margin = strange(seed);
+    if (one_in(seed, 3)) o.slop = strange(seed);
+    if (one_in(seed, 3)) o.correction = strange(seed);
+    if (one_in(seed, 3)) o.bounce = strange(seed);
+    if (one_in(seed, 3)) o.tolerance = strange(seed);
+    if (one_in(seed, 3)) o.iterations = below(seed, 4);
+    const size_t size = rbd_contact_set_size(model, now.n, NULL, 0, &o);
+    memory[2] = memory_of(size);
+    if (rbd_contact_set_init(model, work, now.list, now.n, NULL, 0, &o, memory[2], size, &set, NULL) !=
+        RBD_OK) {
+        fail(failure_names[STATUS], 0);
+        return;
+    }
+    for (int k = 0; k < rbd_nq(model); k++) q[k] = (rbd_real)now.state.q[k];
+    for (int k = 0; k < nv; k++) {
+        v[k] = (rbd_real)now.state.v[k], tau[k] = (rbd_real)now.state.tau[k];
+        if (one_in(seed, 40)) v[k] = (rbd_real)strange(seed);
+        if (one_in(seed, 40)) tau[k] = (rbd_real)strange(seed);
+    }
+    const double dt = one_in(seed, 4) ? power(seed, -29, 20) : 1e-3;
+    for (int k = 0; k < 3; k++) {
+        const rbd_status status =
+            rbd_contact_step(model, set, q, v, tau, NULL, NULL, (rbd_real)dt, out_q, out_v);
+        if (status != RBD_OK && status != RBD_ERR_NAN && status != RBD_ERR_SINGULAR)
+            fail(failure_names[STATUS], status);
+        if (!finite(out_q, rbd_nq(model)) || !finite(out_v, nv)) {
+            fail(failure_names[NOT_FINITE], status);
+            break;
+        }
+        if (!isfinite((double)rbd_contact_last(set).residual)) fail(failure_names[NOT_FINITE], 0);
+        for (int i = 0; i < now.n; i++) {
+            rbd_real gap, f[3];
+            rbd_contact_get(set, i, &gap, f);
+            if (!finite(f, 3) || !finite(&gap, 1)) fail("force or gap not finite", (double)gap);
+        }
+        memcpy(q, out_q, sizeof q);
+        memcpy(v, out_v, sizeof v);
+    }
+}
+
+static void run_broken(int number) {
+    uint64_t seed = (uint64_t)number + (UINT64_C(1) << 43);
+    uniform(&seed, 0, 1);
+    draw_scene(&now, number % 2 ? HELD : WORLD, number);
+    kind_now = BROKEN, number_now = number;
+    nv = now.robot.nv;
+    if (nv == 0 || now.n == 0) return;
+    counts[BROKEN][PROBLEMS]++;
+    place_contacts();
+    if (!build()) {
+        fail(failure_names[NOT_BUILT], 0);
+    } else if (one_in(&seed, 2)) {
+        try_strange(&seed);
+    } else if (now.n_held > 0 && one_in(&seed, 3)) {
+        const int i = below(&seed, now.n_held);
+        now.held[i].position2[below(&seed, 3)] = (double)NAN;
+        expect_refused(&now.options, RBD_ERR_POSITION, "position2", now.n + i);
+    } else if (one_in(&seed, 4)) {
+        break_options(&seed);
+    } else {
+        break_contact(&seed, below(&seed, now.n));
+    }
+    release();
+}
+
+/* ---- tables ---- */
+
+static void print_counts(void) {
+    printf("%-24s", "");
+    for (int k = 0; k < KINDS; k++) printf(" %12s", kinds[k]);
+    for (int c = 0; c < COUNTS; c++) {
+        printf("\n%-24s", count_names[c]);
+        for (int k = 0; k < KINDS; k++) printf(" %12ld", counts[k][c]);
+    }
+    printf("\n%-24s", "their worst residual");
+    for (int k = 0; k < KINDS; k++) printf(" %12.1e", worst_unsolved[k]);
+    for (int q = 0; q < QUANTITIES; q++) {
+        printf("\n%-24s", quantities[q].name);
+        for (int k = 0; k < TREES_END; k++) printf(" %12.1e", worst_of[k][q].error);
+    }
+    printf("\n");
+}
+
+static void print_runs(void) {
+    printf("\n%-24s %6s %8s %8s  %-62s %8s %8s %8s %8s\n", "", "dt", "steps", "above",
+           "residuals <= 1e-8, 1e-7, .. 1e-2, above", "worst", "energy", "deepest", "per step");
+    for (int k = 0; k < SCENES; k++)
+        for (int size = 0; size < STEP_SIZES; size++) {
+            const run_figures *f = &runs[k][size];
+            if (f->steps == 0) continue;
+            printf("%-24s %6g %8ld %8ld ", scene_names[k], step_sizes[size], f->steps, f->unsolved);
+            for (int d = 0; d < DECADES; d++) printf(" %7ld", f->histogram[d]);
+            printf(" %8.1e %8.1e %8.1e %8.2f\n", f->worst, f->energy, f->deepest,
+                   (double)f->iterations / (double)f->steps);
+        }
+}
+
+static int kind_of(const char *name) {
+    for (int k = 0; k < KINDS; k++)
+        if (strcmp(kinds[k], name) == 0) return k;
+    printf("no such kind: %s\n", name);
+    exit(2);
+}
+
+/* The share of one kind in n problems, from number `from` on. */
+static void run_kind(int kind, int from, int n) {
+    const int tree = kind > SINGLE && kind < TREES_END,
+              each = tree ? n / (10 * (TREES_END - 1)) + 1 : n / 10 + 1;
+    shown = 5;
+    if (IN_FLOAT && tree) return;
+    if (kind == RUNS && from == 0) run_robots(n);
+    for (int i = from; kind == SINGLE && i < from + n; i++) run_single(i);
+    for (int i = from; kind == BROKEN && i < from + each; i++) run_broken(i);
+    for (int i = from; tree && i < from + each; i++) run_tree(kind, i);
+}
+
+int main(int argc, char **argv) {
+    int problems = 100000, from = 0, only = -1;
+    double seconds = 0;
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    for (int i = 1; i < argc; i++) {
+        const int more = argc - 1 - i;
+        if (more > 0 && strcmp(argv[i], "--seconds") == 0)
+            seconds = atof(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--problems") == 0)
+            problems = atoi(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--from") == 0)
+            from = atoi(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--kind") == 0)
+            only = kind_of(argv[++i]);
+        else if (more > 1 && strcmp(argv[i], "--one") == 0) {
+            const int kind = kind_of(argv[i + 1]), number = atoi(argv[i + 2]);
+            shown = 1000, show = 1;
+            if (kind == SINGLE) run_single(number);
+            if (kind == BROKEN) run_broken(number);
+            if (kind > SINGLE && kind < TREES_END) run_tree(kind, number);
+            return failures > 0;
+        } else {
+            printf("usage: see the head of contacts.c\n");
+            return 2;
+        }
+    }
+    const time_t start_time = time(NULL);
+    const int part = seconds > 0 ? 10000 : problems;
+    do {
+        for (int k = 0; k < KINDS; k++)
+            if (only < 0 || k == only) run_kind(k, from, part);
+        from += part;
+    } while (difftime(time(NULL), start_time) < seconds);
+    print_counts();
+    print_runs();
+    printf("%ld failures\n", failures);
+    return failures > 0;
+}
