@@ -25,8 +25,8 @@ RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
     rbdi_contact_judge(s);
 }
 
-/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than the
-   tolerance, counts as sticking. Returns whether that solves the problem. */
+/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
+   the tolerance, counts as sticking. Returns whether that solves the problem. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     int changed = rbdi_into_cones(s);
     for (int i = 0; i < s->given.contacts; ++i) {

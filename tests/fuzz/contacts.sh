@@ -7,12 +7,11 @@ folder=${1:?usage: contacts.sh FOLDER [SECONDS | --problems N] [OPTION...]}
 shift
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
 mkdir -p "$folder"
+flags="-std=c99 -O2 -I$root -DWORLD_LONG_DOUBLE"
 for scalar in double float; do
-    for source in robots dense world; do
-        "${CC:-gcc}" -std=c99 -O2 -I"$root" -DWORLD_LONG_DOUBLE -c "$root/tests/fuzz/$source.c" -o "$folder/$source.o"
-    done
-    "${CC:-gcc}" -std=c99 -O2 -I"$root" -DWORLD_LONG_DOUBLE -DRBD_REAL=$scalar "$root/tests/fuzz/contacts.c" \
-        "$folder/robots.o" "$folder/dense.o" "$folder/world.o" -lm -o "$folder/contacts-$scalar"
+    # shellcheck disable=SC2086 # words wanted
+    "${CC:-gcc}" $flags -DRBD_REAL=$scalar "$root/tests/fuzz/contacts.c" "$root/tests/fuzz/robots.c" \
+        "$root/tests/fuzz/dense.c" "$root/tests/fuzz/world.c" -lm -o "$folder/contacts-$scalar"
 done
 case ${1-} in
 '') set -- --seconds 60 ;;
