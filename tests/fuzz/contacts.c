@@ -697,7 +697,7 @@ static void check_forces(void) {
     }
 }
 
-/* Contacts take kinetic energy: p'(u + u_free)/2 without biases. */
+/* Contacts take kinetic energy: p'(u + u_free)/2 without biases. More than the residual allows is an error. */
 static void check_energy(double residual) {
     const laws *x = &exact_laws;
     quad sum = 0, size = 0;
@@ -708,7 +708,7 @@ static void check_energy(double residual) {
         sum += x->p[r] * (before + after) / 2;
         size += fabsl((long double)x->p[r]);
     }
-    if (size > 0) record(ENERGY, (double)(sum / size) / (x->speed + residual));
+    if (size > 0) record(ENERGY, ((double)(sum / size) - 2 * residual) / x->speed);
 }
 
 /* ---- another method: p = P(p - u/L) contact by contact, until nothing changes ---- */
