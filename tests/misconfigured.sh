@@ -12,7 +12,8 @@ missing=
 
 printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/file.c"
 
-# says SENTENCE FLAG...: so does each compiler, in its only error
+# says SENTENCE FLAG...: so does each compiler, in its only error; without a sentence there is no message
+prefix='rbd: '
 says() {
     sentence=$1
     shift
@@ -27,7 +28,8 @@ says() {
         # shellcheck disable=SC2086 # words wanted
         "$compiler" $language "$@" -Wall -Wextra -I"$root" -fsyntax-only "$scratch/file.c" 2>"$scratch/messages"
         errors=$(grep -c 'error:' "$scratch/messages")
-        if [ "$errors" -ne 1 ] || ! grep 'error:' "$scratch/messages" | grep -qF "rbd: $sentence"; then
+        if [ -z "$sentence" ] && [ ! -s "$scratch/messages" ]; then continue; fi
+        if [ "$errors" -ne 1 ] || ! grep 'error:' "$scratch/messages" | grep -qF "$prefix$sentence"; then
             failures=$((failures + 1))
             echo "FAILED: $compiler $*: $errors errors"
             sed -n '1,5p' "$scratch/messages"
@@ -55,6 +57,22 @@ says "RBD_BATCH_IMPLEMENTATION needs RBD_LANES" -DRBD_BATCH_IMPLEMENTATION
 says "the batch calls need RBD_NO_CHOLESKY undefined" -DRBD_LANES=2 -DRBD_BATCH_IMPLEMENTATION -DRBD_NO_CHOLESKY
 printf '#include "rbd.h"\n#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_batch.h"\n' >"$scratch/file.c"
 says "define RBD_BATCH_IMPLEMENTATION before the first header" -DRBD_LANES=2
+
+# A table before rbd.h, and RBD_FEATURES that do not suffice. Those of two robots, with |, do.
+set -- "-I$root/models" -DRBD_STATIC
+iiwa='#include "iiwa_model.h"' hyq='#include "hyq_model.h"' rbd='#include "rbd.h"'
+with() { printf '%s\n' '#define RBD_IMPLEMENTATION' "$@" >"$scratch/file.c"; }
+prefix=
+with "$iiwa" "$rbd"
+says "include rbd.h before iiwa_model.h" "$@"
+with '#define RBD_FEATURES IIWA_FEATURES' "$iiwa" "$rbd" "$iiwa" "$hyq"
+says "RBD_FEATURES lacks some of HYQ_FEATURES" "$@"
+with '#define RBD_FEATURES 0' "$rbd" "$iiwa"
+says "RBD_FEATURES lacks some of IIWA_FEATURES" "$@"
+with '#define RBD_FEATURES IIWA_FEATURES | HYQ_FEATURES' "$iiwa" "$hyq" "$rbd" "$iiwa" "$hyq" \
+    'extern const rbd_model *const both[2];' \
+    'const rbd_model *const both[2] = {&iiwa_model, &hyq_model};'
+says '' "$@"
 
 for compiler in gcc clang; do command -v "$compiler" >/dev/null 2>&1 || missing="$missing $compiler"; done
 echo "$checks checks, $failures failed; missing:${missing:- nothing}"

@@ -14,7 +14,7 @@ static const char help[] =
     "Prints a summary of a robot's URDF file (- is standard input): links, joints, masses, what is odd.\n"
     "With one of these it writes something else to standard output, and the warnings to standard error:\n"
     "  --c NAME            the description, NAME_bodies, a C table for rbd_model_build\n"
-    "  --c-model NAME      the built model, NAME_model, a C table for firmware\n"
+    "  --c-model NAME      the built model, NAME_model and NAME_FEATURES, a C table for firmware\n"
     "  --urdf              URDF of what dynamics needs, fixed links merged\n"
     "  --dot               the tree, for Graphviz: rbd-model --dot FILE | dot -Tsvg\n"
     "  --check             nothing: only the messages and the exit status\n"
