@@ -1357,21 +1357,33 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 
 #if RBDI_REPRODUCIBLE
-#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=off\")")
+#define RBDI_CONTRACTION "fp-contract=off"
 #else
-#define RBDI_CONTRACTION _Pragma("GCC optimize(\"fp-contract=fast\")")
+#define RBDI_CONTRACTION "fp-contract=fast"
 #endif
 /* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
    loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
    */
 #if RBDI_GCC && defined __OPTIMIZE__
-#define RBDI_CODE_BEGIN \
-    _Pragma("GCC push_options") _Pragma("GCC optimize(\"no-tree-slp-vectorize,no-tree-vectorize\")") \
-        _Pragma("GCC optimize(\"no-tree-loop-distribute-patterns\")") RBDI_CONTRACTION
+#define RBDI_PRAGMA(text) _Pragma(#text)
+#define RBDI_OPTIMIZE_WITH(level, contraction) \
+    RBDI_PRAGMA(GCC optimize(level "no-tree-slp-vectorize,no-tree-vectorize," \
+                                   "no-tree-loop-distribute-patterns," contraction))
+#define RBDI_OPTIMIZE(level) RBDI_OPTIMIZE_WITH(level, RBDI_CONTRACTION)
+#define RBDI_CODE_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("")
 #define RBDI_CODE_END _Pragma("GCC pop_options")
 #else
 #define RBDI_CODE_BEGIN
 #define RBDI_CODE_END
+#endif
+
+/* Dynamics. At -Os no part of the code is compiled for special cases (RBDI_FOR_SPEED), which halves it; GCC's
+   level 2 then makes it 6 % larger and saves a fifth of the instructions. All in one list: a level undoes
+   earlier ones. */
+#if RBDI_GCC && defined __OPTIMIZE_SIZE__
+#define RBDI_DYNAMICS_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("O2,")
+#else
+#define RBDI_DYNAMICS_BEGIN RBDI_CODE_BEGIN
 #endif
 
 /* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. It is
@@ -1381,6 +1393,12 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
 #define RBDI_INLINE static inline RBDI_UNUSED
+#endif
+/* RBDI_ONCE: inlined where the compiler optimises for speed; at -Os there is one copy for all callers. */
+#if RBDI_FOR_SPEED
+#define RBDI_ONCE RBDI_INLINE
+#else
+#define RBDI_ONCE RBDI_PART
 #endif
 #if RBDI_GNU
 #define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
@@ -2481,11 +2499,11 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 }
 
 /* ==== src/model/features.h ==== */
-/* Interface: rbdi_flags, rbdi_is, rbdi_mimics */
+/* Interface: rbdi_block_dofs, rbdi_block_first, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
-   and mimic joints. RBD_FEATURES are those of all models of the program; without it there are all. The
+   mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program; without it there are all. The
    algorithms ask for flags, kinds and mimic joints by these functions: the compiler then drops code that no
    model needs. */
 
@@ -2493,7 +2511,8 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 #define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
 #define RBDI_KIND_BIT(kind) (UINT32_C(1) << (22 + (kind)))
 #define RBDI_MIMICS (UINT32_C(1) << 26)
-#define RBDI_ALL_FEATURES UINT32_C(0x7ffffff)
+#define RBDI_OTHER_BLOCKS (UINT32_C(1) << 27) /* not floating on the world, in its axes */
+#define RBDI_ALL_FEATURES UINT32_C(0xfffffff)
 #ifdef RBD_FEATURES
 #define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
 #else
@@ -2513,6 +2532,21 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
+/* Of a block: the joint's type, its axes, whether these are turned, and whether its parent is the world. */
+RBDI_INLINE int rbdi_block_type(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->type : (int)RBD_FLOATING;
+}
+RBDI_INLINE int rbdi_block_first(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->first : 0;
+}
+RBDI_INLINE int rbdi_block_dofs(const rbdi_block *b) { return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->n : 6; }
+RBDI_INLINE int rbdi_block_turned(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? !b->identity : 0;
+}
+RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
+}
+
 /* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
 RBDI_INLINE int rbdi_supported(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
@@ -2527,9 +2561,12 @@ RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MI
 /* The features of a model. */
 RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
     uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+    for (int i = 0; i < m->nblock; ++i)
+        if (m->block[i].type != RBD_FLOATING || !m->block[i].identity) features |= RBDI_OTHER_BLOCKS;
     for (int i = 0; i < m->nl; ++i) {
         const uint32_t flags = (uint32_t)m->link[i].flags;
         features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
+        if (m->link[i].kind == RBDI_BLOCK && m->link[i].parent >= 0) features |= RBDI_OTHER_BLOCKS;
     }
     return features;
 }
@@ -2553,6 +2590,10 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
 /* From one component of the wrenches in w->F to the next. */
 RBDI_INLINE ptrdiff_t rbdi_stride(const rbd_model *m) { return RBDI_STRIDE(m->nv + m->nmimic); }
 
+/* ==== src/rbd.h ==== */
+RBDI_CODE_END
+RBDI_DYNAMICS_BEGIN
+
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
    rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
@@ -2572,14 +2613,14 @@ RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_dofs(rbdi_block_of(m, l)) : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
-    switch (b->type) {
+    switch (rbdi_block_type(b)) {
     case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
     case RBD_PLANAR: {
         rbd_real c, s;
@@ -2599,9 +2640,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         X.E = rbdi_quaternion_down(q + 3);
         break;
     }
-    if (!b->identity) {
+    if (rbdi_block_turned(b)) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        if (rbdi_block_type(b) != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
         shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
@@ -2798,7 +2839,7 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
 }
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
-    if (b->n == 6) return rbdi_motion_from_array(v);
+    if (rbdi_block_dofs(b) == 6) return rbdi_motion_from_array(v);
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
@@ -2878,7 +2919,7 @@ RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
     rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
-    if (l->parent >= 0) {
+    if (!rbdi_on_world(l)) {
         omega = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
@@ -3019,10 +3060,10 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, *F);
-    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
+    for (int k = 0; k < rbdi_block_dofs(b); ++k) tau[l->iv + k] = all[rbdi_block_first(b) + k];
+    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < rbdi_block_dofs(b); ++k)
         tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
-    if (l->parent >= 0) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
+    if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
 /* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
@@ -3281,7 +3322,7 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
         rbd_real all[6];
         rbdi_store_force(all, 1, own);
-        if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
+        if (!rbdi_on_world(l)) rbdi_store_force(&w->F[l->first + k], stride, own);
         all[first + k] = all[first + k] + m->dof[iv + k].armature;
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
@@ -3322,13 +3363,13 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
-    if (b->n < 6 || stride != usual)
-        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
+    if (rbdi_block_dofs(b) < 6 || stride != usual)
+        rbdi_crba_entries_block(m, w, l, rbdi_block_first(b), rbdi_block_dofs(b), stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, H, NULL);
-    if (l->parent < 0) return;
+    if (rbdi_on_world(l)) return;
     rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
@@ -3529,7 +3570,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
                                                 const rbd_real *v, rbdi_v3 *omega) {
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
     rbdi_v3 turned;
-    if (l->parent < 0) { /* the world does not turn */
+    if (rbdi_on_world(l)) { /* the world does not turn */
         *omega = J.omega;
         c.v = rbdi_cross(J.omega, J.v);
         return c;
@@ -3661,7 +3702,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return l->parent < 0 && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
+    return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
@@ -3677,9 +3718,9 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_force pa;
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = b->n - 1; k >= 0; --k) {
+    for (int k = rbdi_block_dofs(b) - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        const int s = rbdi_block_first(b) + k, end = rbdi_free_base(l, b) ? s : 6;
         rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
                  inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
         w->pivot[l->iv + k] = D;
@@ -3691,7 +3732,7 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
             P[i] = P[i] + U * bw->u_D[k];
         }
     }
-    if (l->parent < 0) return;
+    if (rbdi_on_world(l)) return;
     Ia = rbdi_abi_from_array(A);
     pa = rbdi_load_force(P, 1);
     pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
@@ -3805,11 +3846,11 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_motion_from_array(all);
     }
-    for (int k = 0; k < b->n; ++k) {
+    for (int k = 0; k < rbdi_block_dofs(b); ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
-        all[b->first + k] = all[b->first + k] + qdd;
+        all[rbdi_block_first(b) + k] = all[rbdi_block_first(b) + k] + qdd;
         a[l->iv + k] = qdd;
     }
     return rbdi_motion_from_array(all);
@@ -4256,7 +4297,7 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         if (!rbdi_is(l, RBDI_BLOCK))
             K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
-            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_block_of(m, l)->n; ++k)
+            for (int k = 0, s = rbdi_block_first(rbdi_block_of(m, l)); k < rbdi_link_dofs(m, l); ++k)
                 K[iv + k] = K[iv + k] + own[s + k];
     }
 }
@@ -4488,6 +4529,10 @@ RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real
 #endif
 
 RBDI_API int rbd_singular_dof(const rbd_work *w) { return w ? w->singular : -1; }
+
+/* ==== src/rbd.h ==== */
+RBDI_CODE_END
+RBDI_CODE_BEGIN
 
 /* ==== src/motion/axes.h ==== */
 /* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis_vec, rbdi_load_axes, rbdi_set_axis,
@@ -4918,7 +4963,7 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];
-    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
+    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k : 2;
     rbdi_motion c;
     c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
               : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)

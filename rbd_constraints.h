@@ -503,7 +503,7 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
 }
 
 /* Motion of the origin of a constraint's frame. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
+RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
     return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
@@ -553,7 +553,7 @@ typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
     const rbdi_batch zero = rbdi_zero_batch();
     for (int r = 0; r < k->rows; r += RBDI_BATCH)
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
@@ -566,8 +566,8 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constrain
 }
 
 /* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
-RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
-                               rbdi_v3 linear, rbd_real *out) {
+RBDI_ONCE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
+                             rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
         rbdi_batch sum = *(const rbdi_batch *)&out[r];
         sum = sum + *(const rbdi_batch *)&h->x[3][r] * linear.x +
@@ -580,8 +580,8 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 }
 
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
-RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
-                                           const rbdi_axes_held *h, int errors) {
+RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
+                                         const rbdi_axes_held *h, int errors) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
     rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
@@ -613,9 +613,9 @@ RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_con
 /* ---- rows [rows] ---- */
 
 /* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
-RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
-                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
-                                        rbdi_v3 linear) {
+RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+                                      const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
+                                      rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
         const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
         angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
@@ -636,7 +636,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s)
+        for (int j = 0, s = rbdi_block_first(rbdi_block_of(m, l)); j < rbdi_link_dofs(m, l); ++j, ++s)
             rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
                                    s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
     }
@@ -753,7 +753,9 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
-        if (n == 6)
+        if (!RBDI_FOR_SPEED)
+            rbdi_delta_rows(c, dof, dofs, i, n);
+        else if (n == 6)
             rbdi_delta_rows(c, dof, dofs, i, 6);
         else if (n == 3)
             rbdi_delta_rows(c, dof, dofs, i, 3);
@@ -1211,7 +1213,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     } else {
         rbd_real C[6];
         rbdi_motion_to_array(w->scratch[i].c, C);
-        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
+        rbdi_rows_dofs(bw, rbdi_block_first(b), rbdi_block_dofs(b), 0, &on, Y, stride);
         for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
         rbdi_wrenches_up_block(&bw->X, on.K);
     }
@@ -1237,18 +1239,17 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
                            const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
-    rbdi_carried on, two;
-    rbdi_start_rows(c, k, h, p, 0, r, on.K);
+    rbdi_carried on, one;
+    for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     on.b = *(const rbdi_batch *)&c->target[k->row + r];
-    rbdi_carry_rows(m, c, k->link[0], k->ancestor, &on, Y);
-    if (k->link[1] >= 0) {
-        rbdi_start_rows(c, k, h, p, 1, r, two.K);
-        two.b = on.b;
-        rbdi_carry_rows(m, c, k->link[1], k->ancestor, &two, Y);
-        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + two.K[j];
-        on.b = two.b;
-        if (k->ancestor >= 0) rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
+    for (int side = 0; side < (k->link[1] < 0 ? 1 : 2); ++side) {
+        rbdi_start_rows(c, k, h, p, side, r, one.K);
+        one.b = on.b;
+        rbdi_carry_rows(m, c, k->link[side], k->ancestor, &one, Y);
+        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + one.K[j];
+        on.b = one.b;
     }
+    rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
     on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
     *(rbdi_batch *)&c->b[k->row + r] = on.b;
 }

@@ -516,7 +516,7 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
 
 /* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
+    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
 }
 
 /* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
@@ -586,7 +586,7 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
         if (!rbdi_is(l, RBDI_BLOCK))
             rbdi_axes_step(l, rbdi_flags(l), rbdi_trig_of(m, d->work, i, rbdi_flags(l)), &p);
         else if (i > 0 || !base)
-            rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
+            rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());
@@ -961,7 +961,7 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation for one need, which the compiler knows: motion, then masses, momenta and wrenches,
+/* The whole computation for one need, which the compiler knows where it optimises for speed: motion, then masses, momenta and wrenches,
    their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
@@ -980,7 +980,9 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
     const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
-    if (!need)
+    if (!RBDI_FOR_SPEED)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, need, more);
+    else if (!need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
     else if (need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
@@ -1368,7 +1370,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
         if (by_v) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->D, by_v);
         if (M) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->F, M);
     }
-    if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+    if (!RBDI_FOR_SPEED)
+        rbdi_put_rows(d, want, zeros, out);
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
@@ -1394,7 +1398,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
-                   rbdi_block_of(m, l)->n == 6 && l->end == m->nv
+                   rbdi_link_dofs(m, l) == 6 && l->end == m->nv
                ? 6
                : 0;
 }
@@ -1420,7 +1424,7 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k - l->first >= 3
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 

@@ -257,6 +257,10 @@ RBDI_CODE_BEGIN
 #include "base/memory.h"
 #include "model/features.h"
 #include "model/calls.h"
+
+RBDI_CODE_END
+RBDI_DYNAMICS_BEGIN
+
 #include "model/joints.h"
 #include "dynamics/state.h"
 #include "dynamics/rnea.h"
@@ -266,6 +270,10 @@ RBDI_CODE_BEGIN
 #include "dynamics/pivots.h"
 #include "dynamics/hybrid.h"
 #include "dynamics/forward.h"
+
+RBDI_CODE_END
+RBDI_CODE_BEGIN
+
 #include "motion/axes.h"
 #include "motion/kinematics.h"
 #include "motion/points.h"

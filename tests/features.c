@@ -81,6 +81,29 @@ static void compare(const char *name, const results *a, const results *b) {
     printf("%s: %d calls, %d results\n", name, a->calls, a->n);
 }
 
+/* A base that is turned, and a ball joint within the tree, need code that HyQ does not. */
+static void refuse_other_blocks(const rbd_model *hyq) {
+    static unsigned char memory[RBD_MODEL_SIZE(HYQ_NB)];
+    for (int i = 0; i < 2; i++) {
+        rbd_body bodies[HYQ_NB];
+        const rbd_model *m;
+        rbd_work *w;
+        void *work;
+        memcpy(bodies, hyq_bodies, sizeof bodies);
+        if (i)
+            bodies[HYQ_NB - 1].type = RBD_SPHERICAL;
+        else
+            memcpy(bodies[0].rotation, (const double[9]){0, -1, 0, 1, 0, 0, 0, 0, 1},
+                   sizeof bodies[0].rotation);
+        if (rbd_model_build(bodies, HYQ_NB, memory, sizeof memory, &m, NULL)) failures++;
+        work = malloc(rbd_work_size(m));
+        if ((m->features & ~hyq->features) == 0 ||
+            work_with_features(m, work, rbd_work_size(m), &w) != RBD_ERR_LEFT_OUT)
+            failures++, printf("hyq with another block is not refused: %d\n", i);
+        free(work);
+    }
+}
+
 int main(int argc, char **argv) {
     static const struct {
         const char *name;
@@ -111,6 +134,7 @@ int main(int argc, char **argv) {
             all_calls_of(m, 4, keep, &whole);
             calls_with_features(m, 4, keep, &few);
             compare(robots[i].name, &whole, &few);
+            if (robots[i].bodies == hyq_bodies) refuse_other_blocks(m);
             /* The same robot with a heavy rotor has a work of the same size, and other features. */
             memcpy(bodies, robots[i].bodies, sizeof *bodies * (size_t)robots[i].nb);
             bodies[robots[i].nb - 1].armature[0] = 1;

@@ -107,7 +107,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     } else {
         rbd_real C[6];
         rbdi_motion_to_array(w->scratch[i].c, C);
-        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
+        rbdi_rows_dofs(bw, rbdi_block_first(b), rbdi_block_dofs(b), 0, &on, Y, stride);
         for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
         rbdi_wrenches_up_block(&bw->X, on.K);
     }
@@ -133,18 +133,17 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
                            const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
-    rbdi_carried on, two;
-    rbdi_start_rows(c, k, h, p, 0, r, on.K);
+    rbdi_carried on, one;
+    for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     on.b = *(const rbdi_batch *)&c->target[k->row + r];
-    rbdi_carry_rows(m, c, k->link[0], k->ancestor, &on, Y);
-    if (k->link[1] >= 0) {
-        rbdi_start_rows(c, k, h, p, 1, r, two.K);
-        two.b = on.b;
-        rbdi_carry_rows(m, c, k->link[1], k->ancestor, &two, Y);
-        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + two.K[j];
-        on.b = two.b;
-        if (k->ancestor >= 0) rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
+    for (int side = 0; side < (k->link[1] < 0 ? 1 : 2); ++side) {
+        rbdi_start_rows(c, k, h, p, side, r, one.K);
+        one.b = on.b;
+        rbdi_carry_rows(m, c, k->link[side], k->ancestor, &one, Y);
+        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + one.K[j];
+        on.b = one.b;
     }
+    rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
     on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
     *(rbdi_batch *)&c->b[k->row + r] = on.b;
 }

@@ -33,7 +33,7 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
 }
 
 /* Motion of the origin of a constraint's frame. */
-RBDI_INLINE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
+RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
     const rbdi_v3 x = rbdi_vec_c(on->p[side]);
     const int link = on->link[side];
     return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
@@ -83,7 +83,7 @@ typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
     const rbdi_batch zero = rbdi_zero_batch();
     for (int r = 0; r < k->rows; r += RBDI_BATCH)
         for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
@@ -96,8 +96,8 @@ RBDI_INLINE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constrain
 }
 
 /* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
-RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
-                               rbdi_v3 linear, rbd_real *out) {
+RBDI_ONCE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
+                             rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < k->rows; r += RBDI_BATCH) {
         rbdi_batch sum = *(const rbdi_batch *)&out[r];
         sum = sum + *(const rbdi_batch *)&h->x[3][r] * linear.x +
@@ -110,8 +110,8 @@ RBDI_INLINE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h
 }
 
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
-RBDI_INLINE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
-                                           const rbdi_axes_held *h, int errors) {
+RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
+                                         const rbdi_axes_held *h, int errors) {
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
     rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;

@@ -8,9 +8,9 @@
 /* ---- rows [rows] ---- */
 
 /* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
-RBDI_INLINE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
-                                        const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
-                                        rbdi_v3 linear) {
+RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+                                      const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
+                                      rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
         const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
         angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
@@ -31,7 +31,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_block_of(m, l)->n; ++j, ++s)
+        for (int j = 0, s = rbdi_block_first(rbdi_block_of(m, l)); j < rbdi_link_dofs(m, l); ++j, ++s)
             rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
                                    s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
     }

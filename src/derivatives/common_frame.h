@@ -169,7 +169,7 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
 
 /* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
+    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
 }
 
 /* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
@@ -239,7 +239,7 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
         if (!rbdi_is(l, RBDI_BLOCK))
             rbdi_axes_step(l, rbdi_flags(l), rbdi_trig_of(m, d->work, i, rbdi_flags(l)), &p);
         else if (i > 0 || !base)
-            rbdi_axes_block(&d->work->block[l->block].X, l->parent < 0, &p);
+            rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());

@@ -380,7 +380,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
         if (by_v) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->D, by_v);
         if (M) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->F, M);
     }
-    if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+    if (!RBDI_FOR_SPEED)
+        rbdi_put_rows(d, want, zeros, out);
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);

@@ -12,7 +12,7 @@
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
-                   rbdi_block_of(m, l)->n == 6 && l->end == m->nv
+                   rbdi_link_dofs(m, l) == 6 && l->end == m->nv
                ? 6
                : 0;
 }
@@ -38,7 +38,7 @@ RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n)
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k - l->first >= 3
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 

@@ -161,7 +161,7 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation for one need, which the compiler knows: motion, then masses, momenta and wrenches,
+/* The whole computation for one need, which the compiler knows where it optimises for speed: motion, then masses, momenta and wrenches,
    their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
@@ -180,7 +180,9 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
     const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
-    if (!need)
+    if (!RBDI_FOR_SPEED)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, need, more);
+    else if (!need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
     else if (need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);

@@ -84,7 +84,7 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
                                                 const rbd_real *v, rbdi_v3 *omega) {
     rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
     rbdi_v3 turned;
-    if (l->parent < 0) { /* the world does not turn */
+    if (rbdi_on_world(l)) { /* the world does not turn */
         *omega = J.omega;
         c.v = rbdi_cross(J.omega, J.v);
         return c;
@@ -216,7 +216,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return l->parent < 0 && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
+    return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
@@ -232,9 +232,9 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_force pa;
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = b->n - 1; k >= 0; --k) {
+    for (int k = rbdi_block_dofs(b) - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        const int s = rbdi_block_first(b) + k, end = rbdi_free_base(l, b) ? s : 6;
         rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
                  inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
         w->pivot[l->iv + k] = D;
@@ -246,7 +246,7 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
             P[i] = P[i] + U * bw->u_D[k];
         }
     }
-    if (l->parent < 0) return;
+    if (rbdi_on_world(l)) return;
     Ia = rbdi_abi_from_array(A);
     pa = rbdi_load_force(P, 1);
     pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
@@ -360,11 +360,11 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_motion_from_array(all);
     }
-    for (int k = 0; k < b->n; ++k) {
+    for (int k = 0; k < rbdi_block_dofs(b); ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
-        all[b->first + k] = all[b->first + k] + qdd;
+        all[rbdi_block_first(b) + k] = all[rbdi_block_first(b) + k] + qdd;
         a[l->iv + k] = qdd;
     }
     return rbdi_motion_from_array(all);

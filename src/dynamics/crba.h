@@ -147,7 +147,7 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
         rbd_real all[6];
         rbdi_store_force(all, 1, own);
-        if (l->parent >= 0) rbdi_store_force(&w->F[l->first + k], stride, own);
+        if (!rbdi_on_world(l)) rbdi_store_force(&w->F[l->first + k], stride, own);
         all[first + k] = all[first + k] + m->dof[iv + k].armature;
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
@@ -188,13 +188,13 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
-    if (b->n < 6 || stride != usual)
-        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
+    if (rbdi_block_dofs(b) < 6 || stride != usual)
+        rbdi_crba_entries_block(m, w, l, rbdi_block_first(b), rbdi_block_dofs(b), stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, H, NULL);
-    if (l->parent < 0) return;
+    if (rbdi_on_world(l)) return;
     rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }

@@ -75,7 +75,7 @@ RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
     rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
-    if (l->parent >= 0) {
+    if (!rbdi_on_world(l)) {
         omega = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));

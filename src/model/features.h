@@ -3,11 +3,11 @@
 #include "model/layout.h"
 #include "base/compiler.h"
 
-/* Interface: rbdi_flags, rbdi_is, rbdi_mimics */
+/* Interface: rbdi_block_dofs, rbdi_block_first, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
-   and mimic joints. RBD_FEATURES are those of all models of the program; without it there are all. The
+   mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program; without it there are all. The
    algorithms ask for flags, kinds and mimic joints by these functions: the compiler then drops code that no
    model needs. */
 
@@ -15,7 +15,8 @@
 #define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
 #define RBDI_KIND_BIT(kind) (UINT32_C(1) << (22 + (kind)))
 #define RBDI_MIMICS (UINT32_C(1) << 26)
-#define RBDI_ALL_FEATURES UINT32_C(0x7ffffff)
+#define RBDI_OTHER_BLOCKS (UINT32_C(1) << 27) /* not floating on the world, in its axes */
+#define RBDI_ALL_FEATURES UINT32_C(0xfffffff)
 #ifdef RBD_FEATURES
 #define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
 #else
@@ -35,6 +36,21 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
+/* Of a block: the joint's type, its axes, whether these are turned, and whether its parent is the world. */
+RBDI_INLINE int rbdi_block_type(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->type : (int)RBD_FLOATING;
+}
+RBDI_INLINE int rbdi_block_first(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->first : 0;
+}
+RBDI_INLINE int rbdi_block_dofs(const rbdi_block *b) { return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->n : 6; }
+RBDI_INLINE int rbdi_block_turned(const rbdi_block *b) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? !b->identity : 0;
+}
+RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
+}
+
 /* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
 RBDI_INLINE int rbdi_supported(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
@@ -49,9 +65,12 @@ RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MI
 /* The features of a model. */
 RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
     uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+    for (int i = 0; i < m->nblock; ++i)
+        if (m->block[i].type != RBD_FLOATING || !m->block[i].identity) features |= RBDI_OTHER_BLOCKS;
     for (int i = 0; i < m->nl; ++i) {
         const uint32_t flags = (uint32_t)m->link[i].flags;
         features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
+        if (m->link[i].kind == RBDI_BLOCK && m->link[i].parent >= 0) features |= RBDI_OTHER_BLOCKS;
     }
     return features;
 }

@@ -22,14 +22,14 @@ RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_dofs(rbdi_block_of(m, l)) : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
-    switch (b->type) {
+    switch (rbdi_block_type(b)) {
     case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
     case RBD_PLANAR: {
         rbd_real c, s;
@@ -49,9 +49,9 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         X.E = rbdi_quaternion_down(q + 3);
         break;
     }
-    if (!b->identity) {
+    if (rbdi_block_turned(b)) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        if (rbdi_block_type(b) != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
         shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
@@ -248,7 +248,7 @@ RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
 }
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
-    if (b->n == 6) return rbdi_motion_from_array(v);
+    if (rbdi_block_dofs(b) == 6) return rbdi_motion_from_array(v);
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
     return rbdi_motion_from_array(a);
