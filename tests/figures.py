@@ -41,7 +41,8 @@ def ratios(figure, above, below):
     """Of all calls on the Cortex-M4F, from the least: this figure of one scalar and level over that of another."""
     def rows(scalar, level):
         return {(r["robot"], r["algorithm"]): int(r[figure]) for r in FIRMWARE
-                if r["target"] == M4F and r["scalar"] == scalar and r["level"] == level and r["model"] != "0"}
+                if r["target"] == M4F and r["scalar"] == scalar and r["level"] == level and r["model"] != "0"
+                and not r["algorithm"].endswith("_own")}
     over, under = rows(*above), rows(*below)
     return sorted(over[k] / under[k] for k in over if k in under)
 

@@ -57,7 +57,10 @@ enum { ROWS = 12 };
 static unsigned char constraints_memory[RBD_CONSTRAINT_SET_SIZE(ATLAS_NV, ROWS)];
 static rbd_constraint_set *c;
 static size_t set_size;
-static rbd_real lambda[ROWS], by_v_lambda[ROWS * MAX_NV], by_q_lambda[ROWS * MAX_NV];
+static rbd_real lambda[ROWS];
+#ifndef FIGURES_OWN
+static rbd_real by_v_lambda[ROWS * MAX_NV], by_q_lambda[ROWS * MAX_NV];
+#endif
 
 static rbd_constraint contact(int robot, int i) {
     static const int hyq[4] = {HYQ_BODY_LF_LOWERLEG, HYQ_BODY_RF_LOWERLEG, HYQ_BODY_LH_LOWERLEG,
@@ -98,9 +101,15 @@ static double instructions(uint32_t from, uint32_t to) {
 CALL(nothing, m ? RBD_OK : RBD_ERR_NULL)
 CALL(id, rbd_rnea(m, w, q, v, a, NULL, out))
 CALL(fd, rbd_aba(m, w, q, v, tau, NULL, out))
-#if !defined FIGURES_CONTACTS && !defined FIGURES_ALONE
+#if defined FIGURES_OWN || (!defined FIGURES_CONTACTS && !defined FIGURES_ALONE)
+#define FIGURES_MAIN
 CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
+#if FIGURES_ROBOTS == 3
+CALL(id_derivatives, rbd_id_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
+CALL(fd_derivatives, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
+#endif
+#ifndef FIGURES_OWN
 CALL(kinematics, rbd_kinematics(m, w, q, v, a))
 CALL(jacobian, rbd_jacobian(m, w, rbd_nb(m) - 1, NULL, RBD_WORLD_AXES, out))
 CALL(hybrid, rbd_hybrid(m, w, q, v, given, hybrid_a, hybrid_tau, NULL))
@@ -108,13 +117,13 @@ CALL(minv, rbd_minverse(m, w, q, out))
 #if FIGURES_ROBOTS == 3
 CALL(momentum_matrix, rbd_momentum_matrix(m, d, q, NULL, out, NULL))
 CALL(coriolis, rbd_coriolis(m, d, q, v, out))
-CALL(id_derivatives, rbd_id_derivatives(m, d, q, v, a, NULL, out, by_v, NULL))
-CALL(fd_derivatives, rbd_fd_derivatives(m, d, q, v, tau, NULL, NULL, out, by_v, NULL))
+#endif
 #endif
 #endif
 
 #ifdef FIGURES_CONTACTS
 CALL(constrained_fd, rbd_constrained_fd(m, c, q, v, tau, NULL, out, lambda))
+#ifndef FIGURES_OWN
 CALL(impact, rbd_impact(m, c, q, v, 0, out, lambda))
 CALL(constrained_id, rbd_constrained_id(m, c, q, v, a, NULL, NULL, NULL, out, lambda))
 CALL(constrained_fd_derivatives,
@@ -123,6 +132,7 @@ CALL(constrained_fd_derivatives,
                                                                   .da_dv = by_v,
                                                                   .dlambda_dq = by_q_lambda,
                                                                   .dlambda_dv = by_v_lambda}))
+#endif
 #endif
 
 #ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
@@ -139,7 +149,19 @@ typedef struct algorithm {
     rbd_status (*call)(const rbd_model *m);
 } algorithm;
 
-#if defined FIGURES_CONTACTS
+#if defined FIGURES_OWN
+static const algorithm algorithms[] = {{"id_own", id},
+                                       {"mm_own", mm},
+                                       {"fd_own", fd},
+#if FIGURES_ROBOTS == 3
+                                       {"id_derivatives_own", id_derivatives},
+                                       {"fd_derivatives_own", fd_derivatives},
+#endif
+#ifdef FIGURES_CONTACTS
+                                       {"constrained_fd_own", constrained_fd}
+#endif
+};
+#elif defined FIGURES_CONTACTS
 static const algorithm algorithms[] = {{"constrained_fd", constrained_fd},
                                        {"impact", impact},
                                        {"constrained_id", constrained_id},
@@ -264,7 +286,7 @@ static int is_right(const robot *r) {
     if (!gives_back(r->model, &r->generated[0], forward) || !gives_back(r->model, inverse, &r->generated[1]))
         return 0;
 #endif
-#if !defined FIGURES_CONTACTS && !defined FIGURES_ALONE
+#ifdef FIGURES_MAIN
     static const algorithm cholesky[1] = {{"fd_cholesky", fd_cholesky}};
     if (!gives_back(r->model, inverse, cholesky)) return 0;
 #endif
@@ -316,12 +338,14 @@ static int print_rows(const robot *r, const algorithm *list, size_t n, int work)
 
 int main(void) {
     board_start();
-#ifdef FIGURES_CONTACTS
-    const size_t first = 1; /* the iiwa stands on nothing */
+#if defined FIGURES_OWN /* the library's own robot */
+    const size_t first = FIGURES_OWN, end = first + 1;
+#elif defined FIGURES_CONTACTS
+    const size_t first = 1, end = FIGURES_ROBOTS; /* the iiwa stands on nothing */
 #else
-    const size_t first = 0;
+    const size_t first = 0, end = FIGURES_ROBOTS;
 #endif
-    for (size_t i = first; i < FIGURES_ROBOTS; i++) {
+    for (size_t i = first; i < end; i++) {
         if (!print_rows(&robots[i], algorithms, sizeof algorithms / sizeof *algorithms, 1)) return 1;
 #ifdef FIGURES_GENERATED
         if (!print_rows(&robots[i], robots[i].generated, 2, 0)) return 1;

@@ -34,6 +34,10 @@ GENERATED = {"generated_id": "id", "generated_fd": "fd"}
 KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
                       "constrained_fd_derivatives": "rbd_constrained_fd_derivatives"},
          "alone": {"fd_alone": "rbd_aba"}}
+# Float, at all levels, in a library with the features of one robot alone.
+OWN_ROBOTS = ["iiwa", "hyq"]
+OWN = {"id_own": "rbd_rnea", "mm_own": "rbd_crba", "fd_own": "rbd_aba", "id_derivatives_own": "rbd_id_derivatives",
+       "fd_derivatives_own": "rbd_fd_derivatives", "constrained_fd_own": "rbd_constrained_fd"}
 # What the examples print of themselves, on the targets that their README has: words before or after a number.
 EXAMPLES = {("cortex-m4f", "five_bar"): {"torques": r"torques (\d+) instructions", "motion": r"the mechanism (\d+)",
                                          "stack": r"stack (\d+) bytes", "set": r"loop (\d+)", "work": r"work (\d+)"}}
@@ -47,8 +51,8 @@ EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot":
 EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
                                              "ring": r"ring (\d+) bytes"}
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
-FIGURES = ["code", "model", "work", "stack", "frames", "instructions"]
-BUDGETS = ["code", "model", "work", "stack", "frames"]
+FIGURES = ["code", "program", "model", "work", "stack", "frames", "instructions"]
+BUDGETS = ["code", "program", "model", "work", "stack", "frames"]
 UNSTATED = 128  # bytes of stack without a callgraph, at most
 SLACK = 0.05  # by which a budget may be exceeded
 CLOCK_MHZ, CPI = 100, 1.5  # of the estimated rates
@@ -259,6 +263,18 @@ def figures(target, folder, scalars, levels, printed):
                              model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
                              frames=frames[algorithms[algorithm]], instructions=int(instructions)))
             check_stack(rows[-1])
+    for robot, level in ((r, level) for r in OWN_ROBOTS for level in levels):
+        name = f"own_{robot}_{level}"
+        frames = worst_frames(next((here / f"lib{name}.a.p").glob("*.ci")))
+        for line in re.findall(r"^\w+,\w+,\d+,\d+,\d+$", printed.get("figures " + name, ""), re.M):
+            _, algorithm, work, stack, instructions = line.split(",")
+            call = algorithm.removesuffix("_own")
+            rows.append(dict(target=target, compiler=title, scalar="float", level=level, robot=robot, algorithm=algorithm,
+                             code=flash_bytes(target, here / f"code_{name}_{call}"), work=int(work), stack=int(stack),
+                             program=flash_bytes(target, here / f"program_{name}_{call}"),
+                             model=flash_bytes(target, here / f"libmodel_float_{robot}.a"), frames=frames[OWN[algorithm]],
+                             instructions=int(instructions)))
+            check_stack(rows[-1])
     if len(rows) < len(scalars) * len(levels) * len(SMALL):
         problem(f"{target}: only {len(rows)} rows of figures")
     return rows
@@ -301,14 +317,14 @@ def read_accepted():
     with open(ACCEPTED, newline="") as file:
         rows = list(csv.DictReader(file))
     for row in rows:
-        row.update({f: int(row[f]) for f in FIGURES})
+        row.update({f: int(row.get(f) or 0) for f in FIGURES})
     return rows
 
 
 def excess(row, budget):
     """What exceeds its budget, as sentences."""
     return [f"{figure} {row[figure]}, budget {budget[figure]}: {100 * (row[figure] / budget[figure] - 1):+.1f} %"
-            for figure in BUDGETS if row[figure] > budget[figure] * (1 + SLACK)]
+            for figure in BUDGETS if row.get(figure, 0) > budget[figure] * (1 + SLACK)]
 
 
 def read_accepted_examples():
@@ -363,7 +379,7 @@ def check_budgets(target, rows):
 
 def as_csv(rows):
     text = io.StringIO()
-    writer = csv.DictWriter(text, KEYS + FIGURES, lineterminator="\n")
+    writer = csv.DictWriter(text, KEYS + FIGURES, restval=0, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()
@@ -410,10 +426,30 @@ def table(rows, robots):
             lines.append(f"  {text:41}" + "".join(
                 f"{next(row[figure] for row in group if row['robot'] == r):>10}{'':11}" for r in there).rstrip())
         for row in group:
-            if row["algorithm"] in GENERATED:
-                lines.append(f"  {row['algorithm'] + ' ' + row['robot']:19}{row['code']:>4}{row['stack']:>7}"
-                             f"{row['instructions']:>21}{rate(row['instructions']):>11}")
+            if row["algorithm"] in GENERATED or row["algorithm"] in OWN:
+                whole = f"  whole program {row['program']}" if row["algorithm"] in OWN else ""
+                lines.append(f"  {row['algorithm'] + ' ' + row['robot']:23}{row['code']:>6}{row['stack']:>7}"
+                             f"{row['instructions']:>15}{rate(row['instructions']):>11}{whole}")
     return "\n".join(lines)
+
+
+def own_table(rows):
+    """Of docs/firmware.md: whole programs for one robot alone, a line per target; all calls of the Cortex-M4F."""
+    some = {(r["target"], r["robot"], r["algorithm"], r["level"]): r for r in rows if r["algorithm"] in OWN}
+
+    def cells(target, robot, algorithm):
+        found = [some.get((target, robot, algorithm, level)) for level in LEVELS]
+        return [number(r[figure]) if r else "–" for r in found for figure in ("program", "instructions")]
+    calls = [("iiwa", "id_own"), ("iiwa", "fd_own"), ("hyq", "fd_own")]
+    head = " | ".join(f"{robot}, `{OWN[algorithm]}`: -Os | instr. | -O2 | instr." for robot, algorithm in calls)
+    lines = [f"| whole program, float | {head} |", "|---|" + "--:|" * 12]
+    for target in TARGETS:
+        lines.append(f"| {target} | " + " | ".join(x for call in calls for x in cells(target, *call)) + " |")
+    head = " | ".join(f"{robot}: -Os | instr. | -O2 | instr." for robot in OWN_ROBOTS)
+    lines += ["", f"| cortex-m4f, whole program | {head} |", "|---|" + "--:|" * 8]
+    for algorithm, call in OWN.items():
+        lines.append(f"| `{call}` | " + " | ".join(x for robot in OWN_ROBOTS for x in cells("cortex-m4f", robot, algorithm)) + " |")
+    return lines
 
 
 def calls_table(rows):
@@ -506,7 +542,9 @@ def contacts_table(some, _):
 
 def alone_table(some, _):
     lines = ["| float, -O2, bytes of flash | cortex-m3 | cortex-m4f | rv32imafc |", "|---|--:|--:|--:|"]
-    for algorithm, name in (("id", "`rbd_rnea`"), ("fd", "`rbd_aba`"),
+    for algorithm, name in (("id_own", "`rbd_rnea` with `RBD_FEATURES` of the iiwa"),
+                            ("fd_own", "`rbd_aba` with `RBD_FEATURES` of the iiwa"),
+                            ("id", "`rbd_rnea`"), ("fd", "`rbd_aba`"),
                             ("fd_alone", "`rbd_aba` with `RBD_NO_CHOLESKY`")):
         cells = [some.get((target, "iiwa", algorithm)) for target in ("cortex-m3", "cortex-m4f", "rv32imafc")]
         lines.append(f"| {name} | " + " | ".join(number(r["code"]) if r else "–" for r in cells) + " |")
@@ -518,6 +556,7 @@ BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("
           "standing": ("examples/firmware/README.md", standing_table),
           "recorded": ("examples/firmware/README.md", recorded_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
+          "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),
           "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
 
 
