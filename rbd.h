@@ -1097,7 +1097,8 @@ struct rbd_model {
 #endif
 
 /* ==== src/model/work.h ==== */
-/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS */
+/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
+   RBDI_NOTE_DOUBT */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -1155,8 +1156,17 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
+#if RBDI_REPRODUCIBLE
+    int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
+#endif
     RBDI_WORK_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0, 0, 0)
 };
+
+#if RBDI_REPRODUCIBLE
+#define RBDI_NOTE_DOUBT(w, x) (w)->doubt = (x)
+#else
+#define RBDI_NOTE_DOUBT(w, x) (void)(w)
+#endif
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
@@ -4330,6 +4340,7 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
 
 /* Judges the state of the last rbdi_joints. The factor is left in w->H. */
 RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
+    RBDI_NOTE_DOUBT(w, 1);
 #ifndef RBD_NO_CHOLESKY
     rbdi_crba_of_joints(m, w, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));

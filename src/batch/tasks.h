@@ -72,6 +72,35 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
             if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* judged */
 }
 
+#if RBDI_REPRODUCIBLE
+/* One state at a time, in all lanes: where a pivot is in doubt, a call's way depends on all of its lanes. */
+static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
+                                   rbd_real *y, rbdi_task *t) {
+    const int blocks = b->layout == RBD_BLOCKS;
+    rbd_status result = RBD_OK;
+    for (int i = 0; i < count; ++i) {
+        rbd_real *to = y;
+        rbd_status status;
+        for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+            const int width = rbdi_batch_width(m, k);
+            const size_t at = (size_t)s * (size_t)width + (size_t)(blocks ? i : i * width);
+            t->x[k] = t->in[k] ? b->x[k] : NULL;
+            if (t->in[k]) rbdi_gather(t->in[k] + at, width, blocks, 1, b->x[k]);
+            t->y[k] = t->out[k] ? to : NULL;
+            to += t->width[k];
+        }
+        status = call(m, t);
+        if (status) rbdi_note_singular(m, b, s + i, 1), result = status;
+        for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+            const int width = t->width[k];
+            const size_t at = (size_t)s * (size_t)width + (size_t)(blocks ? i : i * width);
+            if (t->out[k]) rbdi_scatter(t->y[k], width, blocks, 1, t->out[k] + at);
+        }
+    }
+    return result;
+}
+#endif
+
 /* Runs a call on n states; y: lanes for its outputs, one after the other. */
 static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
                                  rbdi_task *t) {
@@ -84,7 +113,15 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
         rbd_status status;
         rbdi_task_gather(m, t, b, s, n - s);
         rbdi_task_aim(t, b, y, s, n - s);
+        RBDI_NOTE_DOUBT(b->w, 0);
         status = call(m, t);
+#if RBDI_REPRODUCIBLE
+        if (b->w->doubt) {
+            status = rbdi_batch_apart(call, m, b, s, count, y, t);
+            if (status) result = status;
+            continue;
+        }
+#endif
         if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
             return status;
         if (status) rbdi_note_singular(m, b, s, count), result = status;

@@ -21,6 +21,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_reduce_rows(m, c, L);
     c->exchanged = 0, c->infeasible = -1;
     if (rbdi_any(rbdi_factor_delta(m, c))) {
+        RBDI_NOTE_DOUBT(c->w, 1);
         c->exchanged = 1;
         rbdi_orthogonalise(m, c);
         rbdi_null_space(c);
@@ -105,8 +106,10 @@ static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, co
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
     rbd_status status = RBD_OK;
-    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x))
+    if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x)) {
+        if (!c->factored) RBDI_NOTE_DOUBT(c->w, 1);
         status = rbdi_factored_fd(m, c, q, v, tau, f_ext, restitution, x);
+    }
     return rbdi_constrained_status(m, c, status, lambda);
 }
 

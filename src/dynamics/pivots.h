@@ -114,6 +114,7 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
 
 /* Judges the state of the last rbdi_joints. The factor is left in w->H. */
 RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
+    RBDI_NOTE_DOUBT(w, 1);
 #ifndef RBD_NO_CHOLESKY
     rbdi_crba_of_joints(m, w, w->H);
     rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));

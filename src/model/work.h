@@ -2,7 +2,8 @@
 #define RBDI_MODEL_WORK_H
 #include "model/layout.h"
 
-/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS */
+/* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
+   RBDI_NOTE_DOUBT */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -60,8 +61,17 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular; /* dof, -1 = none */
     int have_kinematics;
+#if RBDI_REPRODUCIBLE
+    int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
+#endif
     RBDI_WORK_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0, 0, 0)
 };
+
+#if RBDI_REPRODUCIBLE
+#define RBDI_NOTE_DOUBT(w, x) (w)->doubt = (x)
+#else
+#define RBDI_NOTE_DOUBT(w, x) (void)(w)
+#endif
 
 /* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
    the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
