@@ -35,7 +35,7 @@ KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_imp
                       "constrained_fd_derivatives": "rbd_constrained_fd_derivatives"},
          "alone": {"fd_alone": "rbd_aba"}}
 # Float, at all levels, in a library with the features of one robot alone.
-OWN_ROBOTS = ["iiwa", "hyq"]
+OWN_ROBOTS = {"iiwa": "iiwa", "hyq": "HyQ"}
 OWN = {"id_own": "rbd_rnea", "mm_own": "rbd_crba", "fd_own": "rbd_aba", "id_derivatives_own": "rbd_id_derivatives",
        "fd_derivatives_own": "rbd_fd_derivatives", "constrained_fd_own": "rbd_constrained_fd"}
 # What the examples print of themselves, on the targets that their README has: words before or after a number.
@@ -441,11 +441,11 @@ def own_table(rows):
         found = [some.get((target, robot, algorithm, level)) for level in LEVELS]
         return [number(r[figure]) if r else "–" for r in found for figure in ("program", "instructions")]
     calls = [("iiwa", "id_own"), ("iiwa", "fd_own"), ("hyq", "fd_own")]
-    head = " | ".join(f"{robot}, `{OWN[algorithm]}`: -Os | instr. | -O2 | instr." for robot, algorithm in calls)
+    head = " | ".join(f"{OWN_ROBOTS[robot]}, `{OWN[algorithm]}`: -Os | instr. | -O2 | instr." for robot, algorithm in calls)
     lines = [f"| whole program, float | {head} |", "|---|" + "--:|" * 12]
     for target in TARGETS:
         lines.append(f"| {target} | " + " | ".join(x for call in calls for x in cells(target, *call)) + " |")
-    head = " | ".join(f"{robot}: -Os | instr. | -O2 | instr." for robot in OWN_ROBOTS)
+    head = " | ".join(f"{name}: -Os | instr. | -O2 | instr." for name in OWN_ROBOTS.values())
     lines += ["", f"| cortex-m4f, whole program | {head} |", "|---|" + "--:|" * 8]
     for algorithm, call in OWN.items():
         lines.append(f"| `{call}` | " + " | ".join(x for robot in OWN_ROBOTS for x in cells("cortex-m4f", robot, algorithm)) + " |")
@@ -625,10 +625,11 @@ def do_target(target, directory, scalars, levels, proofs, codegen):
 def check_accepted():
     """Budgets refuse what exceeds them by more than the slack and nothing else; docs/firmware.md has the table."""
     rows = read_accepted()
+    budget = next(row for row in rows if row["program"])
     for factor, refused in ((1, False), (1 + SLACK - 0.01, False), (1 + SLACK + 0.01, True)):
         for figure in BUDGETS:
-            row = dict(rows[0], **{figure: int(rows[0][figure] * factor)})
-            over = excess(row, rows[0])
+            row = dict(budget, **{figure: int(budget[figure] * factor)})
+            over = excess(row, budget)
             if bool(over) != refused:
                 sys.exit(f"{factor:.2f} of the budget for {figure}: {over or 'accepted'}")
     stale = documents(write=False)
