@@ -7,9 +7,9 @@
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
-   mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program; without it there are all. The
-   algorithms ask for flags, kinds and mimic joints by these functions: the compiler then drops code that no
-   model needs. */
+   mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program;
+   without it there are all. The algorithms ask for flags, kinds, mimic joints and blocks by these functions:
+   the compiler then drops code that no model needs. */
 
 #define RBDI_FLAGS 2047u /* all flags of links */
 #define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
