@@ -961,8 +961,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation for one need, which the compiler knows unless at -Os: motion, then masses, momenta and
-   wrenches, their sums over subtrees, and the columns of forces. */
+/* The whole computation for one need, which the compiler knows unless at -Os: motion, then masses, momenta
+   and wrenches, their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
