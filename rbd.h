@@ -2856,8 +2856,7 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
 }
 
 /* ==== src/dynamics/state.h ==== */
-/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau, rbdi_world_state,
-   rbdi_wrench */
+/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau, rbdi_world_state */
 
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E

@@ -2,9 +2,9 @@
    Made by src/amalgamate.py from src/rbd_constraints.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   A set of constraints is a few rows, checked once; then a call gives accelerations and constraint forces,
-   another what an impact does. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A foot
-   that stands:
+   A set of constraints is described and checked once. One call then gives accelerations and constraint forces,
+   another one the velocities after an impact. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same
+   file. A foot that stands:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_constraints.h"
@@ -34,17 +34,16 @@
      rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
                   after constraint: J v
      gamma        dJ/dt v: J a + gamma is the time derivative of J v, on the constraint and off it
-     e            the position error: of linear rows r, whose rate is J v. Of three angular axes log R, of two
-                  z x (R z), z the unit vector of the free axis; their rate is J v where e = 0. Of a single
-                  angular axis its component of log R, which is of use for small turns only
+     e            the position error. For linear rows it is r, and its rate is J v. For three angular axes it is
+                  log R, for two z x (R z), z the unit vector of the free axis; their rate is J v at e = 0. For
+                  a single angular axis it is its component of log R, useful for small turns only
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
    [configuration] That of rbd.h, without RBD_NO_CHOLESKY.
 
    [limits]
-     A constraint holds both ways: who touches when, and friction cones, are the user's to decide (with lambda
-     and J as the data of a quadratic programme). Constraints of velocities alone (rolling, knife edges) are
+     A constraint pulls as well as it pushes. rbd_contact.h has contacts that open and slip, with friction. Constraints of velocities alone (rolling, knife edges) are
      not described. M must be regular, also where the constraints would make up for it.
 */
 #include "rbd.h"
@@ -116,14 +115,14 @@ RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const 
 typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
-   use. If contacts come and go, make a set for each phase; the sets may share the work. list     n
-   constraints, only their names are needed later; n may be 0 memory   size bytes of any alignment.
-   RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+   use. If contacts come and go, make a set for each phase; the sets may share the work.
+   list     n constraints; only their names are needed later; n may be 0
+   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all;
             RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
-   c        receives the set, which lies inside memory: do not move it; NULL after an error report   receives
-   the error: body is the constraint's index, field one of rbd_constraint's; may be NULL Errors: RBD_ERR_NULL,
-   _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint moves one against the
-   other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   c        receives the set, which lies inside memory: do not move it; NULL after an error
+   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint
+   moves one against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);
@@ -140,17 +139,17 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
 /* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and
    its derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
-   (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
+   (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend
-   on each other the state decides which can be left out, not your order; if several of those contradict the
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on each
+   other, the state decides which of them are left out, not their order. If several of these contradict the
    others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. Each of them overwrites the results of rbd_kinematics in the work. Errors:
+   an input of the same shape. Each call overwrites the results of rbd_kinematics in the work. Errors:
    RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
@@ -160,12 +159,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
                                             rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
-   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
-   unique and lambda the solution of least norm.
+   kp e, RBDA section 8.4 and, for kp and kd, 8.3. If rows depend on others (rbd_constraint_rank), a is
+   unique and lambda is the solution of least norm.
    lambda   rows; may be NULL
-   Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
-   all the same, and the second in the sense of least squares. A state in which rows depend on each other
+   Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
+   holds, and the second in the sense of least squares. A state in which rows depend on each other
    takes up to four times as long as one in which they do not. */
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
@@ -180,11 +179,11 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
-   motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
-   lambda^2; if there is none, the one that comes nearest (least squares): tau has there what is missing.
-   lambda must be checked by the caller: a foot may be asked to pull.
-   a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
-              the task is rows with gains, too
+   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum of
+   weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is missing. The
+   caller must check lambda: a foot may be asked to pull.
+   a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
+              in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
@@ -193,13 +192,13 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
-   one that is nearest to v in the sum of weight (v_near - v)^2.
+/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near = 0
+   there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place,
-   or at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's
-   method, from q, finds it: far from any solution it may find none, or another one, and in a singular place,
-   where rows lose their rank, q_near may only be close.
+   combination of the rows of J. If all joints have one degree of freedom, it is the nearest place, or nearer
+   than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
+   from q. Far from any solution it may find none, or another one. In a singular place, where rows lose their
+   rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
@@ -229,13 +228,13 @@ typedef struct rbd_constrained_fd_results {
     rbd_real *dlambda_dq, *dlambda_dv, *dlambda_dtau; /* rows x nv */
 } rbd_constrained_fd_results;
 
-/* Derivatives of rbd_constrained_fd: what a step of q (column k: q moves with unit velocity of dof k), v or
-   tau changes of a, nv x nv, and of lambda, rows x nv. f_ext stays fixed in its bodies' axes.
+/* Derivatives of the results of rbd_constrained_fd, a (nv x nv) and lambda (rows x nv), by q (column k: q moves
+   with unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes.
    d            of the same work
    out          da_... each with its dlambda_..., both or neither NULL, also where there are no rows; no two
                 the same array
-   Of dependent rows the rank shall stay as it is. da is then unique; dlambda the change of least norm, of all
-   that go with da: the solution of least norm changes by that and by a null vector of J'.
+   If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the change of
+   least norm that belongs to it: the lambda of least norm changes by that and by a null vector of J'.
    Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
    Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
@@ -433,8 +432,8 @@ RBDI_CODE_BEGIN
    the one that its condition explains, because Delta squares the condition of the rows.
    RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
    exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
-   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS of J's levers, as the lightest
-   joints magnify them: a row below that moves nothing, its entries are rounding.
+   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS times J's levers, magnified by the
+   lightest joints. A smaller row moves nothing: its entries are rounding.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
@@ -465,7 +464,7 @@ RBDI_CODE_BEGIN
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows with equal shares but for rounding the first is taken */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* if shares differ by rounding alone, the first row is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_SHARE RBD_C(1e-3)
 #define RBDI_MOST_SHARE RBD_C(5)
@@ -515,8 +514,8 @@ static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constr
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
 
-/* log R, the rotation vector. Sums of R's entries are four multiples of its quaternion, by one of the
-   components each; the one with the largest factor is exact enough. */
+/* log R, the rotation vector. Sums of R's entries give four multiples of its quaternion, each by one of its
+   components. The one with the largest factor is accurate. */
 static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
@@ -547,7 +546,7 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, world axes, rows as lanes: components of the axes of angular rows, then
+/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then those
    of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
@@ -649,7 +648,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if moving, velocities of their origins. Angular velocities are known. */
+/* Poses of the links on a path and, if `moving`, velocities of their origins. Angular velocities are there. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
@@ -671,8 +670,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Y = R = 0, needed before entries are written that articulated bodies do not overwrite; J v, gamma and e
-   too. */
+/* Clears Y and R, for calls that do not write all entries that articulated bodies read, and J v, gamma and e. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
@@ -698,7 +696,7 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
-   beta is column `rows` of R, as Delta has b there. */
+   Delta has b in column `rows`, and R then has beta there. */
 
 /* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
@@ -715,17 +713,17 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
 /* Computes c->noise from the levers of J's entries, the distances of the links from the world's origin, and
    from 1/D of the dofs on the paths. */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
-    rbd_real levers = rbdi_set(RBD_C(1)), give = rbdi_zero();
+    rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         for (int side = 0; side < 2; ++side)
             if (k->link[side] >= 0)
                 levers = levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
     for (int k = 0; k < m->nv; ++k)
-        if (c->span[k].end > 0) give = give + c->D_inverse[k];
-    c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
+        if (c->span[k].end > 0) inverse = inverse + c->D_inverse[k];
+    c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, which have entries in these dofs, and b behind them. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
@@ -749,7 +747,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-/* The same of any number of rows. dof: ascending. */
+/* The same for any number of rows. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
@@ -779,7 +777,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int 
     return b;
 }
 
-/* Replaces row t of Delta, and b_t, by those of R and beta. Returns whether the pivot is in doubt. */
+/* Replaces row t of Delta by that of R, and b_t by beta_t. Returns whether the pivot is in doubt. */
 RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
@@ -821,8 +819,8 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
 
 /* ==== src/constraints/rank.h ==== */
 /* ---- rank [rank] ----
-   Where a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is
-   the square root of that of Delta:
+   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead. Its condition number is the
+   square root of that of Delta:
 
        Z P = Q R,    Delta = P R' R P'
 
@@ -991,7 +989,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
-/* Replaces c->demand by the amount to which targets may contradict each other; brings it and c->target to the
+/* Replaces c->demand by the amount by which targets may contradict each other. Brings it and c->target to the
    order of R. */
 static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
@@ -1034,7 +1032,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n
 }
 
 /* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
-   components along the null vectors, too: they would contradict each other. */
+   components along the null vectors, too: with them the equations would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
     rbdi_to_order(c, X, n);
@@ -1065,7 +1063,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 /* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
 
 /* ---- solution [solution] ----
-   The steps by the factor of M before and after [factor] or [rank]. L = NULL: L = 1. */
+   The steps by the factor of M, before and after [factor] or [rank]. L = NULL means L = 1. */
 
 /* x = L^-T x; D^-1. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
@@ -1113,7 +1111,7 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 /* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
    A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
-   After pass 2 of [aba], which eliminates one joint after the other, K goes down the tree to the world. The
+   Pass 2 of [aba] eliminates one joint after the other. K is then carried from link to link to the world. The
    acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
@@ -1129,7 +1127,7 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it has reached, and target - epsilon. */
+/* K of a batch of rows, in the axes of the link that it was carried to, and target - epsilon. */
 typedef struct rbdi_carried {
     rbdi_batch K[6], b;
 } rbdi_carried;
@@ -1190,8 +1188,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of block link i, whose rows of Y are `stride` apart. Nothing of K passes a free
-   base: its U/D has only the entries that its own dofs need. */
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free base: its
+   U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -1220,7 +1218,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     return on;
 }
 
-/* Carries K from link i down to link `stop`. Y: the batch in the row of dof 0. */
+/* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
                             rbdi_carried *carried, rbd_real *Y) {
     rbdi_carried on = *carried; /* in registers */
@@ -1236,8 +1234,8 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 }
 
 /* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
-static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
-                           const rbdi_axes_held *h, rbdi_v3 p) {
+static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
+                               const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
     rbdi_carried on, one;
     for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
@@ -1274,8 +1272,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. The terms of gamma by accelerations come with K: they are
-   0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that these
+   are 0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1346,9 +1344,8 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Computes the accelerations x; with a restitution the change of velocity in an impact, which is the same
-   without gravity, velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is
-   in doubt. */
+/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in an impact:
+   the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -1370,7 +1367,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
         rbdi_set_axes(c, k, &h);
         p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
+        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, k, r, &h, p);
     }
     return rbdi_articulated_solve(m, c, x);
 }
@@ -1395,7 +1392,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
     }
-    rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
+    rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
@@ -1507,9 +1504,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method: each step d has J d = -e, and of all such steps the one that makes the remaining distance
-   d + rbd_difference(q, q_near) shortest. A step is cut to RBDI_LONGEST_STEP, for which J may be trusted. The
-   last steps only reduce e. */
+   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near), the
+   remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps only
+   reduce e. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1521,9 +1518,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* The share of the distance that the next step takes back, by Barzilai and Borwein (1988): from this step x,
-   the one before it, c->before, and the shares of both. If the constraints are flat, a share of 1 is right;
-   if they curve, steps with it end too late or never. */
+/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x, the one
+   before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J changes, steps with it
+   converge slowly or never. */
 static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
@@ -1803,8 +1800,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
-   more than dofs, or between two links more than six or than dofs between these. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there are more
+   rows than dofs, or if two links have more than six rows between them, or more than dofs. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
@@ -1907,8 +1904,8 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
-/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_encounter, rbdi_encounter_of,
-   rbdi_error_turn */
+/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_error_turn, rbdi_pair_motion,
+   rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -1941,7 +1938,7 @@ RBDI_CODE_BEGIN
    Checked against finite differences in tests/test_constraints.c. */
 
 /* Relative motion of the two bodies of a constraint, and their force. */
-typedef struct rbdi_encounter {
+typedef struct rbdi_pair_motion {
     rbdi_station body[2];
     rbdi_v3 w, u, angular, linear, m, f;
     rbdi_axes_held h;
@@ -1949,7 +1946,7 @@ typedef struct rbdi_encounter {
     rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
     rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
     rbdi_v3 rolls;   /* p moves over body 1, of balls in contact: by z x rolls, z the relative turn */
-} rbdi_encounter;
+} rbdi_pair_motion;
 
 /* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
 typedef struct rbdi_change {
@@ -1968,8 +1965,8 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    rbdi_encounter x;
+static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
+    rbdi_pair_motion x;
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
     x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
@@ -2000,7 +1997,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_
 }
 
 /* By dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
+static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_pair_motion *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
@@ -2041,14 +2038,14 @@ static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
-static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_encounter *x, rbdi_v3 z) {
+static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_pair_motion *x, rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(x->turn, z), more = rbdi_scale(x->bend, rbdi_cross(x->turn, bent));
     if (k->angular == 2) return rbdi_cross(x->free[0], rbdi_cross(z, x->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
+static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, const rbdi_change *d, int nv,
                            rbd_real *by_q, rbd_real *by_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
@@ -2069,10 +2066,10 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, co
     }
 }
 
-/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The dofs' motions
-   S stand in the columns Phi of d, which are no longer needed. Those of S are: d keeps a free base's. */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs' motions S
+   stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a free base's. */
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                         const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
+                         const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
                   sf = rbdi_cross(S.v, x->f), roll = rbdi_cross(rbdi_cross(S.omega, x->rolls), x->f);
     RBDI_FOR_PATHS(m, k, link, sign) {
@@ -2090,7 +2087,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
 static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                               const rbdi_encounter *x, rbd_real *rho) {
+                               const rbdi_pair_motion *x, rbd_real *rho) {
     RBDI_FOR_PATHS(m, k, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
         rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi)),
@@ -2101,7 +2098,7 @@ static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, con
 static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
                                const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
-    const rbdi_encounter x = rbdi_encounter_of(c, k);
+    const rbdi_pair_motion x = rbdi_pair_motion_of(c, k);
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {

@@ -1818,9 +1818,9 @@ static void rbdi_meet_at(const rbd_model *m, rbd_contact_set *c, const rbd_real 
     rbdi_constraint_state(m, c->rows, rbdi_expand_v(m, nu, c->rows->w->vx), c->rows->w->zero, none, 0);
 }
 /* Constraint i in that motion, and its impulses. */
-static rbdi_encounter rbdi_contact_encounter(const rbd_contact_set *c, int i) {
+static rbdi_pair_motion rbdi_contact_motion(const rbd_contact_set *c, int i) {
     const rbdi_constraint *k = &c->rows->constraint[i];
-    rbdi_encounter x = rbdi_encounter_of(c->rows, k);
+    rbdi_pair_motion x = rbdi_pair_motion_of(c->rows, k);
     if (i < c->n) x.rolls = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, k));
     return x;
 }
@@ -1828,7 +1828,7 @@ static rbdi_encounter rbdi_contact_encounter(const rbd_contact_set *c, int i) {
 /* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
    that of the gap or error, which is J. Leaves the dofs' motions in d. */
 static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbdi_constraint *k, const rbdi_encounter *x, const rbd_real *share,
+                             const rbdi_constraint *k, const rbdi_pair_motion *x, const rbd_real *share,
                              const rbd_real *gain) {
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
@@ -1851,10 +1851,10 @@ static void rbdi_change_rebounds(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_meet_at(m, c, v);
     for (int i = 0; i < c->n; ++i) {
         rbd_real of[2][3] = {{rbdi_zero()}, {rbdi_zero()}}; /* share, gain */
-        rbdi_encounter met;
+        rbdi_pair_motion met;
         if (c->contact[i].row < 0 || !c->contact[i].rebounds) continue;
         of[x][2] = rbdi_set(c->contact[i].restitution);
-        met = rbdi_contact_encounter(c, i);
+        met = rbdi_contact_motion(c, i);
         rbdi_change_rows(m, c, d, &c->rows->constraint[i], &met, of[0], of[1]);
     }
 }
@@ -1868,7 +1868,7 @@ static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_d
         const rbdi_constraint *k = &s->constraint[i];
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
         rbd_real share[6], gain[6];
-        rbdi_encounter x;
+        rbdi_pair_motion x;
         if (a && a->row < 0) continue;
         for (int r = 0; r < k->rows; ++r) {
             share[r] = rbdi_set(RBD_C(1)), gain[r] = rbdi_zero();
@@ -1876,7 +1876,7 @@ static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_d
             if (!a && purpose == RBDI_FOR_POSITIONS)
                 gain[r] = rbdi_correction_gain(c, -rbdi_abs(s->e[k->row + r]), dt);
         }
-        x = rbdi_contact_encounter(c, i);
+        x = rbdi_contact_motion(c, i);
         rbdi_change_rows(m, c, d, k, &x, share, gain);
         rbdi_change_forces(m, d, k, &x, rho);
     }

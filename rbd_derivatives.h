@@ -2,7 +2,8 @@
    Made by src/amalgamate.py from src/rbd_derivatives.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   For every joint type, external wrenches, rotors, mimic joints and several roots. As rbd.h: in ONE file
+   All calls support every joint type, external wrenches, rotors, mimic joints and several roots. Include it as
+   rbd.h: in ONE file
 
        #define RBD_IMPLEMENTATION
        #include "rbd_derivatives.h"
@@ -61,26 +62,26 @@ RBDI_EXTERN_C_BEGIN
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
 
 /* Prepares the memory that the calls of this header work in.
-   w        a work of the model, whose gravity they take and whose scratch they use: not one in which another
-            thread computes, and what rbd_kinematics left in it stays
+   w        a work of the model. The calls take its gravity and use its scratch, so that no other thread may
+            compute in it. They keep the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it
-   It holds constants of the model m in another order: call it again when those have changed. With any other
-   model every call returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
+   It holds constants of the model: call it again when those have changed. With any other model every call returns
+   RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **d);
 
 /* Bytes that rbd_derivatives_init needs for this model. */
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 
-/* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
+/* Sizes in all calls below: q nq; v, a nv; f_ext nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
 /* ---- momentum [momentum] ---- */
 
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
-   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
-   the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
+   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's rate
+   is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
@@ -103,8 +104,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid in half
-   of its instructions, if the torques of floating bases and the accelerations of all other joints are given.
+/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the accelerations
+   of all other joints. It takes a little more than half the instructions of rbd_hybrid.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
@@ -266,8 +267,8 @@ RBDI_EXTERN_C_END
 typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
 
-/* A part of the tree without branches: each dof's parent is the dof before it; or the dofs of one block. Dofs
-   are in the solver's order in this header. */
+/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one block.
+   Indices of dofs are in the solver's order in this header. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
     int16_t parent;     /* parent of the first dof, -1 = none */
@@ -361,11 +362,11 @@ RBDI_CODE_BEGIN
 #endif
 
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree in one frame: world axes, origin in the first rotating link from the root,
-   at this instant moving with that link's origin (any frame that moves uniformly gives the same matrices;
-   this one keeps a root's place and velocity out of the differences of which small inertias are made). The
-   world then moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
-   else is independent from dof to dof: the dofs, in the solver's order, are the SIMD lanes.
+   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the first
+   rotating link from the root, and at this instant it moves with that origin. Any frame that moves uniformly gives
+   the same matrices; this one keeps the place and velocity of a root out of the differences that give small
+   inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
+   else is computed for each dof alone: the dofs, in the caller's order, are the SIMD lanes.
 
    A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
    R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
@@ -376,26 +377,26 @@ RBDI_CODE_BEGIN
        Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
                                                    A of the world: (0; -gravity)
 
-   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x (the regrouped
-   constants of the model will do: whatever moves alike has the same momentum and force), and with acc = a +
-   omega x v and Omega = [omega_dot]x + [omega]x [omega]x
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's regrouped
+   constants give the same sums: bodies that move alike have the same momentum and force. With acc = a + omega x v
+   and Omega = [omega_dot]x + [omega]x [omega]x
 
        X = [omega]x Sigma + v h'    the integral of x_dot x' dm
        P = m v + omega x h          linear momentum
        f = wrench (n; f) of rbd.h's [state], less the external ones
 
-   27 numbers and m, summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
-   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link every dof has the columns
+   These 27 numbers and m are summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
+   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link each dof has the columns
 
        F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes.
-   There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
-   + w x v - gravity). Of its dofs, e a unit vector, are then
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There its S
+   are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot + w x v -
+   gravity). Its dofs then have
 
-       turns   U = (w x e; e x v), Psi = (0; e x v), Phi = (0; (A - v_dot) x e)      shifts   U = (0; w x e)
+       turns   U = (w x e; e x v), Phi = (0; -gravity x e)      shifts   U = (0; w x e), Phi = 0
    Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
    B. */
 
@@ -428,8 +429,8 @@ typedef struct rbdi_sums {
 
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise; their order counts in
-                                                    rbdi_sum_ancestors */
+    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA = A - A_p; rbdi_sum_ancestors needs
+                                                    this order */
     rbdi_sums sum;
     rbdi_bforce F, D, E;
     rbdi_b3 T;
@@ -459,10 +460,7 @@ RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
 }
 RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
-/* c + k a and c + a x b: sums before products are contracted to FMA best. */
-RBDI_INLINE rbdi_b3 rbdi_b_scale_add(rbdi_b3 c, rbdi_batch k, rbdi_b3 a) {
-    return rbdi_b_vec(c.x + k * a.x, c.y + k * a.y, c.z + k * a.z);
-}
+/* c + a x b: sums before products are contracted to FMA best. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 c, rbdi_b3 a, rbdi_b3 b) {
     return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
@@ -479,6 +477,10 @@ RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
     return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
            (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
 }
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
+    a.omega = rbdi_b_scale(k, a.omega), a.v = rbdi_b_scale(k, a.v);
+    return a;
+}
 /* V x S, and with c added. */
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
     c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
@@ -492,8 +494,7 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
     return c;
 }
 
-/* Scalars of a dof, one lane of its batch: the first component of a field. From one component to the next are
-   RBDI_BATCH scalars. */
+/* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
 #define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
 RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
     return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
@@ -519,28 +520,7 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
     return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
 }
 
-/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
-   that dof are in another order. */
-RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
-    const rbdi_link *l = &m->link[link];
-    const int last = rbdi_last_dof(m, link);
-    const rbd_real *in = RBDI_OF(d, last, ex);
-    rbdi_v3 ex = rbdi_load_vec(in), ey = rbdi_load_vec(in + 3 * RBDI_BATCH),
-            ez = rbdi_load_vec(in + 6 * RBDI_BATCH);
-    rbdi_pose X;
-    if (rbdi_dof_axis(m, l, last) != 2) {
-        const rbdi_v3 turned = ex;
-        ex = ey, ey = ez, ez = turned;
-    }
-    X.E.xx = ex.x, X.E.xy = ex.y, X.E.xz = ex.z;
-    X.E.yx = ey.x, X.E.yy = ey.y, X.E.yz = ey.z;
-    X.E.zx = ez.x, X.E.zy = ez.y, X.E.zz = ez.z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
-    return X;
-}
-
-/* Stores axes and origin of a link for one of its dofs. The axes come in such an order that z is the dof's
-   own. */
+/* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
     rbdi_store_vec(out, rbdi_axis_vec(x));
@@ -548,26 +528,33 @@ RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_fou
     rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
     rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
 }
+/* The same for the dofs of a block from k on. */
+RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
+                                   const rbdi_axes *p) {
+    const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+    for (; k < d->entry[l->first].joint; ++k) {
+        const int axis = rbdi_dof_axis(m, l, k);
+        rbdi_put_axes(RBDI_OF(d, k, ex), e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+    }
+}
+/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. */
+RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
+    const int last = rbdi_last_dof(m, link), axis = rbdi_dof_axis(m, &m->link[link], last);
+    const rbd_real *in = RBDI_OF(d, last, ex);
+    rbdi_v3 e[3];
+    rbdi_pose X;
+    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
+    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
+    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
+    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    return X;
+}
 
 /* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
-}
-
-/* Stores axes and origin for the dofs of a block from k on. */
-RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
-                                     const rbdi_axes *p) {
-    for (; k < d->entry[l->first].joint; ++k) {
-        rbd_real *out = RBDI_OF(d, k, ex);
-        const int axis = rbdi_dof_axis(m, l, k);
-        if (axis == 0)
-            rbdi_put_axes(out, &p->y, &p->z, &p->x, &p->origin);
-        else if (axis == 1)
-            rbdi_put_axes(out, &p->z, &p->x, &p->y, &p->origin);
-        else
-            rbdi_put_axes(out, &p->x, &p->y, &p->z, &p->origin);
-    }
 }
 
 /* Axes and origins of all links; base: in the base's axes. */
@@ -591,9 +578,10 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());
         }
-        if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &p);
-        else
+        if (rbdi_is(l, RBDI_BLOCK)) {
+            const rbdi_axes own = p; /* an address of p would keep it in memory */
+            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
+        } else
             rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
     }
 }
@@ -610,9 +598,9 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp of dV or Ap of dA, which begin apart scalars behind. world: V or A of the roots'
-   parent, with a base that of its link. moves: the frame moves with the link of its origin, whose velocity
-   is subtracted. */
+/* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
+   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link of its
+   origin, is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -647,7 +635,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a, whose order the lanes have, from dof k on: 0, or the first behind a free base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -657,44 +645,38 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
     for (; k < n; ++k) *out++ = v[k];
 }
 
-/* Quantities that a call needs beyond F, which depends on q only. */
+/* Quantities that a call needs beyond F. F depends on q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* X and P not of 2 V, and U = V x S: B instead of 2 B */
-    RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; Phi and E by rbdi_columns_by_q */
+    RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
+    RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity */
 };
 
-/* V_p, dV, Psi and, if it is needed, U. For a Coriolis matrix U is V x S. */
+/* V_p, dV, Psi and, if needed, U. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
                                  int need) {
-    const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
-    rbdi_motion V = rbdi_motion0();
-    if (base) V.omega = d->V.omega;
+    const int first = base ? d->behind : 0;
+    rbdi_motion world = rbdi_motion0();
+    if (base) world.omega = d->V.omega;
     rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
-        c->dV.v = rbdi_b_scale(c->qd, c->S.v);
+        c->dV = rbdi_b_motion_scale(c->qd, c->S);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, V, 1);
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, world, 1);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
-        if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
+        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), S = c->S, Psi = rbdi_b_motion_cross(c->Vp, S);
+        c->Psi = Psi;
+        if (need & RBDI_NEED_CORIOLIS)
+            c->U = rbdi_b_motion_cross(V, S);
+        else if (need & RBDI_NEED_V)
+            c->U = rbdi_b_motion_cross_add(Psi, V, S);
     }
-    if (!(need & RBDI_NEED_V)) return;
-    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
-        for (int k = r->first; r->block && k < r->end; ++k) {
-            const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
-            rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
-            U.v = rbdi_add(U.v, rbdi_add(rbdi_cross(J.v, S.omega), rbdi_cross(J.omega, S.v)));
-            U.omega = rbdi_add(U.omega, rbdi_cross(J.omega, S.omega));
-            rbdi_store_motion(RBDI_OF(d, k, U), U);
-        }
 }
 
-/* A_p, dA and Phi, the world accelerating upward by -gravity. */
+/* A_p and dA. The world accelerates by -gravity. */
 RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *a,
                                     rbdi_c3 gravity) {
     const int first = base ? d->behind : 0;
@@ -707,13 +689,12 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
-        c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
+        c->dA = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
 }
 
-/* R (x; y; z), constants in the axes of the links. */
+/* R (x; y; z) of constants in the axes of the links. */
 RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez;
     return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
@@ -734,7 +715,7 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k
     s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X and P of the links, V being theirs or, for 2 B in place of B, twice that. */
+/* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
 RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
     const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
@@ -802,9 +783,9 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 }
 
 /* ==== src/derivatives/subtrees.h ==== */
-/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
-   for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
-   as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+/* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
+   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike fill
+   them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
     for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -815,12 +796,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
         while (e > first) {
             out = x + (--e)->at;
             RBDI_ONE_INDEX(out);
-            if (r->block) {
-                RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
-                continue;
-            }
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
+        }
+        for (e = first + 1; r->block && e < d->entry + r->end; ++e) {
+            out = x + e->at;
+            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
         }
         if (r->parent < 0) continue;
         out = x + d->entry[r->parent].at;
@@ -839,7 +820,7 @@ RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root,
     rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
-/* I (omega; v) of a subtree, or of a link, and its mass. */
+/* I V of a subtree or of a link, m its mass. */
 RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
@@ -873,7 +854,7 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* Phi and E of the dofs behind a base, from A_p and f. */
+/* Phi and E of the dofs behind a free base, from A_p and f. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -915,38 +896,14 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The base's own sums, in its axes, with V = (omega; 0). */
-RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
-    const rbdi_link *l = m->link;
-    const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
-                              l->Sigma.zz, l->h.x,      l->h.y,      l->h.z};
-    const int last = d->base - 1;
-    rbd_real *out = RBDI_OF(d, last, sum);
-    const rbdi_v3 w = d->V.omega, h = rbdi_vec_c(l->h);
-    for (int k = 0; k < 9; ++k) out[k * RBDI_BATCH] = rbdi_set(own[k]);
-    if (need & RBDI_NEED_V) {
-        const rbdi_sym S = rbdi_sym_c(l->Sigma);
-        const rbdi_v3 W = need & RBDI_NEED_CORIOLIS ? w : rbdi_add(w, w),
-                      x = rbdi_cross(W, rbdi_vec(S.xx, S.xy, S.xz)),
-                      y = rbdi_cross(W, rbdi_vec(S.xy, S.yy, S.yz)),
-                      z = rbdi_cross(W, rbdi_vec(S.xz, S.yz, S.zz));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xx), rbdi_vec(x.x, y.x, z.x));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xy), rbdi_vec(x.y, y.y, z.y));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xz), rbdi_vec(x.z, y.z, z.z));
-        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(W, h));
-    }
-    if (need & RBDI_NEED_WRENCH) {
-        const rbdi_motion A = rbdi_load_motion(RBDI_OF(d, last, Ap));
-        const rbdi_force f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(w, A.omega), &A.v);
-        rbdi_store_force(RBDI_OF(d, last, sum.f), RBDI_BATCH, f);
-    }
+/* The first batch with a dof that has its link's inertia: a free base's last dof has it. */
+RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
+    return base ? d->entry[base - 1].batch : 0;
 }
-
-/* Masses, momenta and wrenches of the links themselves. */
+/* Inertias, momenta and wrenches of the links themselves. */
 RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
                                int need) {
-    if (base) rbdi_base_sums(m, d, need);
-    for (int b = base ? d->behind : 0; b < d->batches; ++b) {
+    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         rbdi_bmotion V;
@@ -973,8 +930,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base it is in the base's
-   axes, and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's axes
+   and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
@@ -994,7 +951,7 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
 
 /* ==== src/derivatives/entries.h ==== */
 /* ---- entries [entries] ----
-   For dof j and every dof i of an ancestor link, and of its own where not said otherwise:
+   For dof j and every dof i of an ancestor link, or of j's own link if not said otherwise:
 
        M_ij = S_i' F_j                M_ji = M_ij
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
@@ -1002,46 +959,50 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
 
    and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
-   those of its subtree, by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right column,
+   those of its subtree by the left one. */
 
-/* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
+/* S' F. */
+RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
+    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
+}
+
+/* The caller's matrices: derivatives by q and by v (or C), and M. Bits for those that are wanted. */
 enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
 enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
 typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x + b' y, vectors of a batch times vectors of one dof, and with c added. */
+/* a' x, vectors of a batch times the vector of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
 }
-RBDI_INLINE rbdi_batch rbdi_b_dots(rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
-    return rbdi_b_dot_add(rbdi_b_dot(a, x), b, y);
+/* S' F and V' F. */
+RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
+    return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
-RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
-    return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
+RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
+    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
 }
 
 /* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q)
-        y[RBDI_BY_Q] = rbdi_b_dots_add(rbdi_b_dot(c->Psi.omega, T), c->Phi.omega, F.n, c->Phi.v, F.f);
-    if (want & RBDI_WANT_V)
-        y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
 /* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
-    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dots(c->D.n, S.omega, c->D.f, S.v);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->F.n, S.omega, c->F.f, S.v);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(c->D, S);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* n scalars, a batch at a time. */
+/* Copies n scalars, a batch at a time. */
 RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     int k = 0;
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
@@ -1051,7 +1012,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
         for (; k < n; ++k) y[k] = x[k];
 }
 
-/* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
+/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
+   apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
@@ -1072,53 +1034,43 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
 RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
-    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
-                       lanes); /* not from a table: loads are what takes time */
+    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
 }
-/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
-RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
-                                ptrdiff_t at) {
-    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
-    }
-}
-
-/* Row of the dof at e, from that behind a free base on: the batches of its relatives. */
-RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
-                              int want, rbdi_wanted row) {
-    const rbd_real *x = (const rbd_real *)columns;
-    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+/* Stores the entries of a dof, with the columns own, and of a list of its relatives into its row, 0 in lanes of other
+   dofs. path, subtree: whether the list has dofs there. Returns the next list. */
+RBDI_INLINE const rbdi_relatives *rbdi_put_list(const rbd_real *columns, const rbdi_columns *own,
+                                                const rbdi_relatives *k, int path, int subtree, int want,
+                                                rbdi_wanted row) {
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (k->at >= 0) {
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
-        } while ((++k)->at >= 0);
-    }
-    for (++k; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+    for (; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(columns + k->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
         const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
-        rbdi_entries_before(c, want, F, T, y);
-        rbdi_entries_behind(c, want, S, z);
+        if (path) rbdi_entries_before(c, want, F, T, y);
+        if (subtree) rbdi_entries_behind(c, want, S, z);
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+            rbdi_bits entries = {0};
+            if (!(want >> r & 1)) continue;
+            if (path) entries = (rbdi_bits)y[r] & before;
+            if (subtree) entries |= (rbdi_bits)z[r] & behind;
+            *(rbdi_batch *)(row.at[r] + k->row) = (rbdi_batch)entries;
         }
     }
-    if ((++k)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
-        do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
-        } while ((++k)->at >= 0);
-    }
+    return k + 1;
 }
+/* Row of the dof at e, from the columns behind a free base on. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+                              int want, rbdi_wanted row) {
+    const rbd_real *x = (const rbd_real *)columns;
+    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    k = rbdi_put_list(x, own, k, 1, 0, want, row);
+    k = rbdi_put_list(x, own, k, 1, 1, want, row);
+    (void)rbdi_put_list(x, own, k, 0, 1, want, row);
+}
+
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
     const rbdi_batch zero = {0};
     for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
@@ -1126,8 +1078,9 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
-   Their turn comes later, as that of a base's columns does. Rows that would pass the end: elsewhere. */
+/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of the next
+   row, which is stored later, as are the columns of a base. A row whose last batch would pass the end of the matrix
+   is computed in scratch memory and copied. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);
@@ -1147,7 +1100,7 @@ RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int z
         }
     }
 }
-/* The same with mimic joints, added where the caller has them. */
+/* The same with mimic joints: entries are added to those of the sources. */
 RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const ptrdiff_t stride = rbdi_stride(d->model);
     const rbd_real *x = d->work->F;
@@ -1170,10 +1123,13 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #else
 /* Entries y of dofs i and k. */
-RBDI_INLINE void rbdi_put_entry(const rbdi_entry *i, const rbdi_entry *k, int want, const rbd_real *y,
-                                rbdi_wanted out) {
-    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r)
-        if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
+                                const rbd_real *y, rbdi_wanted out) {
+    if (rbdi_mimics(m))
+        rbdi_add_entry(m, i, k, y, 1, out);
+    else RBDI_UNROLL_SIX
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
@@ -1186,17 +1142,11 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
-            if (rbdi_mimics(d->model))
-                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
-            else
-                rbdi_put_entry(e + i, e + k, want, y, out);
+            rbdi_put_entry(d->model, e + i, e + k, want, y, out);
         }
         for (int k = i; k < e[i].end; ++k) {
             rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
-            if (rbdi_mimics(d->model))
-                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
-            else
-                rbdi_put_entry(e + i, e + k, want, y, out);
+            rbdi_put_entry(d->model, e + i, e + k, want, y, out);
         }
     }
 }
@@ -1207,76 +1157,52 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   Its position has no effect. Without this HyQ's derivatives of inverse dynamics take 50 % more instructions,
-   Atlas's 17 %. */
-/* a x b, and with c added, of a batch with one vector. */
-RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
-    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
-    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
-}
-/* I (omega; v) of the whole, omega being zero unless turns. */
-RBDI_INLINE rbdi_bforce rbdi_whole_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V, int turns) {
-    rbdi_bforce F;
-    if (turns) return rbdi_inertia_times(s, m, V);
-    F.n = rbdi_b_cross(s->h, V.v);
-    F.f = rbdi_b_vec(V.v.x * m, V.v.y * m, V.v.z * m);
-    return F;
-}
-/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole. S are unit vectors e; U is
-   (w x e; e x v) for turns and (0; w x e) for shifts. A turn of the base changes only gravity's direction. */
+   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for HyQ,
+   17 % for Atlas. */
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree. */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_b3 w = rbdi_b_all(d->V.omega), v = rbdi_b_all(d->V.v), up = rbdi_b_all(d->up);
+    const rbdi_b3 up = rbdi_b_all(d->up);
+    rbdi_bmotion V; /* U = (w; -v) x S */
     rbdi_sums s;
     rbdi_batch *x = (rbdi_batch *)&s;
+    V.omega = rbdi_b_all(d->V.omega), V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
     RBDI_UNROLL_SUMS for (int j = 0; j < 9; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     if (want & RBDI_WANT_V) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const int turns = RBDI_REPRODUCIBLE || b * RBDI_BATCH < 3; /* signs of zeros differ */
         const rbdi_cbatch m = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
-        rbdi_bmotion U = c->S;
-        if (want & RBDI_WANT_M) c->F = rbdi_whole_times(&s, m, U, turns);
-        if (want & RBDI_WANT_V) {
-            U.v = rbdi_b_cross(w, c->S.v);
-            if (turns) {
-                U.omega = rbdi_b_cross(w, c->S.omega);
-                U.v = rbdi_b_cross_add(U.v, c->S.omega, v);
-            }
-            c->D = rbdi_whole_times(&s, m, U, turns);
-            if (turns) c->D = rbdi_subtree_B_add(c->D, &s, c->S.omega);
+        const rbdi_bmotion S = c->S;
+        const rbdi_b3 a = rbdi_b_cross(up, S.omega); /* Phi = (0; a) */
+        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, m, S);
+        if (want & RBDI_WANT_V)
+            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, m, rbdi_b_motion_cross(V, S)), &s, S.omega);
+        if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
+    }
+}
+/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of the next
+   row, which is stored later, but does not pass end, the number of the matrix's entries. */
+RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
+                                     rbd_real *out) {
+    const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
+    for (ptrdiff_t b = d->batches - 1; b >= behind; --b) {
+        const rbdi_batch *in = (const rbdi_batch *)x + b * RBDI_COLUMN_SIZE;
+        rbd_real *to = out + base + (b - behind) * RBDI_BATCH;
+        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k, to += nv) {
+            if (RBDI_BATCH == 1 || to - out <= end - RBDI_BATCH)
+                *(rbdi_batch *)to = in[k];
+            else
+                rbdi_copy((const rbd_real *)&in[k], (int)(end - (to - out)), to);
         }
-        U.v = rbdi_b_cross(up, c->S.omega);
-        if (want & RBDI_WANT_Q) c->E = rbdi_whole_times(&s, m, U, 0);
+    }
+    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
+            rbdi_copy(&x[j * RBDI_COLUMN_SIZE], 6 - j < RBDI_BATCH ? 6 - j : RBDI_BATCH, &out[j]);
     }
 }
-/* Stores as many rows of the base's own six columns. in: their first component. */
-RBDI_INLINE void rbdi_put_base_block(const rbd_real *in, int rows, ptrdiff_t nv, rbd_real *out) {
-    for (int k = 0; k < rows; ++k, in += RBDI_BATCH, out += nv) {
-        rbd_real row[6];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-            row[j] = in[j / RBDI_BATCH * RBDI_COLUMN_SIZE * RBDI_BATCH + j % RBDI_BATCH];
-        }
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { out[j] = row[j]; }
-    }
-}
-/* Rows of the base: the columns F, D or E of all dofs. The last batch of a row may overwrite the beginning of
-   the next row, which is therefore stored later. */
-RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F, rbd_real *out) {
-    const ptrdiff_t nv = d->model->nv;
-    for (int b = d->batches - 1; b >= d->behind; --b) {
-        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN_SIZE;
-        rbd_real *to = out + d->base + (b - d->behind) * RBDI_BATCH;
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-            *(rbdi_batch *)(to + k * nv) = in[k];
-    }
-    rbdi_put_base_block(F, 6, nv, out);
-}
-/* The base's columns in the rows of a batch of dofs, beginning with the first of these: (n; f). */
+/* Stores (n; f) of a batch of dofs as the base's columns of their rows. */
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
@@ -1288,17 +1214,17 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
             *(rbdi_four *)&out[k * nv] = row[0][k], *(rbdi_four *)&out[k * nv + 2] = row[1][k];
 }
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
-    const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
+    const rbdi_b3 w = rbdi_b_all(d->V.omega), minus_v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v)),
+                  up = rbdi_b_all(d->up);
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 T = d->columns[b].T;
         const rbdi_bforce F = d->columns[b].F;
         if (want & RBDI_WANT_M) rbdi_put_base_columns(d, b, F.n, F.f, out.at[RBDI_MASS]);
         if (want & RBDI_WANT_V)
-            rbdi_put_base_columns(d, b, rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(T, F.n, w), F.f, minus_v),
-                                  rbdi_b_cross_vec(F.f, w), out.at[RBDI_BY_V]);
+            rbdi_put_base_columns(d, b, rbdi_b_cross_add(rbdi_b_cross_add(T, F.n, w), F.f, minus_v),
+                                  rbdi_b_cross(F.f, w), out.at[RBDI_BY_V]);
         if (want & RBDI_WANT_Q)
-            rbdi_put_base_columns(d, b, rbdi_b_cross_vec(F.f, up), rbdi_b_all(rbdi_vec0()),
-                                  out.at[RBDI_BY_Q]);
+            rbdi_put_base_columns(d, b, rbdi_b_cross(F.f, up), rbdi_b_all(rbdi_vec0()), out.at[RBDI_BY_Q]);
     }
 }
 
@@ -1311,13 +1237,14 @@ RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn
 }
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
+    const rbdi_b3 w = rbdi_b_all(d->V.omega);
     ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
     for (int b = d->behind; b < d->batches; ++b) {
-        const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
+        const rbdi_b3 y = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
         const rbd_real *x = (const rbd_real *)&y;
         for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
             for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
@@ -1325,17 +1252,16 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
 }
 
 /* dtau_i/dq_j for dofs i before j of one block. */
-RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
-    const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-    const rbdi_motion Phi = rbdi_load_motion(RBDI_OF(d, j, Phi));
-    return rbdi_dot(rbdi_load_vec(RBDI_OF(d, i, T)), rbdi_load_vec(RBDI_OF(d, j, Psi))) +
-           rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
-}
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
     for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
-        for (int i = r->first; r->block && i < r->end; ++i)
+        for (int i = r->first; r->block && i < r->end; ++i) {
+            const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
             for (int j = i + 1; j < r->end; ++j)
-                by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
+                by_q[d->entry[i].row + d->entry[j].user] =
+                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega))) +
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi)), F);
+        }
 }
 /* Rotors, on the diagonal of M. */
 RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
@@ -1346,33 +1272,25 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* Clears a matrix unless every entry will be written. */
-RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (rbdi_mimics(m) || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
-}
-
-/* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
-enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
-
-/* All entries of the wanted matrices. */
+/* All entries of the wanted matrices: results, or right-hand sides in rbd_fd_derivatives. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
-                                rbd_real *M, int what) {
+                                rbd_real *M, int results) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
+    const int zeros = !results || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
-        for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
+    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros && (m->nblock || m->nh < m->nv * (m->nv + 1) / 2)))
+        for (int r = 0; r < RBDI_RESULTS; ++r) /* unless every entry is written: batches go into whole rows */
+            if (out.at[r]) rbdi_clear(out.at[r], m->nv * m->nv);
     if (d->base) {
         rbdi_base_columns(d, want);
-        if (by_q) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->E, by_q);
-        if (by_v) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->D, by_v);
-        if (M) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->F, M);
+        if (by_q) rbdi_put_components(d, (const rbd_real *)&d->columns->E, 6, PTRDIFF_MAX, by_q);
+        if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
+        if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
     }
     if (!RBDI_FOR_SPEED)
         rbdi_put_rows(d, want, zeros, out);
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
@@ -1382,7 +1300,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 #endif
     else
         rbdi_put_rows(d, want, zeros, out);
-    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
+    if (d->base && results) rbdi_put_base(d, want, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }
@@ -1418,9 +1336,6 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
 RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
     return (rbd_const *)&d->constants[d->entry[k].batch] + d->entry[k].lane;
 }
-RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
-    for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
-}
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
@@ -1428,7 +1343,7 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's own. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -1439,12 +1354,12 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
     const int x = (z + 1) % 3, y = (z + 2) % 3;
     const rbd_const own[10] = {S[x][x], S[x][y], S[x][z], S[y][y], S[y][z],
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
-    rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
+    for (int j = 0; j < 10; ++j) rbdi_constants_of(d, last)[j * RBDI_BATCH] = own[j];
     for (int k = l->first; k <= last; ++k) {
         const int slides = rbdi_slides(m, l, k), screw = rbdi_is(l, RBDI_SCREW);
         const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
                                    screw ? l->kappa : RBD_C(slides)};
-        rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
+        for (int j = 0; j < 3; ++j) rbdi_constants_of(d, k)[(10 + j) * RBDI_BATCH] = rest[j];
     }
 }
 
@@ -1534,8 +1449,8 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 }
 #endif
 
-/* Chooses the link that has the origin of a root's tree: the first that rotates, or the last of a chain of
-   links that only slide. */
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
+   that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
@@ -1547,7 +1462,7 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
-/* The motion columns S of a free base's dofs, unit vectors: no call computes them anew. */
+/* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
         rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());
@@ -1626,7 +1541,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* Positions, F and wrenches of the other roots' trees are moved to the first root's origin. */
+/* Moves positions, F and wrenches of the other roots' trees to the first root's origin. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
@@ -1646,8 +1561,8 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     }
 }
 
-/* The centre of mass from there; 0 without mass. With a free base no mass moved past it: h of the whole tree
-   has it. Else it is that of the bodies as described. */
+/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives it, for
+   no mass was moved past the base. Otherwise it comes from the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
@@ -1663,64 +1578,40 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
 }
 
-/* From a free base's axes to the world's, E being its rotation. */
+/* E' a, from a free base's axes to the world's. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
                       a.x * E.xz + a.y * E.yz + a.z * E.zz);
-}
-
-/* Adds k times each of x to a column of a matrix whose rows are nv long. */
-RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
-    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
-}
-/* Stores the vectors y of a batch of dofs as columns of three rows; with mimic joints it adds them. end: how
-   many entries there are from out on. A batch may overwrite the beginning of the next row, but not pass the
-   end: later batches must be stored first. */
-RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
-    const rbd_model *m = d->model;
-    const rbdi_batch row[3] = {y.x, y.y, y.z};
-    const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    if (rbdi_mimics(m)) {
-        for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
-            const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
-            const rbdi_b3 in = y;
-            rbd_real x[3];
-            rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
-            rbdi_add_column(out + e->user, nv, rbdi_ratio(m, e->source), x, 3);
-        }
-        return;
-    }
-    RBDI_UNROLL_SIX for (int k = 0, at = first; k < 3; ++k, at += nv) {
-        if (at + RBDI_BATCH <= end) {
-            *(rbdi_batch *)&out[at] = row[k];
-        } else {
-            const rbdi_batch in = row[k];
-            rbdi_copy((const rbd_real *)&in, end - at, &out[at]);
-        }
-    }
 }
 
 /* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
    f only, times scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
-    const int nv = d->model->nv;
+    const rbd_model *m = d->model;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    if (rbdi_mimics(d->model)) rbdi_clear(out, rows * nv);
+    const rbd_real *x = (const rbd_real *)(rows == 3 ? &d->columns->E.f : &d->columns->E.n);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
-    for (int b = d->batches - 1; b >= 0; --b) {
+    for (int b = 0; b < d->batches; ++b) {
         rbdi_bforce F = d->columns[b].F;
-        F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
+        F.n = rbdi_b_cross_add(F.n, F.f, rbdi_b_all(com));
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
-        if (b < d->behind) {
-            d->columns[b].E = F;
-            continue;
-        }
-        if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
-        rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
+        d->columns[b].E = F;
     }
-    if (d->base) rbdi_put_base_block(RBDI_OF(d, 0, E) + (6 - rows) * RBDI_BATCH, rows, nv, out);
+    if (!rbdi_mimics(m)) {
+        rbdi_put_components(d, x, rows, rows * m->nv, out);
+        return;
+    }
+    rbdi_clear(out, rows * m->nv);
+    for (int i = 0; i < d->n; ++i) {
+        const rbdi_entry *e = &d->entry[i];
+        const rbd_real ratio = rbdi_ratio(m, e->source);
+        for (int j = 0; j < rows; ++j) {
+            rbd_real *to = &out[j * m->nv + e->user];
+            *to = *to + ratio * x[e->at + j * RBDI_BATCH];
+        }
+    }
 }
 
 /* The wrench on all that moves, at a = 0: the sum over the roots. */
@@ -1767,17 +1658,16 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
-    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
+    rbdi_put_entries(m, d, NULL, C, NULL, 1);
     return RBD_OK;
 }
 
 /* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the wrenches f_i of the links sum up to f. The wrench tau - f that is missing gives
-   the base's A = y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass
-   c. In the common frame all links accelerate by y: their wrenches are f_i + I_i y, and the sums of these
-   over subtrees give the torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a
-   y in doubt, go by rbd_hybrid. */
+   At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
+   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common frame
+   all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and gravity are in
+   y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
@@ -1792,19 +1682,6 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     s.y = x.y * y - l * s.x;
     s.z = x.z * z - xz * s.x - yz * s.y;
     return s;
-}
-
-/* Adds n components, from x on, of the links behind the base to its own. */
-RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
-    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN_SIZE;
-    rbd_real *to = x + d->entry[d->base - 1].at;
-    rbdi_sum sum[9];
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_of_none();
-    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN_SIZE) {
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_and(sum[j], in[j]);
-    }
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
-        to[j * RBDI_BATCH] + rbdi_sum_value(sum[j]);
 }
 
 /* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
@@ -1831,20 +1708,12 @@ RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives
     return y;
 }
 
-/* What y adds to the wrenches of the links behind the base; then its torques. */
-RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_motion y, const rbd_real *a,
-                                rbd_real *tau) {
-    const rbdi_batch o = rbdi_zero_batch();
-    rbdi_bmotion all;
-    all.omega = rbdi_b_vec(o + y.omega.x, o + y.omega.y, o + y.omega.z);
-    all.v = rbdi_b_vec(o + y.v.x, o + y.v.y, o + y.v.z);
-    for (int b = d->behind; b < d->batches; ++b) {
-        rbdi_sums *s = &d->columns[b].sum;
-        s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
-    }
-    rbdi_sum_few(d, d->segment + 1, (rbd_real *)&d->columns->sum.f, 6);
+/* Torques of the joints if the base moves by y. */
+RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rbdi_motion y,
+                                const rbd_real *a, rbd_real *tau) {
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
-        const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_batch x = rbdi_b_power(c->S, c->sum.f) + rbdi_b_force_dot(c->F, y);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
     }
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
@@ -1871,19 +1740,15 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
                                      const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    const rbd_real *f;
+    rbdi_force f;
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_motion y;
     if (status) return status;
     if (!d->base) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_clear(a, 6);
-    rbdi_common_motion(m, d, d->base, q, v, a, none, RBDI_NEED_WRENCH);
-    rbdi_own_sums(m, d, d->base, f_ext, RBDI_NEED_WRENCH);
-    f = RBDI_OF(d, d->base - 1, sum.f);
-    rbdi_sum_links(d, (rbd_real *)&d->columns->sum, 9);
-    rbdi_sum_links(d, (rbd_real *)&d->columns->sum.f, 6);
-    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), rbdi_load_force(f, RBDI_BATCH)),
-                         &doubt);
+    rbdi_common(m, d, q, v, a, none, f_ext, RBDI_NEED_WRENCH);
+    f = rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH);
+    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), f), &doubt);
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
@@ -1904,19 +1769,14 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
+    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 1);
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                                    rbd_real *dg_dq) {
-    const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
-    if (status) return status;
-    rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
-                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
-    return RBD_OK;
+    if (!m || !d || !q || !dg_dq) return RBD_ERR_NULL;
+    return rbd_id_derivatives(m, d, q, d->work->zero, d->work->zero, NULL, dg_dq, NULL, NULL);
 }
 
 RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
@@ -1941,10 +1801,6 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBD_NO_CHOLESKY
-RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
-    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
-}
-
 /* M into packed rows, without mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
@@ -1994,19 +1850,11 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
+        c->dA = rbdi_b_motion_scale(c->qdd, c->S);
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
-    /* the last dof of a block gets the sum */
-    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
-        for (int k = r->first; r->block && k < r->end - 1; ++k) {
-            rbd_real *last = RBDI_OF(d, r->end - 1, E);
-            rbdi_store_force(last, RBDI_BATCH,
-                             rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
-                                            rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
-        }
     rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -2018,36 +1866,35 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_columns_by_q(d);
 }
 
-/* From y, in d->a, and its derivatives to a and its, which may be NULL; v: velocity of the base. */
+/* Adds [s]x to three rows and columns of a matrix with rows of nv. */
+RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
+    const rbd_real x[3] = {s.x, s.y, s.z};
+    for (int i = 0; i < 3; ++i, out += nv) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[j] = out[j] - x[k], out[k] = out[k] + x[j];
+    }
+}
+/* Turns y, in d->a, into a, and the derivatives of y, which may be NULL, into those of a. v: velocity of the
+   base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
-    const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
-                  up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
-    const rbd_real W[3] = {w.x, w.y, w.z}, U[3] = {up.x, up.y, up.z};
+    const rbdi_v3 w = rbdi_vec(v[0], v[1], v[2]), u = rbdi_vec(v[3], v[4], v[5]),
+                  g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
+                  y = rbdi_vec(d->a[3], d->a[4], d->a[5]);
     rbd_real *turn[3];
     if (by_v) rbdi_place_turns(by_q, by_v, turn);
     for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
         if (by_v) {
-            rbd_real *row = by_v + r, x = turn[0][r], y = turn[1][r], z = turn[2][r];
-            row[0] = x, row[1] = y, row[2] = z;
-            row[3] = row[4] = row[5] = rbdi_zero();
+            rbdi_store(rbdi_vec(turn[0][r], turn[1][r], turn[2][r]), by_v + r);
+            rbdi_store(rbdi_vec0(), by_v + r + 3);
         }
         if (by_q) rbdi_clear(by_q + r, 6);
     }
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        d->a[3 + i] = d->a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
-        if (by_q) {
-            rbd_real *row = by_q + (3 + i) * nv;
-            row[j] = U[k], row[k] = -U[j];
-        }
-        if (by_v) {
-            rbd_real *row = by_v + (3 + i) * nv;
-            row[j] = row[j] - v[3 + k], row[k] = row[k] + v[3 + j];
-            row[3 + j] = W[k], row[3 + k] = -W[j];
-        }
-    }
+    rbdi_store(rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g), d->a + 3);
+    if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
+    if (by_v)
+        rbdi_add_skew(by_v + 3 * nv, nv, u), rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -2057,7 +1904,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
     rbd_real *sides[2];
     rbdi_mask doubt;
-    int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
+    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
     if (rbdi_mimics(m)) rbd_crba_packed(m, d->work, q, d->work->H);
@@ -2072,7 +1919,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_RIGHT_SIDES);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
@@ -2101,8 +1948,8 @@ RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3
     rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
 }
 
-/* (x R) of a body as described, by rows: its origin and axes in the common frame. With a row's four figures
-   belong to the same four parameters: a' (x R) is (a' x; R' a). */
+/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the parameters
+   m and m c: a' (x R) = (a' x; R' a). */
 typedef struct rbdi_placement {
     rbdi_four row[3];
 } rbdi_placement;
@@ -2133,10 +1980,10 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* The motion of a link, which the unit wrenches of its bodies depend on, stored in unused fields: Omega in
-   the rows of X, acc in P, omega and omega_dot in U. */
+/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the rows of X,
+   acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
-    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
+    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
         const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
@@ -2148,7 +1995,7 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
 
 /* Wrenches of a body's unit parameters, in the common frame: six rows of ten in K, moments and forces. With
    acc of the body's origin and body axes e, of m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega e);
-   inertia: I omega_dot + omega x I omega, in body axes, its forces being zero and not written. */
+   inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
     const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
@@ -2184,7 +2031,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     }
 }
 
-/* y = S' K, ten figures. */
+/* y = S' K, ten scalars. */
 RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S, rbd_real *y) {
     static const int at[3] = {0, 4, 6}; /* the last two go over one another */
     rbdi_four sum[3];
@@ -2229,9 +2076,10 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
             rbd_real *y = Y + entry[k].user * columns;
             const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
             if (rbdi_mimics(m)) {
+                const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
                 rbdi_regress(K, stride, s, part);
-                rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);
+                for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
             } else
                 rbdi_regress(K, stride, s, y);
         }
@@ -2255,7 +2103,7 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         if (root < 0) continue;
         while (m->link[root].parent >= 0) root = m->link[root].parent;
         rbdi_place_body(m, d, u, &p);
-        if (Y_kinetic) { /* the frame moves: its velocity is that which the world has, reversed */
+        if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
             const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
                               V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),
@@ -2338,9 +2186,9 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is [w]x + eps [u]x in dual numbers, eps below the diagonal: f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on
-   it and its derivative along u below, b and c being functions of x = w'w. In c_n = sum (-x)^k / (n + 2k)!,
-   for which 2 dc_n/dx = n c_n+2 - c_n+1, are
+   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2
+   on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum (-x)^k /
+   (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
 
        exp(-ad)   b = -c_1, c = c_2
        J_r        b = -c_2, c = c_3
@@ -2425,7 +2273,8 @@ static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 
-/* A joint's part of a matrix that is zero: scale f(ad) of d sign; for joints whose steps add, scale. */
+/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps add
+   f = 1. */
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;

@@ -58,14 +58,14 @@ RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const 
 typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold together, and scratch */
 
 /* Checks n constraints and prepares them in the caller's memory, for this model and work, which the calls
-   use. If contacts come and go, make a set for each phase; the sets may share the work. list     n
-   constraints, only their names are needed later; n may be 0 memory   size bytes of any alignment.
-   RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all.
+   use. If contacts come and go, make a set for each phase; the sets may share the work.
+   list     n constraints; only their names are needed later; n may be 0
+   memory   size bytes of any alignment. RBD_CONSTRAINT_SET_SIZE(nv, rows) suffices, rows: axes held by all;
             RBD_CONSTRAINT_SET_SIZE_OF(nv, n, rows) is nearer; rbd_constraint_set_size is exact
-   c        receives the set, which lies inside memory: do not move it; NULL after an error report   receives
-   the error: body is the constraint's index, field one of rbd_constraint's; may be NULL Errors: RBD_ERR_NULL,
-   _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint moves one against the
-   other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   c        receives the set, which lies inside memory: do not move it; NULL after an error
+   report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
+   Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint
+   moves one against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);
@@ -82,17 +82,17 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
 
 /* The rank that the last call found, with lanes the least of all states: of J at q (rbd_constrained_fd and
    its derivatives, rbd_impact) or at q_near (rbd_assemble); of the columns of J of the joints without motors
-   (rbd_constrained_id). rbd_constraint_jacobian leaves it. */
+   (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. Of rows that depend
-   on each other the state decides which can be left out, not your order; if several of those contradict the
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on each
+   other, the state decides which of them are left out, not their order. If several of these contradict the
    others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
    q: nq, v, tau, a: nv, f_ext: nb x 6 or NULL; rows: rbd_constraint_rows. An output may be the same array as
-   an input of the same shape. Each of them overwrites the results of rbd_kinematics in the work. Errors:
+   an input of the same shape. Each call overwrites the results of rbd_kinematics in the work. Errors:
    RBD_ERR_NULL, _WORK; _SINGULAR, _NAN and _INFEASIBLE where said. */
 
 /* Jacobian J, rows x nv; gamma, rows; position error e, rows; all three as in [conventions]. Each may be
@@ -102,12 +102,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
                                             rbd_real *e);
 
 /* Accelerations and constraint forces: M a + c = tau + sum J_b' f_ext + J' lambda and J a + gamma = -kd J v -
-   kp e, RBDA section 8.4 and, for kp and kd, 8.3. Where rows depend on others (rbd_constraint_rank), a is
-   unique and lambda the solution of least norm.
+   kp e, RBDA section 8.4 and, for kp and kd, 8.3. If rows depend on others (rbd_constraint_rank), a is
+   unique and lambda is the solution of least norm.
    lambda   rows; may be NULL
-   Errors: also RBD_ERR_SINGULAR and _NAN, M being so: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): the first equation holds
-   all the same, and the second in the sense of least squares. A state in which rows depend on each other
+   Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
+   holds, and the second in the sense of least squares. A state in which rows depend on each other
    takes up to four times as long as one in which they do not. */
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
@@ -122,11 +122,11 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
-   motors. Of all lambda that leave tau = 0 at the others (a free base), that with the least sum of weight
-   lambda^2; if there is none, the one that comes nearest (least squares): tau has there what is missing.
-   lambda must be checked by the caller: a foot may be asked to pull.
-   a          nv, wanted, with J a + gamma = 0: say, what rbd_constrained_fd gives with another set, in which
-              the task is rows with gains, too
+   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum of
+   weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is missing. The
+   caller must check lambda: a foot may be asked to pull.
+   a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
+              in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
    weight     rows, above 0; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
@@ -135,13 +135,13 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: q_near near q, with e = 0; v_near with J v_near = 0 there, the
-   one that is nearest to v in the sum of weight (v_near - v)^2.
+/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near = 0
+   there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of J. Where all joints have one degree of freedom that makes it the nearest place,
-   or at least nearer than all beside it; on other joints nearly so, the closer the smaller d. Newton's
-   method, from q, finds it: far from any solution it may find none, or another one, and in a singular place,
-   where rows lose their rank, q_near may only be close.
+   combination of the rows of J. If all joints have one degree of freedom, it is the nearest place, or nearer
+   than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
+   from q. Far from any solution it may find none, or another one. In a singular place, where rows lose their
+   rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
    weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian

@@ -27,26 +27,26 @@
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
 
 /* Prepares the memory that the calls of this header work in.
-   w        a work of the model, whose gravity they take and whose scratch they use: not one in which another
-            thread computes, and what rbd_kinematics left in it stays
+   w        a work of the model. The calls take its gravity and use its scratch, so that no other thread may
+            compute in it. They keep the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it
-   It holds constants of the model m in another order: call it again when those have changed. With any other
-   model every call returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
+   It holds constants of the model: call it again when those have changed. With any other model every call returns
+   RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **d);
 
 /* Bytes that rbd_derivatives_init needs for this model. */
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 
-/* In all that follows q: nq; v, a: nv; f_ext: nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
+/* Sizes in all calls below: q nq; v, a nv; f_ext nb x 6 or NULL. Errors: RBD_ERR_NULL, RBD_ERR_WORK. */
 
 /* ---- momentum [momentum] ---- */
 
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
-   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: what is left of
-   the momentum's rate, A a + A_dot_v, at a = 0. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
+   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's rate
+   is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
@@ -69,8 +69,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics of a robot that stands on nothing, RBDA section 9.3: rbd_hybrid in half
-   of its instructions, if the torques of floating bases and the accelerations of all other joints are given.
+/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the accelerations
+   of all other joints. It takes a little more than half the instructions of rbd_hybrid.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */

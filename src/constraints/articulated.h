@@ -7,7 +7,7 @@
 
 /* ---- articulated bodies [articulated] ----
    A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
-   After pass 2 of [aba], which eliminates one joint after the other, K goes down the tree to the world. The
+   Pass 2 of [aba] eliminates one joint after the other. K is then carried from link to link to the world. The
    acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
@@ -23,7 +23,7 @@
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it has reached, and target - epsilon. */
+/* K of a batch of rows, in the axes of the link that it was carried to, and target - epsilon. */
 typedef struct rbdi_carried {
     rbdi_batch K[6], b;
 } rbdi_carried;
@@ -84,8 +84,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of block link i, whose rows of Y are `stride` apart. Nothing of K passes a free
-   base: its U/D has only the entries that its own dofs need. */
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free base: its
+   U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -114,7 +114,7 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
     return on;
 }
 
-/* Carries K from link i down to link `stop`. Y: the batch in the row of dof 0. */
+/* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
                             rbdi_carried *carried, rbd_real *Y) {
     rbdi_carried on = *carried; /* in registers */
@@ -130,8 +130,8 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 }
 
 /* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
-static void rbdi_rows_down(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
-                           const rbdi_axes_held *h, rbdi_v3 p) {
+static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
+                               const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + k->row + r;
     rbdi_carried on, one;
     for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
@@ -168,8 +168,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. The terms of gamma by accelerations come with K: they are
-   0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that these
+   are 0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;

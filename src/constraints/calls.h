@@ -47,9 +47,8 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Computes the accelerations x; with a restitution the change of velocity in an impact, which is the same
-   without gravity, velocity products and forces. By articulated bodies: returns 0, x untouched, if a pivot is
-   in doubt. */
+/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in an impact:
+   the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -71,7 +70,7 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
         rbdi_set_axes(c, k, &h);
         p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_down(m, c, k, r, &h, p);
+        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, k, r, &h, p);
     }
     return rbdi_articulated_solve(m, c, x);
 }
@@ -96,7 +95,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
         rbdi_set_target(c, k, restitution);
     }
-    rbdi_multipliers(m, c, w->H, !restitution); /* J v is in the range of J */
+    rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }

@@ -6,8 +6,8 @@
 #include "api/constrained_derivatives.h"
 #include "constraints/calls.h"
 
-/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_encounter, rbdi_encounter_of,
-   rbdi_error_turn */
+/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_error_turn, rbdi_pair_motion,
+   rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -40,7 +40,7 @@
    Checked against finite differences in tests/test_constraints.c. */
 
 /* Relative motion of the two bodies of a constraint, and their force. */
-typedef struct rbdi_encounter {
+typedef struct rbdi_pair_motion {
     rbdi_station body[2];
     rbdi_v3 w, u, angular, linear, m, f;
     rbdi_axes_held h;
@@ -48,7 +48,7 @@ typedef struct rbdi_encounter {
     rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
     rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
     rbdi_v3 rolls;   /* p moves over body 1, of balls in contact: by z x rolls, z the relative turn */
-} rbdi_encounter;
+} rbdi_pair_motion;
 
 /* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
 typedef struct rbdi_change {
@@ -67,8 +67,8 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    rbdi_encounter x;
+static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
+    rbdi_pair_motion x;
     const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
     x.body[0] = one, x.body[1] = two;
     x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
@@ -99,7 +99,7 @@ static rbdi_encounter rbdi_encounter_of(const rbd_constraint_set *c, const rbdi_
 }
 
 /* By dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_encounter *x,
+static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_pair_motion *x,
                                   int side, int link, int j) {
     const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
@@ -140,14 +140,14 @@ static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
-static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_encounter *x, rbdi_v3 z) {
+static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_pair_motion *x, rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(x->turn, z), more = rbdi_scale(x->bend, rbdi_cross(x->turn, bent));
     if (k->angular == 2) return rbdi_cross(x->free[0], rbdi_cross(z, x->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, const rbdi_change *d, int nv,
+static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, const rbdi_change *d, int nv,
                            rbd_real *by_q, rbd_real *by_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
@@ -168,10 +168,10 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_encounter *x, co
     }
 }
 
-/* Takes from rho what a dof of the link `mover` changes of J' lambda: a column. The dofs' motions
-   S stand in the columns Phi of d, which are no longer needed. Those of S are: d keeps a free base's. */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs' motions S
+   stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a free base's. */
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                         const rbdi_encounter *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
+                         const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
                   sf = rbdi_cross(S.v, x->f), roll = rbdi_cross(rbdi_cross(S.omega, x->rolls), x->f);
     RBDI_FOR_PATHS(m, k, link, sign) {
@@ -189,7 +189,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
 static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                               const rbdi_encounter *x, rbd_real *rho) {
+                               const rbdi_pair_motion *x, rbd_real *rho) {
     RBDI_FOR_PATHS(m, k, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
         rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi)),
@@ -200,7 +200,7 @@ static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, con
 static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
                                const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
-    const rbdi_encounter x = rbdi_encounter_of(c, k);
+    const rbdi_pair_motion x = rbdi_pair_motion_of(c, k);
     RBDI_FOR_PATHS(m, k, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {

@@ -12,7 +12,7 @@
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
-   beta is column `rows` of R, as Delta has b there. */
+   Delta has b in column `rows`, and R then has beta there. */
 
 /* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
@@ -29,17 +29,17 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
 /* Computes c->noise from the levers of J's entries, the distances of the links from the world's origin, and
    from 1/D of the dofs on the paths. */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
-    rbd_real levers = rbdi_set(RBD_C(1)), give = rbdi_zero();
+    rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
         for (int side = 0; side < 2; ++side)
             if (k->link[side] >= 0)
                 levers = levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
     for (int k = 0; k < m->nv; ++k)
-        if (c->span[k].end > 0) give = give + c->D_inverse[k];
-    c->noise = levers * give * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
+        if (c->span[k].end > 0) inverse = inverse + c->D_inverse[k];
+    c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, which have entries in these dofs, and b behind them. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
@@ -63,7 +63,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-/* The same of any number of rows. dof: ascending. */
+/* The same for any number of rows. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
@@ -93,7 +93,7 @@ RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int 
     return b;
 }
 
-/* Replaces row t of Delta, and b_t, by those of R and beta. Returns whether the pivot is in doubt. */
+/* Replaces row t of Delta by that of R, and b_t by beta_t. Returns whether the pivot is in doubt. */
 RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;

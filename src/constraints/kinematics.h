@@ -45,8 +45,8 @@ static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constr
     return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
 }
 
-/* log R, the rotation vector. Sums of R's entries are four multiples of its quaternion, by one of the
-   components each; the one with the largest factor is exact enough. */
+/* log R, the rotation vector. Sums of R's entries give four multiples of its quaternion, each by one of its
+   components. The one with the largest factor is accurate. */
 static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
@@ -77,7 +77,7 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, world axes, rows as lanes: components of the axes of angular rows, then
+/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then those
    of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];

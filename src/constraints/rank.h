@@ -5,8 +5,8 @@
 #include "constraints/factor.h"
 
 /* ---- rank [rank] ----
-   Where a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is
-   the square root of that of Delta:
+   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead. Its condition number is the
+   square root of that of Delta:
 
        Z P = Q R,    Delta = P R' R P'
 
@@ -175,7 +175,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
 }
 
-/* Replaces c->demand by the amount to which targets may contradict each other; brings it and c->target to the
+/* Replaces c->demand by the amount by which targets may contradict each other. Brings it and c->target to the
    order of R. */
 static void rbdi_bound_demand(rbd_constraint_set *c) {
     for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
@@ -218,7 +218,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n
 }
 
 /* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
-   components along the null vectors, too: they would contradict each other. */
+   components along the null vectors, too: with them the equations would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
     rbd_real *x = c->square;
     rbdi_to_order(c, X, n);

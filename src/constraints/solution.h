@@ -6,7 +6,7 @@
 /* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
 
 /* ---- solution [solution] ----
-   The steps by the factor of M before and after [factor] or [rank]. L = NULL: L = 1. */
+   The steps by the factor of M, before and after [factor] or [rank]. L = NULL means L = 1. */
 
 /* x = L^-T x; D^-1. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {

@@ -9,8 +9,8 @@
    the one that its condition explains, because Delta squares the condition of the rows.
    RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
    exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
-   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS of J's levers, as the lightest
-   joints magnify them: a row below that moves nothing, its entries are rounding.
+   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS times J's levers, magnified by the
+   lightest joints. A smaller row moves nothing: its entries are rounding.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
@@ -41,7 +41,7 @@
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of rows with equal shares but for rounding the first is taken */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* if shares differ by rounding alone, the first row is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_SHARE RBD_C(1e-3)
 #define RBDI_MOST_SHARE RBD_C(5)

@@ -14,11 +14,11 @@ RBDI_CODE_BEGIN
 #endif
 
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree in one frame: world axes, origin in the first rotating link from the root,
-   at this instant moving with that link's origin (any frame that moves uniformly gives the same matrices;
-   this one keeps a root's place and velocity out of the differences of which small inertias are made). The
-   world then moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
-   else is independent from dof to dof: the dofs, in the solver's order, are the SIMD lanes.
+   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the first
+   rotating link from the root, and at this instant it moves with that origin. Any frame that moves uniformly gives
+   the same matrices; this one keeps the place and velocity of a root out of the differences that give small
+   inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
+   else is computed for each dof alone: the dofs, in the caller's order, are the SIMD lanes.
 
    A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
    R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
@@ -29,26 +29,26 @@ RBDI_CODE_BEGIN
        Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
                                                    A of the world: (0; -gravity)
 
-   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x (the regrouped
-   constants of the model will do: whatever moves alike has the same momentum and force), and with acc = a +
-   omega x v and Omega = [omega_dot]x + [omega]x [omega]x
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's regrouped
+   constants give the same sums: bodies that move alike have the same momentum and force. With acc = a + omega x v
+   and Omega = [omega_dot]x + [omega]x [omega]x
 
        X = [omega]x Sigma + v h'    the integral of x_dot x' dm
        P = m v + omega x h          linear momentum
        f = wrench (n; f) of rbd.h's [state], less the external ones
 
-   27 numbers and m, summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
-   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link every dof has the columns
+   These 27 numbers and m are summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
+   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link each dof has the columns
 
        F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes.
-   There its S are unit vectors and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot
-   + w x v - gravity). Of its dofs, e a unit vector, are then
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There its S
+   are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot + w x v -
+   gravity). Its dofs then have
 
-       turns   U = (w x e; e x v), Psi = (0; e x v), Phi = (0; (A - v_dot) x e)      shifts   U = (0; w x e)
+       turns   U = (w x e; e x v), Phi = (0; -gravity x e)      shifts   U = (0; w x e), Phi = 0
    Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
    B. */
 
@@ -81,8 +81,8 @@ typedef struct rbdi_sums {
 
 struct rbdi_columns {
     rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA likewise; their order counts in
-                                                    rbdi_sum_ancestors */
+    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA = A - A_p; rbdi_sum_ancestors needs
+                                                    this order */
     rbdi_sums sum;
     rbdi_bforce F, D, E;
     rbdi_b3 T;
@@ -112,10 +112,7 @@ RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
 }
 RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
-/* c + k a and c + a x b: sums before products are contracted to FMA best. */
-RBDI_INLINE rbdi_b3 rbdi_b_scale_add(rbdi_b3 c, rbdi_batch k, rbdi_b3 a) {
-    return rbdi_b_vec(c.x + k * a.x, c.y + k * a.y, c.z + k * a.z);
-}
+/* c + a x b: sums before products are contracted to FMA best. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 c, rbdi_b3 a, rbdi_b3 b) {
     return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
 }
@@ -132,6 +129,10 @@ RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
     return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
            (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
 }
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
+    a.omega = rbdi_b_scale(k, a.omega), a.v = rbdi_b_scale(k, a.v);
+    return a;
+}
 /* V x S, and with c added. */
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
     c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
@@ -145,8 +146,7 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
     return c;
 }
 
-/* Scalars of a dof, one lane of its batch: the first component of a field. From one component to the next are
-   RBDI_BATCH scalars. */
+/* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
 #define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
 RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
     return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
@@ -172,28 +172,7 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
     return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
 }
 
-/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. In planar joints the axes of
-   that dof are in another order. */
-RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
-    const rbdi_link *l = &m->link[link];
-    const int last = rbdi_last_dof(m, link);
-    const rbd_real *in = RBDI_OF(d, last, ex);
-    rbdi_v3 ex = rbdi_load_vec(in), ey = rbdi_load_vec(in + 3 * RBDI_BATCH),
-            ez = rbdi_load_vec(in + 6 * RBDI_BATCH);
-    rbdi_pose X;
-    if (rbdi_dof_axis(m, l, last) != 2) {
-        const rbdi_v3 turned = ex;
-        ex = ey, ey = ez, ez = turned;
-    }
-    X.E.xx = ex.x, X.E.xy = ex.y, X.E.xz = ex.z;
-    X.E.yx = ey.x, X.E.yy = ey.y, X.E.yz = ey.z;
-    X.E.zx = ez.x, X.E.zy = ez.y, X.E.zz = ez.z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
-    return X;
-}
-
-/* Stores axes and origin of a link for one of its dofs. The axes come in such an order that z is the dof's
-   own. */
+/* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
     rbdi_store_vec(out, rbdi_axis_vec(x));
@@ -201,26 +180,33 @@ RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_fou
     rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
     rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
 }
+/* The same for the dofs of a block from k on. */
+RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
+                                   const rbdi_axes *p) {
+    const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+    for (; k < d->entry[l->first].joint; ++k) {
+        const int axis = rbdi_dof_axis(m, l, k);
+        rbdi_put_axes(RBDI_OF(d, k, ex), e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+    }
+}
+/* Pose of a link in the common frame, x_link = E (x - r), from its last dof. */
+RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
+    const int last = rbdi_last_dof(m, link), axis = rbdi_dof_axis(m, &m->link[link], last);
+    const rbd_real *in = RBDI_OF(d, last, ex);
+    rbdi_v3 e[3];
+    rbdi_pose X;
+    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
+    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
+    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
+    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    return X;
+}
 
 /* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
-}
-
-/* Stores axes and origin for the dofs of a block from k on. */
-RBDI_INLINE void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
-                                     const rbdi_axes *p) {
-    for (; k < d->entry[l->first].joint; ++k) {
-        rbd_real *out = RBDI_OF(d, k, ex);
-        const int axis = rbdi_dof_axis(m, l, k);
-        if (axis == 0)
-            rbdi_put_axes(out, &p->y, &p->z, &p->x, &p->origin);
-        else if (axis == 1)
-            rbdi_put_axes(out, &p->z, &p->x, &p->y, &p->origin);
-        else
-            rbdi_put_axes(out, &p->x, &p->y, &p->z, &p->origin);
-    }
 }
 
 /* Axes and origins of all links; base: in the base's axes. */
@@ -244,9 +230,10 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());
         }
-        if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &p);
-        else
+        if (rbdi_is(l, RBDI_BLOCK)) {
+            const rbdi_axes own = p; /* an address of p would keep it in memory */
+            rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
+        } else
             rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
     }
 }
@@ -263,9 +250,9 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp of dV or Ap of dA, which begin apart scalars behind. world: V or A of the roots'
-   parent, with a base that of its link. moves: the frame moves with the link of its origin, whose velocity
-   is subtracted. */
+/* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
+   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link of its
+   origin, is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -300,7 +287,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a, whose order the lanes have, from dof k on: 0, or the first behind a free base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -310,44 +297,38 @@ RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v,
     for (; k < n; ++k) *out++ = v[k];
 }
 
-/* Quantities that a call needs beyond F, which depends on q only. */
+/* Quantities that a call needs beyond F. F depends on q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q has Phi and E */
-    RBDI_NEED_CORIOLIS = 4, /* X and P not of 2 V, and U = V x S: B instead of 2 B */
-    RBDI_NEED_WHOLE = 16    /* of a free base: with its velocity and gravity, too */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; Phi and E by rbdi_columns_by_q */
+    RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
+    RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity */
 };
 
-/* V_p, dV, Psi and, if it is needed, U. For a Coriolis matrix U is V x S. */
+/* V_p, dV, Psi and, if needed, U. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
                                  int need) {
-    const int first = base ? d->behind : 0, coriolis = need & RBDI_NEED_CORIOLIS;
-    rbdi_motion V = rbdi_motion0();
-    if (base) V.omega = d->V.omega;
+    const int first = base ? d->behind : 0;
+    rbdi_motion world = rbdi_motion0();
+    if (base) world.omega = d->V.omega;
     rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dV.omega = rbdi_b_scale(c->qd, c->S.omega);
-        c->dV.v = rbdi_b_scale(c->qd, c->S.v);
+        c->dV = rbdi_b_motion_scale(c->qd, c->S);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, V, 1);
+    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, world, 1);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->Psi = rbdi_b_motion_cross(c->Vp, c->S);
-        if (need & RBDI_NEED_V) c->U = coriolis ? c->Psi : rbdi_b_motion_add(c->Psi, c->Psi);
+        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), S = c->S, Psi = rbdi_b_motion_cross(c->Vp, S);
+        c->Psi = Psi;
+        if (need & RBDI_NEED_CORIOLIS)
+            c->U = rbdi_b_motion_cross(V, S);
+        else if (need & RBDI_NEED_V)
+            c->U = rbdi_b_motion_cross_add(Psi, V, S);
     }
-    if (!(need & RBDI_NEED_V)) return;
-    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
-        for (int k = r->first; r->block && k < r->end; ++k) {
-            const rbdi_motion J = rbdi_load_motion(RBDI_OF(d, k, dV)), S = rbdi_load_motion(RBDI_OF(d, k, S));
-            rbdi_motion U = rbdi_load_motion(RBDI_OF(d, k, U));
-            U.v = rbdi_add(U.v, rbdi_add(rbdi_cross(J.v, S.omega), rbdi_cross(J.omega, S.v)));
-            U.omega = rbdi_add(U.omega, rbdi_cross(J.omega, S.omega));
-            rbdi_store_motion(RBDI_OF(d, k, U), U);
-        }
 }
 
-/* A_p, dA and Phi, the world accelerating upward by -gravity. */
+/* A_p and dA. The world accelerates by -gravity. */
 RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *a,
                                     rbdi_c3 gravity) {
     const int first = base ? d->behind : 0;
@@ -360,13 +341,12 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA.omega = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.omega), c->qdd, c->S.omega);
-        c->dA.v = rbdi_b_scale_add(rbdi_b_scale(c->qd, c->Psi.v), c->qdd, c->S.v);
+        c->dA = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
 }
 
-/* R (x; y; z), constants in the axes of the links. */
+/* R (x; y; z) of constants in the axes of the links. */
 RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez;
     return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
@@ -387,7 +367,7 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k
     s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X and P of the links, V being theirs or, for 2 B in place of B, twice that. */
+/* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
 RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
     const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),

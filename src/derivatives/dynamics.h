@@ -12,19 +12,14 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
     if (status) return status;
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, RBDI_ENTRIES);
+    rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 1);
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                                    rbd_real *dg_dq) {
-    const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
-    if (status) return status;
-    rbdi_common(m, d, q, d->work->zero, d->work->zero, d->work->gravity, NULL,
-                RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_columns_by_q(d);
-    rbdi_put_entries(m, d, dg_dq, NULL, NULL, RBDI_ENTRIES);
-    return RBD_OK;
+    if (!m || !d || !q || !dg_dq) return RBD_ERR_NULL;
+    return rbd_id_derivatives(m, d, q, d->work->zero, d->work->zero, NULL, dg_dq, NULL, NULL);
 }
 
 RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
@@ -49,10 +44,6 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBD_NO_CHOLESKY
-RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
-    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
-}
-
 /* M into packed rows, without mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
@@ -102,19 +93,11 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA.omega = rbdi_b_scale(c->qdd, c->S.omega), c->dA.v = rbdi_b_scale(c->qdd, c->S.v);
+        c->dA = rbdi_b_motion_scale(c->qdd, c->S);
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
-    /* the last dof of a block gets the sum */
-    for (const rbdi_segment *r = d->segment + (base > 0); r < d->segment + d->segments; ++r)
-        for (int k = r->first; r->block && k < r->end - 1; ++k) {
-            rbd_real *last = RBDI_OF(d, r->end - 1, E);
-            rbdi_store_force(last, RBDI_BATCH,
-                             rbdi_force_add(rbdi_load_force(last, RBDI_BATCH),
-                                            rbdi_load_force(RBDI_OF(d, k, E), RBDI_BATCH)));
-        }
     rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -126,36 +109,35 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_columns_by_q(d);
 }
 
-/* From y, in d->a, and its derivatives to a and its, which may be NULL; v: velocity of the base. */
+/* Adds [s]x to three rows and columns of a matrix with rows of nv. */
+RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
+    const rbd_real x[3] = {s.x, s.y, s.z};
+    for (int i = 0; i < 3; ++i, out += nv) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[j] = out[j] - x[k], out[k] = out[k] + x[j];
+    }
+}
+/* Turns y, in d->a, into a, and the derivatives of y, which may be NULL, into those of a. v: velocity of the
+   base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
-    const rbdi_v3 g = rbdi_vec_c(d->work->gravity), w = rbdi_vec(v[0], v[1], v[2]),
-                  up = rbdi_sub(rbdi_vec0(), rbdi_mul(d->work->block[0].X.E, g));
-    const rbd_real W[3] = {w.x, w.y, w.z}, U[3] = {up.x, up.y, up.z};
+    const rbdi_v3 w = rbdi_vec(v[0], v[1], v[2]), u = rbdi_vec(v[3], v[4], v[5]),
+                  g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
+                  y = rbdi_vec(d->a[3], d->a[4], d->a[5]);
     rbd_real *turn[3];
     if (by_v) rbdi_place_turns(by_q, by_v, turn);
     for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
         if (by_v) {
-            rbd_real *row = by_v + r, x = turn[0][r], y = turn[1][r], z = turn[2][r];
-            row[0] = x, row[1] = y, row[2] = z;
-            row[3] = row[4] = row[5] = rbdi_zero();
+            rbdi_store(rbdi_vec(turn[0][r], turn[1][r], turn[2][r]), by_v + r);
+            rbdi_store(rbdi_vec0(), by_v + r + 3);
         }
         if (by_q) rbdi_clear(by_q + r, 6);
     }
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        d->a[3 + i] = d->a[3 + i] - (W[j] * v[3 + k] - W[k] * v[3 + j]) - U[i];
-        if (by_q) {
-            rbd_real *row = by_q + (3 + i) * nv;
-            row[j] = U[k], row[k] = -U[j];
-        }
-        if (by_v) {
-            rbd_real *row = by_v + (3 + i) * nv;
-            row[j] = row[j] - v[3 + k], row[k] = row[k] + v[3 + j];
-            row[3 + j] = W[k], row[3 + k] = -W[j];
-        }
-    }
+    rbdi_store(rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g), d->a + 3);
+    if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
+    if (by_v)
+        rbdi_add_skew(by_v + 3 * nv, nv, u), rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -165,7 +147,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
     rbd_real *sides[2];
     rbdi_mask doubt;
-    int count = 0, unsolved = 0; /* unsolved: the first columns, see rbdi_place_turns */
+    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
     if (rbdi_mimics(m)) rbd_crba_packed(m, d->work, q, d->work->H);
@@ -180,7 +162,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, RBDI_RIGHT_SIDES);
+    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;

@@ -4,7 +4,7 @@
 #include "derivatives/subtrees.h"
 
 /* ---- entries [entries] ----
-   For dof j and every dof i of an ancestor link, and of its own where not said otherwise:
+   For dof j and every dof i of an ancestor link, or of j's own link if not said otherwise:
 
        M_ij = S_i' F_j                M_ji = M_ij
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
@@ -12,46 +12,50 @@
 
    and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. One row at a time: the dofs on the path to dof i as lanes, by the right column, then
-   those of its subtree, by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right column,
+   those of its subtree by the left one. */
 
-/* The caller's matrices: derivatives by q and by v (or C), and M; and bits for those that are computed. */
+/* S' F. */
+RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
+    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
+}
+
+/* The caller's matrices: derivatives by q and by v (or C), and M. Bits for those that are wanted. */
 enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
 enum { RBDI_WANT_Q = 1 << RBDI_BY_Q, RBDI_WANT_V = 1 << RBDI_BY_V, RBDI_WANT_M = 1 << RBDI_MASS };
 typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x + b' y, vectors of a batch times vectors of one dof, and with c added. */
+/* a' x, vectors of a batch times the vector of one dof, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
 }
-RBDI_INLINE rbdi_batch rbdi_b_dots(rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
-    return rbdi_b_dot_add(rbdi_b_dot(a, x), b, y);
+/* S' F and V' F. */
+RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
+    return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
-RBDI_INLINE rbdi_batch rbdi_b_dots_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x, rbdi_b3 b, rbdi_v3 y) {
-    return rbdi_b_dot_add(rbdi_b_dot_add(c, a, x), b, y);
+RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
+    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
 }
 
 /* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q)
-        y[RBDI_BY_Q] = rbdi_b_dots_add(rbdi_b_dot(c->Psi.omega, T), c->Phi.omega, F.n, c->Phi.v, F.f);
-    if (want & RBDI_WANT_V)
-        y[RBDI_BY_V] = rbdi_b_dots_add(rbdi_b_dot(c->S.omega, T), c->U.omega, F.n, c->U.v, F.f);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->S.omega, F.n, c->S.v, F.f);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
 /* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dots(c->E.n, S.omega, c->E.f, S.v);
-    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dots(c->D.n, S.omega, c->D.f, S.v);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_dots(c->F.n, S.omega, c->F.f, S.v);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(c->D, S);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* n scalars, a batch at a time. */
+/* Copies n scalars, a batch at a time. */
 RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     int k = 0;
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
@@ -61,7 +65,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
         for (; k < n; ++k) y[k] = x[k];
 }
 
-/* With mimic joints: adds entries y of dofs i and k, G' (.) G, of which each result's are a stride apart. */
+/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
+   apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
@@ -82,53 +87,43 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
 RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
-    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) ==
-                       lanes); /* not from a table: loads are what takes time */
+    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
 }
-/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
-RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
-                                ptrdiff_t at) {
-    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
-    }
-}
-
-/* Row of the dof at e, from that behind a free base on: the batches of its relatives. */
-RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
-                              int want, rbdi_wanted row) {
-    const rbd_real *x = (const rbd_real *)columns;
-    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+/* Stores the entries of a dof, with the columns own, and of a list of its relatives into its row, 0 in lanes of other
+   dofs. path, subtree: whether the list has dofs there. Returns the next list. */
+RBDI_INLINE const rbdi_relatives *rbdi_put_list(const rbd_real *columns, const rbdi_columns *own,
+                                                const rbdi_relatives *k, int path, int subtree, int want,
+                                                rbdi_wanted row) {
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (k->at >= 0) {
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
-        } while ((++k)->at >= 0);
-    }
-    for (++k; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+    for (; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(columns + k->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
         const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
-        rbdi_entries_before(c, want, F, T, y);
-        rbdi_entries_behind(c, want, S, z);
+        if (path) rbdi_entries_before(c, want, F, T, y);
+        if (subtree) rbdi_entries_behind(c, want, S, z);
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+            rbdi_bits entries = {0};
+            if (!(want >> r & 1)) continue;
+            if (path) entries = (rbdi_bits)y[r] & before;
+            if (subtree) entries |= (rbdi_bits)z[r] & behind;
+            *(rbdi_batch *)(row.at[r] + k->row) = (rbdi_batch)entries;
         }
     }
-    if ((++k)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
-        do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
-        } while ((++k)->at >= 0);
-    }
+    return k + 1;
 }
+/* Row of the dof at e, from the columns behind a free base on. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+                              int want, rbdi_wanted row) {
+    const rbd_real *x = (const rbd_real *)columns;
+    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    k = rbdi_put_list(x, own, k, 1, 0, want, row);
+    k = rbdi_put_list(x, own, k, 1, 1, want, row);
+    (void)rbdi_put_list(x, own, k, 0, 1, want, row);
+}
+
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
     const rbdi_batch zero = {0};
     for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
@@ -136,8 +131,9 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Rows of all dofs behind a free base, in place: the last batch goes over what the next rows begin with.
-   Their turn comes later, as that of a base's columns does. Rows that would pass the end: elsewhere. */
+/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of the next
+   row, which is stored later, as are the columns of a base. A row whose last batch would pass the end of the matrix
+   is computed in scratch memory and copied. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);
@@ -157,7 +153,7 @@ RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int z
         }
     }
 }
-/* The same with mimic joints, added where the caller has them. */
+/* The same with mimic joints: entries are added to those of the sources. */
 RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const ptrdiff_t stride = rbdi_stride(d->model);
     const rbd_real *x = d->work->F;
@@ -180,10 +176,13 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #else
 /* Entries y of dofs i and k. */
-RBDI_INLINE void rbdi_put_entry(const rbdi_entry *i, const rbdi_entry *k, int want, const rbd_real *y,
-                                rbdi_wanted out) {
-    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r)
-        if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
+                                const rbd_real *y, rbdi_wanted out) {
+    if (rbdi_mimics(m))
+        rbdi_add_entry(m, i, k, y, 1, out);
+    else RBDI_UNROLL_SIX
+        for (int r = 0; r < RBDI_RESULTS; ++r)
+            if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
@@ -196,17 +195,11 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
-            if (rbdi_mimics(d->model))
-                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
-            else
-                rbdi_put_entry(e + i, e + k, want, y, out);
+            rbdi_put_entry(d->model, e + i, e + k, want, y, out);
         }
         for (int k = i; k < e[i].end; ++k) {
             rbdi_entries_behind(&d->columns[e[k].batch], want, S, y);
-            if (rbdi_mimics(d->model))
-                rbdi_add_entry(d->model, e + i, e + k, y, 1, out);
-            else
-                rbdi_put_entry(e + i, e + k, want, y, out);
+            rbdi_put_entry(d->model, e + i, e + k, want, y, out);
         }
     }
 }
@@ -217,76 +210,52 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   Its position has no effect. Without this HyQ's derivatives of inverse dynamics take 50 % more instructions,
-   Atlas's 17 %. */
-/* a x b, and with c added, of a batch with one vector. */
-RBDI_INLINE rbdi_b3 rbdi_b_cross_vec(rbdi_b3 a, rbdi_v3 b) {
-    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-RBDI_INLINE rbdi_b3 rbdi_b_cross_vec_add(rbdi_b3 c, rbdi_b3 a, rbdi_v3 b) {
-    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
-}
-/* I (omega; v) of the whole, omega being zero unless turns. */
-RBDI_INLINE rbdi_bforce rbdi_whole_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V, int turns) {
-    rbdi_bforce F;
-    if (turns) return rbdi_inertia_times(s, m, V);
-    F.n = rbdi_b_cross(s->h, V.v);
-    F.f = rbdi_b_vec(V.v.x * m, V.v.y * m, V.v.z * m);
-    return F;
-}
-/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole. S are unit vectors e; U is
-   (w x e; e x v) for turns and (0; w x e) for shifts. A turn of the base changes only gravity's direction. */
+   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for HyQ,
+   17 % for Atlas. */
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree. */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_b3 w = rbdi_b_all(d->V.omega), v = rbdi_b_all(d->V.v), up = rbdi_b_all(d->up);
+    const rbdi_b3 up = rbdi_b_all(d->up);
+    rbdi_bmotion V; /* U = (w; -v) x S */
     rbdi_sums s;
     rbdi_batch *x = (rbdi_batch *)&s;
+    V.omega = rbdi_b_all(d->V.omega), V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
     RBDI_UNROLL_SUMS for (int j = 0; j < 9; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     if (want & RBDI_WANT_V) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const int turns = RBDI_REPRODUCIBLE || b * RBDI_BATCH < 3; /* signs of zeros differ */
         const rbdi_cbatch m = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
-        rbdi_bmotion U = c->S;
-        if (want & RBDI_WANT_M) c->F = rbdi_whole_times(&s, m, U, turns);
-        if (want & RBDI_WANT_V) {
-            U.v = rbdi_b_cross(w, c->S.v);
-            if (turns) {
-                U.omega = rbdi_b_cross(w, c->S.omega);
-                U.v = rbdi_b_cross_add(U.v, c->S.omega, v);
-            }
-            c->D = rbdi_whole_times(&s, m, U, turns);
-            if (turns) c->D = rbdi_subtree_B_add(c->D, &s, c->S.omega);
+        const rbdi_bmotion S = c->S;
+        const rbdi_b3 a = rbdi_b_cross(up, S.omega); /* Phi = (0; a) */
+        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, m, S);
+        if (want & RBDI_WANT_V)
+            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, m, rbdi_b_motion_cross(V, S)), &s, S.omega);
+        if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
+    }
+}
+/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of the next
+   row, which is stored later, but does not pass end, the number of the matrix's entries. */
+RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
+                                     rbd_real *out) {
+    const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
+    for (ptrdiff_t b = d->batches - 1; b >= behind; --b) {
+        const rbdi_batch *in = (const rbdi_batch *)x + b * RBDI_COLUMN_SIZE;
+        rbd_real *to = out + base + (b - behind) * RBDI_BATCH;
+        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k, to += nv) {
+            if (RBDI_BATCH == 1 || to - out <= end - RBDI_BATCH)
+                *(rbdi_batch *)to = in[k];
+            else
+                rbdi_copy((const rbd_real *)&in[k], (int)(end - (to - out)), to);
         }
-        U.v = rbdi_b_cross(up, c->S.omega);
-        if (want & RBDI_WANT_Q) c->E = rbdi_whole_times(&s, m, U, 0);
+    }
+    for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
+        RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
+            rbdi_copy(&x[j * RBDI_COLUMN_SIZE], 6 - j < RBDI_BATCH ? 6 - j : RBDI_BATCH, &out[j]);
     }
 }
-/* Stores as many rows of the base's own six columns. in: their first component. */
-RBDI_INLINE void rbdi_put_base_block(const rbd_real *in, int rows, ptrdiff_t nv, rbd_real *out) {
-    for (int k = 0; k < rows; ++k, in += RBDI_BATCH, out += nv) {
-        rbd_real row[6];
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) {
-            row[j] = in[j / RBDI_BATCH * RBDI_COLUMN_SIZE * RBDI_BATCH + j % RBDI_BATCH];
-        }
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j) { out[j] = row[j]; }
-    }
-}
-/* Rows of the base: the columns F, D or E of all dofs. The last batch of a row may overwrite the beginning of
-   the next row, which is therefore stored later. */
-RBDI_INLINE void rbdi_put_base_rows(const rbd_derivatives *d, const rbd_real *F, rbd_real *out) {
-    const ptrdiff_t nv = d->model->nv;
-    for (int b = d->batches - 1; b >= d->behind; --b) {
-        const rbdi_batch *in = (const rbdi_batch *)F + b * RBDI_COLUMN_SIZE;
-        rbd_real *to = out + d->base + (b - d->behind) * RBDI_BATCH;
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k)
-            *(rbdi_batch *)(to + k * nv) = in[k];
-    }
-    rbdi_put_base_block(F, 6, nv, out);
-}
-/* The base's columns in the rows of a batch of dofs, beginning with the first of these: (n; f). */
+/* Stores (n; f) of a batch of dofs as the base's columns of their rows. */
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
@@ -298,17 +267,17 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
             *(rbdi_four *)&out[k * nv] = row[0][k], *(rbdi_four *)&out[k * nv + 2] = row[1][k];
 }
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
-    const rbdi_v3 w = d->V.omega, minus_v = rbdi_sub(rbdi_vec0(), d->V.v), up = d->up;
+    const rbdi_b3 w = rbdi_b_all(d->V.omega), minus_v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v)),
+                  up = rbdi_b_all(d->up);
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 T = d->columns[b].T;
         const rbdi_bforce F = d->columns[b].F;
         if (want & RBDI_WANT_M) rbdi_put_base_columns(d, b, F.n, F.f, out.at[RBDI_MASS]);
         if (want & RBDI_WANT_V)
-            rbdi_put_base_columns(d, b, rbdi_b_cross_vec_add(rbdi_b_cross_vec_add(T, F.n, w), F.f, minus_v),
-                                  rbdi_b_cross_vec(F.f, w), out.at[RBDI_BY_V]);
+            rbdi_put_base_columns(d, b, rbdi_b_cross_add(rbdi_b_cross_add(T, F.n, w), F.f, minus_v),
+                                  rbdi_b_cross(F.f, w), out.at[RBDI_BY_V]);
         if (want & RBDI_WANT_Q)
-            rbdi_put_base_columns(d, b, rbdi_b_cross_vec(F.f, up), rbdi_b_all(rbdi_vec0()),
-                                  out.at[RBDI_BY_Q]);
+            rbdi_put_base_columns(d, b, rbdi_b_cross(F.f, up), rbdi_b_all(rbdi_vec0()), out.at[RBDI_BY_Q]);
     }
 }
 
@@ -321,13 +290,14 @@ RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn
 }
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
+    const rbdi_b3 w = rbdi_b_all(d->V.omega);
     ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
     if (!by_v) return;
     rbdi_place_turns(by_q, by_v, turn);
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
     for (int b = d->behind; b < d->batches; ++b) {
-        const rbdi_b3 y = rbdi_b_cross_vec_add(d->columns[b].T, d->columns[b].F.n, d->V.omega);
+        const rbdi_b3 y = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
         const rbd_real *x = (const rbd_real *)&y;
         for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
             for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
@@ -335,17 +305,16 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
 }
 
 /* dtau_i/dq_j for dofs i before j of one block. */
-RBDI_INLINE rbd_real rbdi_block_entry(const rbd_derivatives *d, int i, int j) {
-    const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-    const rbdi_motion Phi = rbdi_load_motion(RBDI_OF(d, j, Phi));
-    return rbdi_dot(rbdi_load_vec(RBDI_OF(d, i, T)), rbdi_load_vec(RBDI_OF(d, j, Psi))) +
-           rbdi_dot(F.n, Phi.omega) + rbdi_dot(F.f, Phi.v);
-}
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
     for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
-        for (int i = r->first; r->block && i < r->end; ++i)
+        for (int i = r->first; r->block && i < r->end; ++i) {
+            const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
             for (int j = i + 1; j < r->end; ++j)
-                by_q[d->entry[i].row + d->entry[j].user] = rbdi_block_entry(d, i, j);
+                by_q[d->entry[i].row + d->entry[j].user] =
+                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega))) +
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi)), F);
+        }
 }
 /* Rotors, on the diagonal of M. */
 RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
@@ -356,33 +325,25 @@ RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     }
 }
 
-/* Clears a matrix unless every entry will be written. */
-RBDI_PART void rbdi_clear_matrix(const rbd_model *m, rbd_real *out) {
-    if (rbdi_mimics(m) || m->nblock || m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(out, m->nv * m->nv);
-}
-
-/* Purpose of the entries: results, or right-hand sides in rbd_fd_derivatives. */
-enum { RBDI_ENTRIES, RBDI_RIGHT_SIDES };
-
-/* All entries of the wanted matrices. */
+/* All entries of the wanted matrices: results, or right-hand sides in rbd_fd_derivatives. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
-                                rbd_real *M, int what) {
+                                rbd_real *M, int results) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
-    const int zeros = what == RBDI_RIGHT_SIDES || !d->keep_zeros;
+    const int zeros = !results || !d->keep_zeros;
     rbdi_wanted out;
     out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros)) /* batches go into whole rows */
-        for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (out.at[r]) rbdi_clear_matrix(m, out.at[r]);
+    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros && (m->nblock || m->nh < m->nv * (m->nv + 1) / 2)))
+        for (int r = 0; r < RBDI_RESULTS; ++r) /* unless every entry is written: batches go into whole rows */
+            if (out.at[r]) rbdi_clear(out.at[r], m->nv * m->nv);
     if (d->base) {
         rbdi_base_columns(d, want);
-        if (by_q) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->E, by_q);
-        if (by_v) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->D, by_v);
-        if (M) rbdi_put_base_rows(d, (const rbd_real *)&d->columns->F, M);
+        if (by_q) rbdi_put_components(d, (const rbd_real *)&d->columns->E, 6, PTRDIFF_MAX, by_q);
+        if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
+        if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
     }
     if (!RBDI_FOR_SPEED)
         rbdi_put_rows(d, want, zeros, out);
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* what most callers want: known to the compiler */
+    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
@@ -392,7 +353,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 #endif
     else
         rbdi_put_rows(d, want, zeros, out);
-    if (d->base && what != RBDI_RIGHT_SIDES) rbdi_put_base(d, want, out);
+    if (d->base && results) rbdi_put_base(d, want, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
 }

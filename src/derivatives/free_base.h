@@ -3,11 +3,10 @@
 #include "derivatives/memory.h"
 
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the wrenches f_i of the links sum up to f. The wrench tau - f that is missing gives
-   the base's A = y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass
-   c. In the common frame all links accelerate by y: their wrenches are f_i + I_i y, and the sums of these
-   over subtrees give the torques. v and gravity are in y only: v_dot = y - w x v - up. Other models, and a
-   y in doubt, go by rbd_hybrid. */
+   At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
+   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common frame
+   all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and gravity are in
+   y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
@@ -22,19 +21,6 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     s.y = x.y * y - l * s.x;
     s.z = x.z * z - xz * s.x - yz * s.y;
     return s;
-}
-
-/* Adds n components, from x on, of the links behind the base to its own. */
-RBDI_INLINE void rbdi_sum_links(const rbd_derivatives *d, rbd_real *x, int n) {
-    const rbdi_batch *in = (const rbdi_batch *)x + d->behind * RBDI_COLUMN_SIZE;
-    rbd_real *to = x + d->entry[d->base - 1].at;
-    rbdi_sum sum[9];
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_of_none();
-    for (int b = d->behind; b < d->batches; ++b, in += RBDI_COLUMN_SIZE) {
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = rbdi_sum_and(sum[j], in[j]);
-    }
-    RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) to[j * RBDI_BATCH] =
-        to[j * RBDI_BATCH] + rbdi_sum_value(sum[j]);
 }
 
 /* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
@@ -61,20 +47,12 @@ RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives
     return y;
 }
 
-/* What y adds to the wrenches of the links behind the base; then its torques. */
-RBDI_PART void rbdi_put_torques(const rbd_model *m, rbd_derivatives *d, rbdi_motion y, const rbd_real *a,
-                                rbd_real *tau) {
-    const rbdi_batch o = rbdi_zero_batch();
-    rbdi_bmotion all;
-    all.omega = rbdi_b_vec(o + y.omega.x, o + y.omega.y, o + y.omega.z);
-    all.v = rbdi_b_vec(o + y.v.x, o + y.v.y, o + y.v.z);
-    for (int b = d->behind; b < d->batches; ++b) {
-        rbdi_sums *s = &d->columns[b].sum;
-        s->f = rbdi_b_force_add(s->f, rbdi_inertia_times(s, d->constants[b].m, all));
-    }
-    rbdi_sum_few(d, d->segment + 1, (rbd_real *)&d->columns->sum.f, 6);
+/* Torques of the joints if the base moves by y. */
+RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rbdi_motion y,
+                                const rbd_real *a, rbd_real *tau) {
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
-        const rbdi_batch x = rbdi_b_power(d->columns[b].S, d->columns[b].sum.f);
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_batch x = rbdi_b_power(c->S, c->sum.f) + rbdi_b_force_dot(c->F, y);
         rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
     }
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
@@ -101,19 +79,15 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
                                      const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    const rbd_real *f;
+    rbdi_force f;
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_motion y;
     if (status) return status;
     if (!d->base) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_clear(a, 6);
-    rbdi_common_motion(m, d, d->base, q, v, a, none, RBDI_NEED_WRENCH);
-    rbdi_own_sums(m, d, d->base, f_ext, RBDI_NEED_WRENCH);
-    f = RBDI_OF(d, d->base - 1, sum.f);
-    rbdi_sum_links(d, (rbd_real *)&d->columns->sum, 9);
-    rbdi_sum_links(d, (rbd_real *)&d->columns->sum.f, 6);
-    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), rbdi_load_force(f, RBDI_BATCH)),
-                         &doubt);
+    rbdi_common(m, d, q, v, a, none, f_ext, RBDI_NEED_WRENCH);
+    f = rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH);
+    y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), f), &doubt);
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));

@@ -32,9 +32,6 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
 RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
     return (rbd_const *)&d->constants[d->entry[k].batch] + d->entry[k].lane;
 }
-RBDI_INLINE void rbdi_store_constants(rbd_const *out, const rbd_const *x, int n) {
-    for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = x[j];
-}
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
@@ -42,7 +39,7 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last one has the link's inertia, its axes turned so that its own is z. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's own. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -53,12 +50,12 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
     const int x = (z + 1) % 3, y = (z + 2) % 3;
     const rbd_const own[10] = {S[x][x], S[x][y], S[x][z], S[y][y], S[y][z],
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
-    rbdi_store_constants(rbdi_constants_of(d, last), own, 10);
+    for (int j = 0; j < 10; ++j) rbdi_constants_of(d, last)[j * RBDI_BATCH] = own[j];
     for (int k = l->first; k <= last; ++k) {
         const int slides = rbdi_slides(m, l, k), screw = rbdi_is(l, RBDI_SCREW);
         const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
                                    screw ? l->kappa : RBD_C(slides)};
-        rbdi_store_constants(rbdi_constants_of(d, k) + 10 * RBDI_BATCH, rest, 3);
+        for (int j = 0; j < 3; ++j) rbdi_constants_of(d, k)[(10 + j) * RBDI_BATCH] = rest[j];
     }
 }
 
@@ -148,8 +145,8 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 }
 #endif
 
-/* Chooses the link that has the origin of a root's tree: the first that rotates, or the last of a chain of
-   links that only slide. */
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
+   that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
@@ -161,7 +158,7 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
     r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
-/* The motion columns S of a free base's dofs, unit vectors: no call computes them anew. */
+/* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
         rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());

@@ -14,7 +14,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* Positions, F and wrenches of the other roots' trees are moved to the first root's origin. */
+/* Moves positions, F and wrenches of the other roots' trees to the first root's origin. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
@@ -34,8 +34,8 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     }
 }
 
-/* The centre of mass from there; 0 without mass. With a free base no mass moved past it: h of the whole tree
-   has it. Else it is that of the bodies as described. */
+/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives it, for
+   no mass was moved past the base. Otherwise it comes from the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
@@ -51,64 +51,40 @@ RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
 }
 
-/* From a free base's axes to the world's, E being its rotation. */
+/* E' a, from a free base's axes to the world's. */
 RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
     return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
                       a.x * E.xz + a.y * E.yz + a.z * E.zz);
-}
-
-/* Adds k times each of x to a column of a matrix whose rows are nv long. */
-RBDI_INLINE void rbdi_add_column(rbd_real *out, ptrdiff_t nv, rbd_real k, const rbd_real *x, int rows) {
-    for (int j = 0; j < rows; ++j) out[j * nv] = out[j * nv] + k * x[j];
-}
-/* Stores the vectors y of a batch of dofs as columns of three rows; with mimic joints it adds them. end: how
-   many entries there are from out on. A batch may overwrite the beginning of the next row, but not pass the
-   end: later batches must be stored first. */
-RBDI_INLINE void rbdi_put_columns(const rbd_derivatives *d, int b, rbdi_b3 y, int end, rbd_real *out) {
-    const rbd_model *m = d->model;
-    const rbdi_batch row[3] = {y.x, y.y, y.z};
-    const int nv = m->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    if (rbdi_mimics(m)) {
-        for (int j = 0; j < RBDI_BATCH && first + j < d->n; ++j) {
-            const rbdi_entry *e = &d->entry[d->entry[first + j].of_source];
-            const rbdi_b3 in = y;
-            rbd_real x[3];
-            rbdi_store(rbdi_load_vec((const rbd_real *)&in + j), x);
-            rbdi_add_column(out + e->user, nv, rbdi_ratio(m, e->source), x, 3);
-        }
-        return;
-    }
-    RBDI_UNROLL_SIX for (int k = 0, at = first; k < 3; ++k, at += nv) {
-        if (at + RBDI_BATCH <= end) {
-            *(rbdi_batch *)&out[at] = row[k];
-        } else {
-            const rbdi_batch in = row[k];
-            rbdi_copy((const rbd_real *)&in, end - at, &out[at]);
-        }
-    }
 }
 
 /* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
    f only, times scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
-    const int nv = d->model->nv;
+    const rbd_model *m = d->model;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    if (rbdi_mimics(d->model)) rbdi_clear(out, rows * nv);
+    const rbd_real *x = (const rbd_real *)(rows == 3 ? &d->columns->E.f : &d->columns->E.n);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
-    for (int b = d->batches - 1; b >= 0; --b) {
+    for (int b = 0; b < d->batches; ++b) {
         rbdi_bforce F = d->columns[b].F;
-        F.n = rbdi_b_cross_vec_add(F.n, F.f, com);
+        F.n = rbdi_b_cross_add(F.n, F.f, rbdi_b_all(com));
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
-        if (b < d->behind) {
-            d->columns[b].E = F;
-            continue;
-        }
-        if (rows > 3) rbdi_put_columns(d, b, F.n, 6 * nv, out);
-        rbdi_put_columns(d, b, F.f, 3 * nv, out + (rows - 3) * nv);
+        d->columns[b].E = F;
     }
-    if (d->base) rbdi_put_base_block(RBDI_OF(d, 0, E) + (6 - rows) * RBDI_BATCH, rows, nv, out);
+    if (!rbdi_mimics(m)) {
+        rbdi_put_components(d, x, rows, rows * m->nv, out);
+        return;
+    }
+    rbdi_clear(out, rows * m->nv);
+    for (int i = 0; i < d->n; ++i) {
+        const rbdi_entry *e = &d->entry[i];
+        const rbd_real ratio = rbdi_ratio(m, e->source);
+        for (int j = 0; j < rows; ++j) {
+            rbd_real *to = &out[j * m->nv + e->user];
+            *to = *to + ratio * x[e->at + j * RBDI_BATCH];
+        }
+    }
 }
 
 /* The wrench on all that moves, at a = 0: the sum over the roots. */
@@ -155,7 +131,7 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
     rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
-    rbdi_put_entries(m, d, NULL, C, NULL, RBDI_ENTRIES);
+    rbdi_put_entries(m, d, NULL, C, NULL, 1);
     return RBD_OK;
 }
 

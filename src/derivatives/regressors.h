@@ -14,8 +14,8 @@ RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3
     rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
 }
 
-/* (x R) of a body as described, by rows: its origin and axes in the common frame. With a row's four figures
-   belong to the same four parameters: a' (x R) is (a' x; R' a). */
+/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the parameters
+   m and m c: a' (x R) = (a' x; R' a). */
 typedef struct rbdi_placement {
     rbdi_four row[3];
 } rbdi_placement;
@@ -46,10 +46,10 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* The motion of a link, which the unit wrenches of its bodies depend on, stored in unused fields: Omega in
-   the rows of X, acc in P, omega and omega_dot in U. */
+/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the rows of X,
+   acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
-    for (int b = base ? d->entry[base - 1].batch : 0; b < d->batches; ++b) {
+    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
         const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
@@ -61,7 +61,7 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
 
 /* Wrenches of a body's unit parameters, in the common frame: six rows of ten in K, moments and forces. With
    acc of the body's origin and body axes e, of m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega e);
-   inertia: I omega_dot + omega x I omega, in body axes, its forces being zero and not written. */
+   inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
     const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
@@ -97,7 +97,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     }
 }
 
-/* y = S' K, ten figures. */
+/* y = S' K, ten scalars. */
 RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S, rbd_real *y) {
     static const int at[3] = {0, 4, 6}; /* the last two go over one another */
     rbdi_four sum[3];
@@ -142,9 +142,10 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
             rbd_real *y = Y + entry[k].user * columns;
             const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
             if (rbdi_mimics(m)) {
+                const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
                 rbdi_regress(K, stride, s, part);
-                rbdi_add_column(y, 1, rbdi_ratio(m, entry[k].source), part, 10);
+                for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
             } else
                 rbdi_regress(K, stride, s, y);
         }
@@ -168,7 +169,7 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         if (root < 0) continue;
         while (m->link[root].parent >= 0) root = m->link[root].parent;
         rbdi_place_body(m, d, u, &p);
-        if (Y_kinetic) { /* the frame moves: its velocity is that which the world has, reversed */
+        if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
             const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
                               V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),

@@ -2,9 +2,9 @@
 #define RBDI_DERIVATIVES_SUBTREES_H
 #include "derivatives/common_frame.h"
 
-/* Sums over subtrees of n components from x on, for the runs from root on: as many as there are registers
-   for, at most 14 of the 27. A block has its own in its last dof. Not by batches where limbs alike fill them,
-   as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+/* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
+   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike fill
+   them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
     for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -15,12 +15,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
         while (e > first) {
             out = x + (--e)->at;
             RBDI_ONE_INDEX(out);
-            if (r->block) {
-                RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
-                continue;
-            }
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
+        }
+        for (e = first + 1; r->block && e < d->entry + r->end; ++e) {
+            out = x + e->at;
+            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
         }
         if (r->parent < 0) continue;
         out = x + d->entry[r->parent].at;
@@ -39,7 +39,7 @@ RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root,
     rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
-/* I (omega; v) of a subtree, or of a link, and its mass. */
+/* I V of a subtree or of a link, m its mass. */
 RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
@@ -73,7 +73,7 @@ RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
     return a;
 }
 
-/* Phi and E of the dofs behind a base, from A_p and f. */
+/* Phi and E of the dofs behind a free base, from A_p and f. */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -115,38 +115,14 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The base's own sums, in its axes, with V = (omega; 0). */
-RBDI_PART void rbdi_base_sums(const rbd_model *m, rbd_derivatives *d, int need) {
-    const rbdi_link *l = m->link;
-    const rbd_const own[9] = {l->Sigma.xx, l->Sigma.xy, l->Sigma.xz, l->Sigma.yy, l->Sigma.yz,
-                              l->Sigma.zz, l->h.x,      l->h.y,      l->h.z};
-    const int last = d->base - 1;
-    rbd_real *out = RBDI_OF(d, last, sum);
-    const rbdi_v3 w = d->V.omega, h = rbdi_vec_c(l->h);
-    for (int k = 0; k < 9; ++k) out[k * RBDI_BATCH] = rbdi_set(own[k]);
-    if (need & RBDI_NEED_V) {
-        const rbdi_sym S = rbdi_sym_c(l->Sigma);
-        const rbdi_v3 W = need & RBDI_NEED_CORIOLIS ? w : rbdi_add(w, w),
-                      x = rbdi_cross(W, rbdi_vec(S.xx, S.xy, S.xz)),
-                      y = rbdi_cross(W, rbdi_vec(S.xy, S.yy, S.yz)),
-                      z = rbdi_cross(W, rbdi_vec(S.xz, S.yz, S.zz));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xx), rbdi_vec(x.x, y.x, z.x));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xy), rbdi_vec(x.y, y.y, z.y));
-        rbdi_store_vec(RBDI_OF(d, last, sum.Xz), rbdi_vec(x.z, y.z, z.z));
-        rbdi_store_vec(RBDI_OF(d, last, sum.P), rbdi_cross(W, h));
-    }
-    if (need & RBDI_NEED_WRENCH) {
-        const rbdi_motion A = rbdi_load_motion(RBDI_OF(d, last, Ap));
-        const rbdi_force f = rbdi_wrench(l, RBDI_MASS_KEPT, rbdi_omega(w, A.omega), &A.v);
-        rbdi_store_force(RBDI_OF(d, last, sum.f), RBDI_BATCH, f);
-    }
+/* The first batch with a dof that has its link's inertia: a free base's last dof has it. */
+RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
+    return base ? d->entry[base - 1].batch : 0;
 }
-
-/* Masses, momenta and wrenches of the links themselves. */
+/* Inertias, momenta and wrenches of the links themselves. */
 RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
                                int need) {
-    if (base) rbdi_base_sums(m, d, need);
-    for (int b = base ? d->behind : 0; b < d->batches; ++b) {
+    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
         rbdi_bmotion V;
@@ -173,8 +149,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base it is in the base's
-   axes, and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's axes
+   and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;

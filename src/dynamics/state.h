@@ -2,8 +2,7 @@
 #define RBDI_DYNAMICS_STATE_H
 #include "model/joints.h"
 
-/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau, rbdi_world_state,
-   rbdi_wrench */
+/* Interface: rbdi_expand_q, rbdi_expand_v, rbdi_external, rbdi_forward, rbdi_reduce_tau, rbdi_world_state */
 
 /* ---- state [state] ----
    Velocity and acceleration of a link from its parent's, p: RBDA section 5.3 with classical accelerations. E
