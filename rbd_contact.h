@@ -986,10 +986,12 @@ RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* Sweeps forth and back, up to n. u is computed anew: it may have the rounding of far larger impulses. */
+/* Sweeps forth and back, up to n. Before u is believed it is computed anew: it may have the rounding of far
+   larger impulses. */
 RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
     while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
-    rbdi_contact_judge(s);
+    rbdi_project_laws(s);
+    if (s->solution.residual <= s->given.tolerance) rbdi_contact_judge(s);
 }
 
 /* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
