@@ -111,8 +111,7 @@ static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_rea
 /* Whether velocities and steps are numbers; a set that overflowed forgets its impulses. */
 static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
     for (int k = 0; k < m->nv; ++k)
-        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->moved[k]) < RBDI_FASTEST &&
-              rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
+        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
             rbd_contact_reset(c);
             return RBD_ERR_NAN;
         }
