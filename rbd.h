@@ -1294,8 +1294,8 @@ struct rbd_work {
 #include <float.h>
 
 /* ---- compiler [compiler] ----
-   All that depends on the compiler and its target; no other place asks for them, but that [configuration]
-   asks for vector types and C99. */
+   All that depends on the compiler and its target. No other section asks for them, except [configuration] for
+   vector types and C99. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error \
@@ -1371,9 +1371,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CONTRACTION "fp-contract=fast"
 #endif
-/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
-   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
-   */
+/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC makes calls of memset of loops that
+   clear a few numbers, and its ISO modes switch contraction to FMA off. clang needs none of this. */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_PRAGMA(text) _Pragma(#text)
 #define RBDI_OPTIMIZE_WITH(level, contraction) \
@@ -1426,7 +1425,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
-/* Before columns of a row are read or written one by one: or each gets an index of its own. */
+/* Stands before columns of a row are read or written one by one. Without it each gets an index of its own. */
 #if RBDI_GNU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else
@@ -1442,8 +1441,8 @@ RBDI_CODE_BEGIN
    RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
 
    A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a
-   pivot must exceed RBDI_NOISE times the terms that it is the difference of, or it is singular: 32
-   roundings, for a pivot is a sum of many. An exact pivot can be rounding too: an axis that should go
+   pivot must exceed RBDI_NOISE times the terms whose difference it is, or it is singular: 32
+   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that should go
    through a mass m misses it by L eps, L the distance to the frame that it is described in, and the pivot is
    m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps
    m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far above the
@@ -1586,8 +1585,8 @@ static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
 }
 
 /* ==== src/base/simd.h ==== */
-/* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
-   vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
+/* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a
+   vector already. It gathers like quantities: the joints' angles, the wrenches of a subtree. */
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #define RBDI_BATCH 1
 #elif RBDI_GNU && RBDI_SIMD > 0
@@ -2472,14 +2471,14 @@ RBDI_CODE_BEGIN
 /* ---- common [common] ----
    Small functions that several sections call. */
 
-/* x = 0, a batch at a time: a call of memset costs more than it stores. */
+/* Sets x to 0, a batch at a time. A call of memset would cost more. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
     for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
+        RBDI_ONE_INDEX(p); /* or the compiler calls memset all the same */
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
@@ -2671,9 +2670,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q +
-   gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
-   where the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle
+   q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
+   if the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     for (int i = 0; i < m->nl; ++i) {
@@ -2722,7 +2721,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
    first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
    have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Where arithmetic is a call there is none: it would
+   that the flags are flags_, and forgetting the rest). Targets that compute by calls have none: it would
    save two per cent. */
 #define RBDI_CASE(known, name, call) \
     case known: { \
@@ -2866,7 +2865,7 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
        omega_dot = E omega_dot_p + (E omega_p) x z turn + z turn_dot
        acc       = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot
 
-   Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega
+   Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd. The terms of c with linear velocity are in Omega
    here. */
 
 /* Velocity-product terms that a joint with velocity J adds to (omega_dot, acc); omega is the parent's angular
@@ -2981,8 +2980,8 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
     return F;
 }
 
-/* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
-   parent's was kept; with it the wrench that moves the link, if wanted. */
+/* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from the parent's kept
+   state; and the wrench that moves the link, if wanted. */
 RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                          const rbdi_state *world, const rbd_real *v, const rbd_real *a,
                                          rbdi_state s, int wrench) {
@@ -3098,7 +3097,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
         RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
-/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
+/* RBDA table 5.1 in classical accelerations. All that depends on q alone is there already. */
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
@@ -3510,9 +3509,9 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays so through the shift along z and the turn about it, which rbdi_aba_eliminate and
-   rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
-   feels about the joint's axis is its torque. */
+   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and rbdi_abi_shift_z
+   rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on the parent about the
+   joint's axis is the torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
@@ -3714,7 +3713,7 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
+   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
    before. */
 RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
@@ -4078,8 +4077,8 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
-/* By L' y = x, L x = y / D. One array, of a dof's path by depth, has what its descendants subtract, then what
-   the path has been solved for. It is stored as it is loaded, by batches and then by scalars: the processor
+/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants subtract, then
+   the results on the path. It is stored as it is loaded, by batches and then by scalars: the processor
    would wait for a batch that was stored by scalars. */
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
@@ -4349,7 +4348,7 @@ RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
 #endif
 }
 
-/* What a call with pivots returns. doubt: any of them; x: the n results. */
+/* The status of a call with pivots. doubt: whether any is in doubt; x: the n results. */
 RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
@@ -4968,8 +4967,8 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-/* Motion, world axes, of the place r, were it fixed in link i, for unit velocity of the link's dof k: of its
-   axis a through the origin p it is (a; a x (r - p)), or (0; a). */
+/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis a goes
+   through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];

@@ -635,14 +635,19 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
+/* Copies n scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+    int k = 0;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < n; ++k) y[k] = x[k];
+}
 /* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
     out += d->behind * RBDI_COLUMN_SIZE * RBDI_BATCH;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
-        *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
-    for (; k < n; ++k) *out++ = v[k];
+    for (; k < n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
+        rbdi_copy(v + k, n - k < RBDI_BATCH ? n - k : RBDI_BATCH, out);
 }
 
 /* Quantities that a call needs beyond F. F depends on q only. */
@@ -1002,16 +1007,6 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* Copies n scalars, a batch at a time. */
-RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
-    int k = 0;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    if (k > 0 && k < n) /* the last ones as a whole batch again */
-        *(rbdi_batch *)&y[n - RBDI_BATCH] = *(const rbdi_batch *)&x[n - RBDI_BATCH];
-    else
-        for (; k < n; ++k) y[k] = x[k];
-}
-
 /* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
    apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
@@ -1036,41 +1031,50 @@ RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
     return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
 }
-/* Stores the entries of a dof, with the columns own, and of a list of its relatives into its row, 0 in lanes of other
-   dofs. path, subtree: whether the list has dofs there. Returns the next list. */
-RBDI_INLINE const rbdi_relatives *rbdi_put_list(const rbd_real *columns, const rbdi_columns *own,
-                                                const rbdi_relatives *k, int path, int subtree, int want,
-                                                rbdi_wanted row) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    for (; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(columns + k->at);
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
-        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
-        if (path) rbdi_entries_before(c, want, F, T, y);
-        if (subtree) rbdi_entries_behind(c, want, S, z);
-        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            rbdi_bits entries = {0};
-            if (!(want >> r & 1)) continue;
-            if (path) entries = (rbdi_bits)y[r] & before;
-            if (subtree) entries |= (rbdi_bits)z[r] & behind;
-            *(rbdi_batch *)(row.at[r] + k->row) = (rbdi_batch)entries;
-        }
+/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
+RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
+                                ptrdiff_t at) {
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
     }
-    return k + 1;
 }
-/* Row of the dof at e, from the columns behind a free base on. */
+
+/* Row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
-    k = rbdi_put_list(x, own, k, 1, 0, want, row);
-    k = rbdi_put_list(x, own, k, 1, 1, want, row);
-    (void)rbdi_put_list(x, own, k, 0, 1, want, row);
+    const rbdi_batch zero = rbdi_zero_batch();
+    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
+    if (k->at >= 0) {
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        do {
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
+    for (++k; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
+        rbdi_entries_before(c, want, F, T, y);
+        rbdi_entries_behind(c, want, S, z);
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+        }
+    }
+    if ((++k)->at >= 0) {
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        do {
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
 }
-
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
     const rbdi_batch zero = {0};
     for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
@@ -1376,6 +1380,19 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
+   that only slide. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
+    int i = root;
+    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
+           (rbdi_is(&m->link[i], RBDI_SCREW)
+                ? !(m->link[i].rho > 0)
+                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+        ++i;
+    d->origin[i] = (int16_t)root;
+    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+}
+
 /* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
@@ -1395,6 +1412,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         r = &d->segment[d->segments++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
+        if (parent < 0) rbdi_init_origin(m, d, i, r);
     }
     r->end = (int16_t)(l->first + n);
 }
@@ -1412,55 +1430,30 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 }
 
 #if RBDI_BATCH > 1
-/* Adds a dof's lane, its bits beginning at first, to a list of relatives that ends at end. */
-RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *list, rbdi_relatives *end,
-                                      const rbdi_entry *e, int first) {
-    rbdi_relatives *k = list;
-    while (k < end && k->at != e->at - e->lane) ++k;
-    if (k == end) {
-        k->at = e->at - e->lane, k->row = (int16_t)((e->batch - d->behind) * RBDI_BATCH);
-        (end++)->lanes = 0;
-    }
-    k->lanes |= (uint64_t)1 << (first + e->lane);
-    return end;
-}
-/* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
-   these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
+/* The lists of all dofs behind a free base: batches on the path only, both, in the subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
+    uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_relatives_of(d, i), *both = list, *behind, *end;
-        for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
-            both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
-        behind = end = both;
-        for (int k = i; k < d->entry[i].end; ++k)
-            end = rbdi_relate(d, list, end, &d->entry[k], RBDI_IN_SUBTREE);
-        for (rbdi_relatives *k = list; k < both;) {
-            const rbdi_relatives here = *k;
-            if (here.lanes >> RBDI_IN_SUBTREE)
-                *k = *--both, *both = here;
-            else
-                ++k;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *k = list;
+        for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
+        for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
+            lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
+        for (int j = i; j < d->entry[i].end; ++j)
+            lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
+        for (int which = 0; which < 3; ++which, ++k) {
+            for (int b = d->behind; b < d->batches; ++b) {
+                const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
+                          path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
+                if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
+                k->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH, k->row = (int16_t)((b - d->behind) * RBDI_BATCH);
+                (k++)->lanes = lanes[b];
+            }
+            k->at = -1;
         }
-        for (rbdi_relatives *k = end; k > behind; --k) k[1] = k[-1];
-        for (rbdi_relatives *k = behind; k > both; --k) k[0] = k[-1];
-        both->at = behind[1].at = end[2].at = -1;
-        list->whole = end - list == d->batches - d->behind;
+        list->whole = k - list == rbdi_relatives_length(d);
     }
 }
 #endif
-
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
-   that only slide. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
-    int i = root;
-    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
-           (rbdi_is(&m->link[i], RBDI_SCREW)
-                ? !(m->link[i].rho > 0)
-                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
-        ++i;
-    d->origin[i] = (int16_t)root;
-    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
-}
 
 /* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
@@ -1499,22 +1492,15 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
-    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
-    for (int i = 0; i < m->nl; ++i) {
-        d->origin[i] = -1;
-        rbdi_init_link(m, d, i);
-    }
+    for (int i = 0; i < m->nl; ++i) d->origin[i] = -1;
+    for (int i = 0; i < m->nl; ++i) rbdi_init_link(m, d, i);
     rbdi_assign_lanes(m, d);
 #if RBDI_BATCH > 1
     rbdi_init_relatives(d);
 #endif
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
-    for (int i = 0, r = 0; i < m->nl; ++i) {
-        if (m->link[i].parent >= 0) continue;
-        while (d->segment[r].first < m->link[i].first) ++r;
-        rbdi_init_origin(m, d, i, &d->segment[r]);
-    }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
     rbdi_init_base(d);
@@ -1684,26 +1670,19 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     return s;
 }
 
-/* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
-RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
-    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
-    rbdi_rbi C;
-    C.h = h;
-    C.Sigma.xx = in[0] - com.x * h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * h.y;
-    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * h.y;
-    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * h.z;
-    return C;
-}
-
 /* y, from the wrench that the base lacks. */
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
     const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
     const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
-    const rbdi_abi C = rbdi_abi_of_rbi(rbdi_whole_body(d, c), d->mass);
+    rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
-    y.omega = rbdi_solve_turns(m, C.I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
+    C.h = h;
+    C.Sigma.xx = s[0] - c.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - c.x * h.y;
+    C.Sigma.xz = s[2 * RBDI_BATCH] - c.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - c.y * h.y;
+    C.Sigma.yz = s[4 * RBDI_BATCH] - c.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - c.z * h.z;
+    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
     y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
 }

@@ -4,8 +4,8 @@
 #include <float.h>
 
 /* ---- compiler [compiler] ----
-   All that depends on the compiler and its target; no other place asks for them, but that [configuration]
-   asks for vector types and C99. */
+   All that depends on the compiler and its target. No other section asks for them, except [configuration] for
+   vector types and C99. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error \
@@ -81,9 +81,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CONTRACTION "fp-contract=fast"
 #endif
-/* GCC's vectoriser packs the scalars of 3-vectors and loses time by it, it makes calls of memset of the
-   loops that clear a few numbers, and its ISO modes switch contraction to FMA off; clang needs none of this.
-   */
+/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC makes calls of memset of loops that
+   clear a few numbers, and its ISO modes switch contraction to FMA off. clang needs none of this. */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_PRAGMA(text) _Pragma(#text)
 #define RBDI_OPTIMIZE_WITH(level, contraction) \
@@ -136,7 +135,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
-/* Before columns of a row are read or written one by one: or each gets an index of its own. */
+/* Stands before columns of a row are read or written one by one. Without it each gets an index of its own. */
 #if RBDI_GNU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else

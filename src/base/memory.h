@@ -5,14 +5,14 @@
 /* ---- common [common] ----
    Small functions that several sections call. */
 
-/* x = 0, a batch at a time: a call of memset costs more than it stores. */
+/* Sets x to 0, a batch at a time. A call of memset would cost more. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
     for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p); /* or the compiler sees through it */
+        RBDI_ONE_INDEX(p); /* or the compiler calls memset all the same */
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {

@@ -3,8 +3,8 @@
 #include "base/types.h"
 #include "base/scalar.h"
 
-/* A batch is as many scalars as one SIMD instruction takes; where there is none, or the scalar is a
-   vector already, one. It gathers what is alike: the joints' angles, the wrenches of a subtree. */
+/* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a
+   vector already. It gathers like quantities: the joints' angles, the wrenches of a subtree. */
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #define RBDI_BATCH 1
 #elif RBDI_GNU && RBDI_SIMD > 0

@@ -287,14 +287,19 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
+/* Copies n scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+    int k = 0;
+    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < n; ++k) y[k] = x[k];
+}
 /* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
     out += d->behind * RBDI_COLUMN_SIZE * RBDI_BATCH;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
-        *(rbdi_batch *)out = *(const rbdi_batch *)(v + k);
-    for (; k < n; ++k) *out++ = v[k];
+    for (; k < n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
+        rbdi_copy(v + k, n - k < RBDI_BATCH ? n - k : RBDI_BATCH, out);
 }
 
 /* Quantities that a call needs beyond F. F depends on q only. */

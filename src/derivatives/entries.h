@@ -55,16 +55,6 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* Copies n scalars, a batch at a time. */
-RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
-    int k = 0;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    if (k > 0 && k < n) /* the last ones as a whole batch again */
-        *(rbdi_batch *)&y[n - RBDI_BATCH] = *(const rbdi_batch *)&x[n - RBDI_BATCH];
-    else
-        for (; k < n; ++k) y[k] = x[k];
-}
-
 /* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
    apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
@@ -89,41 +79,50 @@ RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
     return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
 }
-/* Stores the entries of a dof, with the columns own, and of a list of its relatives into its row, 0 in lanes of other
-   dofs. path, subtree: whether the list has dofs there. Returns the next list. */
-RBDI_INLINE const rbdi_relatives *rbdi_put_list(const rbd_real *columns, const rbdi_columns *own,
-                                                const rbdi_relatives *k, int path, int subtree, int want,
-                                                rbdi_wanted row) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    for (; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(columns + k->at);
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
-        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
-        if (path) rbdi_entries_before(c, want, F, T, y);
-        if (subtree) rbdi_entries_behind(c, want, S, z);
-        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            rbdi_bits entries = {0};
-            if (!(want >> r & 1)) continue;
-            if (path) entries = (rbdi_bits)y[r] & before;
-            if (subtree) entries |= (rbdi_bits)z[r] & behind;
-            *(rbdi_batch *)(row.at[r] + k->row) = (rbdi_batch)entries;
-        }
+/* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
+RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
+                                ptrdiff_t at) {
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1) *(rbdi_batch *)(row.at[r] + at) = (rbdi_batch)((rbdi_bits)y[r] & lanes);
     }
-    return k + 1;
 }
-/* Row of the dof at e, from the columns behind a free base on. */
+
+/* Row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
-    k = rbdi_put_list(x, own, k, 1, 0, want, row);
-    k = rbdi_put_list(x, own, k, 1, 1, want, row);
-    (void)rbdi_put_list(x, own, k, 0, 1, want, row);
+    const rbdi_batch zero = rbdi_zero_batch();
+    rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
+    if (k->at >= 0) {
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        do {
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
+    for (++k; k->at >= 0; ++k) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
+        rbdi_entries_before(c, want, F, T, y);
+        rbdi_entries_behind(c, want, S, z);
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+        }
+    }
+    if ((++k)->at >= 0) {
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        do {
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
+        } while ((++k)->at >= 0);
+    }
 }
-
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
     const rbdi_batch zero = {0};
     for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX

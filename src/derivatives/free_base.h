@@ -23,26 +23,19 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     return s;
 }
 
-/* The composite body of all links: h about the base's origin, Sigma about the centre of mass. */
-RBDI_INLINE rbdi_rbi rbdi_whole_body(const rbd_derivatives *d, rbdi_v3 com) {
-    const rbd_real *in = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h));
-    rbdi_rbi C;
-    C.h = h;
-    C.Sigma.xx = in[0] - com.x * h.x, C.Sigma.xy = in[RBDI_BATCH] - com.x * h.y;
-    C.Sigma.xz = in[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = in[3 * RBDI_BATCH] - com.y * h.y;
-    C.Sigma.yz = in[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = in[5 * RBDI_BATCH] - com.z * h.z;
-    return C;
-}
-
 /* y, from the wrench that the base lacks. */
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
     const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
     const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
-    const rbdi_abi C = rbdi_abi_of_rbi(rbdi_whole_body(d, c), d->mass);
+    rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
-    y.omega = rbdi_solve_turns(m, C.I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
+    C.h = h;
+    C.Sigma.xx = s[0] - c.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - c.x * h.y;
+    C.Sigma.xz = s[2 * RBDI_BATCH] - c.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - c.y * h.y;
+    C.Sigma.yz = s[4 * RBDI_BATCH] - c.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - c.z * h.z;
+    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
     y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
 }

@@ -72,6 +72,19 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
+   that only slide. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
+    int i = root;
+    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
+           (rbdi_is(&m->link[i], RBDI_SCREW)
+                ? !(m->link[i].rho > 0)
+                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
+        ++i;
+    d->origin[i] = (int16_t)root;
+    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+}
+
 /* Entries of the dofs of link i, and their segment. */
 RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
@@ -91,6 +104,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         r = &d->segment[d->segments++];
         r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
         r->link = (int16_t)i, r->origin = 0;
+        if (parent < 0) rbdi_init_origin(m, d, i, r);
     }
     r->end = (int16_t)(l->first + n);
 }
@@ -108,55 +122,30 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 }
 
 #if RBDI_BATCH > 1
-/* Adds a dof's lane, its bits beginning at first, to a list of relatives that ends at end. */
-RBDI_PART rbdi_relatives *rbdi_relate(const rbd_derivatives *d, rbdi_relatives *list, rbdi_relatives *end,
-                                      const rbdi_entry *e, int first) {
-    rbdi_relatives *k = list;
-    while (k < end && k->at != e->at - e->lane) ++k;
-    if (k == end) {
-        k->at = e->at - e->lane, k->row = (int16_t)((e->batch - d->behind) * RBDI_BATCH);
-        (end++)->lanes = 0;
-    }
-    k->lanes |= (uint64_t)1 << (first + e->lane);
-    return end;
-}
-/* Lists of all dofs behind a free base: first one of all relatives, those on the path before the others; of
-   these the batches that have both go last, list .. both .. behind .. end, and ends are put between. */
+/* The lists of all dofs behind a free base: batches on the path only, both, in the subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
+    uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_relatives_of(d, i), *both = list, *behind, *end;
-        for (int k = d->entry[i].parent; k >= d->base; k = d->entry[k].parent)
-            both = rbdi_relate(d, list, both, &d->entry[k], RBDI_ON_PATH);
-        behind = end = both;
-        for (int k = i; k < d->entry[i].end; ++k)
-            end = rbdi_relate(d, list, end, &d->entry[k], RBDI_IN_SUBTREE);
-        for (rbdi_relatives *k = list; k < both;) {
-            const rbdi_relatives here = *k;
-            if (here.lanes >> RBDI_IN_SUBTREE)
-                *k = *--both, *both = here;
-            else
-                ++k;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *k = list;
+        for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
+        for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
+            lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
+        for (int j = i; j < d->entry[i].end; ++j)
+            lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
+        for (int which = 0; which < 3; ++which, ++k) {
+            for (int b = d->behind; b < d->batches; ++b) {
+                const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
+                          path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
+                if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
+                k->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH, k->row = (int16_t)((b - d->behind) * RBDI_BATCH);
+                (k++)->lanes = lanes[b];
+            }
+            k->at = -1;
         }
-        for (rbdi_relatives *k = end; k > behind; --k) k[1] = k[-1];
-        for (rbdi_relatives *k = behind; k > both; --k) k[0] = k[-1];
-        both->at = behind[1].at = end[2].at = -1;
-        list->whole = end - list == d->batches - d->behind;
+        list->whole = k - list == rbdi_relatives_length(d);
     }
 }
 #endif
-
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
-   that only slide. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
-    int i = root;
-    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
-           (rbdi_is(&m->link[i], RBDI_SCREW)
-                ? !(m->link[i].rho > 0)
-                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
-        ++i;
-    d->origin[i] = (int16_t)root;
-    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
-}
 
 /* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
@@ -195,22 +184,15 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
-    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
-    for (int i = 0; i < m->nl; ++i) {
-        d->origin[i] = -1;
-        rbdi_init_link(m, d, i);
-    }
+    for (int i = 0; i < m->nl; ++i) d->origin[i] = -1;
+    for (int i = 0; i < m->nl; ++i) rbdi_init_link(m, d, i);
     rbdi_assign_lanes(m, d);
 #if RBDI_BATCH > 1
     rbdi_init_relatives(d);
 #endif
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
     for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
-    for (int i = 0, r = 0; i < m->nl; ++i) {
-        if (m->link[i].parent >= 0) continue;
-        while (d->segment[r].first < m->link[i].first) ++r;
-        rbdi_init_origin(m, d, i, &d->segment[r]);
-    }
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
     rbdi_init_base(d);

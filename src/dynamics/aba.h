@@ -15,9 +15,9 @@
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays so through the shift along z and the turn about it, which rbdi_aba_eliminate and
-   rbdi_abi_shift_z make use of; and S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: what the parent
-   feels about the joint's axis is its torque. */
+   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and rbdi_abi_shift_z
+   rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on the parent about the
+   joint's axis is the torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
@@ -219,7 +219,7 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. Only the lower triangle is kept, and of a free base, which has no parent, the part for the axes
+   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
    before. */
 RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
                                  rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {

@@ -124,7 +124,7 @@ RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
 #endif
 }
 
-/* What a call with pivots returns. doubt: any of them; x: the n results. */
+/* The status of a call with pivots. doubt: whether any is in doubt; x: the n results. */
 RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;

@@ -54,7 +54,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
         RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
-/* RBDA table 5.1 in classical accelerations; what only depends on q is there already. */
+/* RBDA table 5.1 in classical accelerations. All that depends on q alone is there already. */
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);

@@ -12,7 +12,7 @@
        omega_dot = E omega_dot_p + (E omega_p) x z turn + z turn_dot
        acc       = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot
 
-   Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd; what c says of linear velocity is in Omega
+   Table 5.1 has a_i = X a_p + S qdd + c with c = v x S qd. The terms of c with linear velocity are in Omega
    here. */
 
 /* Velocity-product terms that a joint with velocity J adds to (omega_dot, acc); omega is the parent's angular
@@ -127,8 +127,8 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
     return F;
 }
 
-/* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from where the
-   parent's was kept; with it the wrench that moves the link, if wanted. */
+/* One step of the sweep root to leaf: the state of link i from that of link i - 1, or from the parent's kept
+   state; and the wrench that moves the link, if wanted. */
 RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i, int flags,
                                          const rbdi_state *world, const rbd_real *v, const rbd_real *a,
                                          rbdi_state s, int wrench) {

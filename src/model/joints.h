@@ -70,9 +70,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* What depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle q +
-   gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
-   where the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle
+   q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
+   if the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     for (int i = 0; i < m->nl; ++i) {
@@ -121,7 +121,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
    first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
    have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Where arithmetic is a call there is none: it would
+   that the flags are flags_, and forgetting the rest). Targets that compute by calls have none: it would
    save two per cent. */
 #define RBDI_CASE(known, name, call) \
     case known: { \

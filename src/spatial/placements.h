@@ -144,7 +144,7 @@ RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 posit
     RBDI_FRAMES(x.of = of; x.in = in;)
     return x;
 }
-/* The same of the numbers that rbd_body_pose gives: with in = the world. */
+/* The same from the results of rbd_body_pose, for which `in` is the world. */
 RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
                                                     int of, int in) {
     return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
