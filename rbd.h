@@ -1442,12 +1442,12 @@ RBDI_CODE_BEGIN
 
    A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a
    pivot must exceed RBDI_NOISE times the terms whose difference it is, or it is singular: 32
-   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that should go
-   through a mass m misses it by L eps, L the distance to the frame that it is described in, and the pivot is
-   m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps
-   m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far above the
-   5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be 1e-11 L. In
-   float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
+   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that
+   should go through a mass m misses it by L eps, L the distance to the frame that it is described in, and
+   the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot
+   up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far
+   above the 5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be
+   1e-11 L. In float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -2670,9 +2670,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle
-   q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
-   if the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The
+   angle q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double;
+   not at all if the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     for (int i = 0; i < m->nl; ++i) {
@@ -3509,9 +3509,9 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and rbdi_abi_shift_z
-   rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on the parent about the
-   joint's axis is the torque. */
+   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and
+   rbdi_abi_shift_z rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on
+   the parent about the joint's axis is the torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
@@ -4077,9 +4077,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
-/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants subtract, then
-   the results on the path. It is stored as it is loaded, by batches and then by scalars: the processor
-   would wait for a batch that was stored by scalars. */
+/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants
+   subtract, then the results on the path. It is stored as it is loaded, by batches and then by scalars: the
+   processor would wait for a batch that was stored by scalars. */
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
@@ -4967,8 +4967,8 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis a goes
-   through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
+/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis
+   a goes through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];

@@ -2,9 +2,9 @@
    Made by src/amalgamate.py from src/rbd_constraints.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   A set of constraints is described and checked once. One call then gives accelerations and constraint forces,
-   another one the velocities after an impact. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same
-   file. A foot that stands:
+   A set of constraints is described and checked once. One call then gives accelerations and constraint
+   forces, another one the velocities after an impact. Implemented by the same RBD_IMPLEMENTATION as rbd.h,
+   in the same file. A foot that stands:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_constraints.h"
@@ -34,17 +34,18 @@
      rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
                   after constraint: J v
      gamma        dJ/dt v: J a + gamma is the time derivative of J v, on the constraint and off it
-     e            the position error. For linear rows it is r, and its rate is J v. For three angular axes it is
-                  log R, for two z x (R z), z the unit vector of the free axis; their rate is J v at e = 0. For
-                  a single angular axis it is its component of log R, useful for small turns only
+     e            the position error. For linear rows it is r, and its rate is J v. For three angular axes
+                  it is log R, for two z x (R z), z the unit vector of the free axis; their rate is J v at
+                  e = 0. For a single angular axis it is its component of log R, useful for small turns only
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
    [configuration] That of rbd.h, without RBD_NO_CHOLESKY.
 
    [limits]
-     A constraint pulls as well as it pushes. rbd_contact.h has contacts that open and slip, with friction. Constraints of velocities alone (rolling, knife edges) are
-     not described. M must be regular, also where the constraints would make up for it.
+     A constraint pulls as well as it pushes. rbd_contact.h has contacts that open and slip, with friction.
+     Constraints of velocities alone (rolling, knife edges) are not described. M must be regular, also where
+     the constraints would make up for it.
 */
 #include "rbd.h"
 #ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
@@ -142,9 +143,9 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
    (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on each
-   other, the state decides which of them are left out, not their order. If several of these contradict the
-   others, this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on
+   each other, the state decides which of them are left out, not their order. If several of these contradict
+   the others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -179,9 +180,9 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
-   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum of
-   weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is missing. The
-   caller must check lambda: a foot may be asked to pull.
+   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum
+   of weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is
+   missing. The caller must check lambda: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
@@ -192,8 +193,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near = 0
-   there, the one with the least sum of weight (v_near - v)^2.
+/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near
+   = 0 there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
    combination of the rows of J. If all joints have one degree of freedom, it is the nearest place, or nearer
    than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
@@ -228,14 +229,14 @@ typedef struct rbd_constrained_fd_results {
     rbd_real *dlambda_dq, *dlambda_dv, *dlambda_dtau; /* rows x nv */
 } rbd_constrained_fd_results;
 
-/* Derivatives of the results of rbd_constrained_fd, a (nv x nv) and lambda (rows x nv), by q (column k: q moves
-   with unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes.
+/* Derivatives of the results of rbd_constrained_fd, a (nv x nv) and lambda (rows x nv), by q (column k: q
+   moves with unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes.
    d            of the same work
    out          da_... each with its dlambda_..., both or neither NULL, also where there are no rows; no two
                 the same array
-   If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the change of
-   least norm that belongs to it: the lambda of least norm changes by that and by a null vector of J'.
-   Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
+   If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the
+   change of least norm that belongs to it: the lambda of least norm changes by that and by a null vector of
+   J'. Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
    Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
@@ -546,8 +547,8 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then those
-   of linear rows. */
+/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then
+   those of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
@@ -648,7 +649,8 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if `moving`, velocities of their origins. Angular velocities are there. */
+/* Poses of the links on a path and, if `moving`, velocities of their origins. Angular velocities are there.
+   */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
@@ -670,7 +672,8 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Clears Y and R, for calls that do not write all entries that articulated bodies read, and J v, gamma and e. */
+/* Clears Y and R, for calls that do not write all entries that articulated bodies read, and J v, gamma and
+   e. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
@@ -723,7 +726,8 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these
+   dofs. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
@@ -1188,8 +1192,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free base: its
-   U/D has only the entries that its own dofs need. */
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free
+   base: its U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -1272,8 +1276,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that these
-   are 0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that
+   these are 0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1344,8 +1348,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in an impact:
-   the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is in doubt. */
+/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in
+   an impact: the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is
+   in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -1504,9 +1509,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near), the
-   remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps only
-   reduce e. */
+   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near),
+   the remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps
+   only reduce e. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1518,9 +1523,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x, the one
-   before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J changes, steps with it
-   converge slowly or never. */
+/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x,
+   the one before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J
+   changes, steps with it converge slowly or never. */
 static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);
@@ -1800,8 +1805,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there are more
-   rows than dofs, or if two links have more than six rows between them, or more than dofs. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
+   are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
@@ -2066,8 +2071,9 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, 
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs' motions S
-   stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a free base's. */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs'
+   motions S stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a
+   free base's. */
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
                          const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),

@@ -2,8 +2,8 @@
    Made by src/amalgamate.py from src/rbd_derivatives.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   All calls support every joint type, external wrenches, rotors, mimic joints and several roots. Include it as
-   rbd.h: in ONE file
+   All calls support every joint type, external wrenches, rotors, mimic joints and several roots. Include it
+   as rbd.h: in ONE file
 
        #define RBD_IMPLEMENTATION
        #include "rbd_derivatives.h"
@@ -67,8 +67,8 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it
-   It holds constants of the model: call it again when those have changed. With any other model every call returns
-   RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
+   It holds constants of the model: call it again when those have changed. With any other model every call
+   returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **d);
 
@@ -80,8 +80,8 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 /* ---- momentum [momentum] ---- */
 
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
-   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's rate
-   is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
+   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's
+   rate is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
@@ -104,8 +104,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the accelerations
-   of all other joints. It takes a little more than half the instructions of rbd_hybrid.
+/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the
+   accelerations of all other joints. It takes a little more than half the instructions of rbd_hybrid.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */
@@ -267,8 +267,8 @@ RBDI_EXTERN_C_END
 typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
 
-/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one block.
-   Indices of dofs are in the solver's order in this header. */
+/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one
+   block. Indices of dofs are in the solver's order in this header. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
     int16_t parent;     /* parent of the first dof, -1 = none */
@@ -362,11 +362,12 @@ RBDI_CODE_BEGIN
 #endif
 
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the first
-   rotating link from the root, and at this instant it moves with that origin. Any frame that moves uniformly gives
-   the same matrices; this one keeps the place and velocity of a root out of the differences that give small
-   inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
-   else is computed for each dof alone: the dofs, in the caller's order, are the SIMD lanes.
+   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the
+   first rotating link from the root, and at this instant it moves with that origin. Any frame that moves
+   uniformly gives the same matrices; this one keeps the place and velocity of a root out of the differences
+   that give small inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors
+   or over a subtree. All else is computed for each dof alone: the dofs, in the caller's order, are the SIMD
+   lanes.
 
    A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
    R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
@@ -377,9 +378,9 @@ RBDI_CODE_BEGIN
        Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
                                                    A of the world: (0; -gravity)
 
-   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's regrouped
-   constants give the same sums: bodies that move alike have the same momentum and force. With acc = a + omega x v
-   and Omega = [omega_dot]x + [omega]x [omega]x
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's
+   regrouped constants give the same sums: bodies that move alike have the same momentum and force. With acc
+   = a + omega x v and Omega = [omega_dot]x + [omega]x [omega]x
 
        X = [omega]x Sigma + v h'    the integral of x_dot x' dm
        P = m v + omega x h          linear momentum
@@ -392,9 +393,9 @@ RBDI_CODE_BEGIN
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There its S
-   are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot + w x v -
-   gravity). Its dofs then have
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There
+   its S are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot +
+   w x v - gravity). Its dofs then have
 
        turns   U = (w x e; e x v), Phi = (0; -gravity x e)      shifts   U = (0; w x e), Phi = 0
    Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
@@ -599,8 +600,8 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
 }
 
 /* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link of its
-   origin, is subtracted. */
+   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link
+   of its origin, is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -641,7 +642,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free
+   base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -789,8 +791,9 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 
 /* ==== src/derivatives/subtrees.h ==== */
 /* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
-   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike fill
-   them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike
+   fill them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more
+   time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
     for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -935,8 +938,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's axes
-   and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's
+   axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
@@ -964,8 +967,8 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
 
    and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right column,
-   those of its subtree by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right
+   column, those of its subtree by the left one. */
 
 /* S' F. */
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
@@ -1007,8 +1010,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
-   apart. */
+/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a
+   stride apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
@@ -1082,9 +1085,9 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of the next
-   row, which is stored later, as are the columns of a base. A row whose last batch would pass the end of the matrix
-   is computed in scratch memory and copied. */
+/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of
+   the next row, which is stored later, as are the columns of a base. A row whose last batch would pass the
+   end of the matrix is computed in scratch memory and copied. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);
@@ -1161,8 +1164,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for HyQ,
-   17 % for Atlas. */
+   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for
+   HyQ, 17 % for Atlas. */
 /* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree. */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
@@ -1186,8 +1189,8 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
     }
 }
-/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of the next
-   row, which is stored later, but does not pass end, the number of the matrix's entries. */
+/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
+   the next row, which is stored later, but does not pass end, the number of the matrix's entries. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
@@ -1347,7 +1350,8 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's own. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's
+   own. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -1380,8 +1384,8 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
-   that only slide. */
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of
+   links that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
@@ -1547,8 +1551,8 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     }
 }
 
-/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives it, for
-   no mass was moved past the base. Otherwise it comes from the bodies as described. */
+/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives
+   it, for no mass was moved past the base. Otherwise it comes from the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
@@ -1651,9 +1655,9 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
    At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
-   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common frame
-   all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and gravity are in
-   y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
+   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common
+   frame all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and
+   gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */
@@ -1927,8 +1931,8 @@ RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3
     rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
 }
 
-/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the parameters
-   m and m c: a' (x R) = (a' x; R' a). */
+/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the
+   parameters m and m c: a' (x R) = (a' x; R' a). */
 typedef struct rbdi_placement {
     rbdi_four row[3];
 } rbdi_placement;
@@ -1959,8 +1963,8 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the rows of X,
-   acc in P, omega and omega_dot in U. */
+/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the
+   rows of X, acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -2165,9 +2169,9 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2
-   on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum (-x)^k /
-   (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c
+   [w]x^2 on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum
+   (-x)^k / (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
 
        exp(-ad)   b = -c_1, c = c_2
        J_r        b = -c_2, c = c_3
@@ -2252,8 +2256,8 @@ static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 
-/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps add
-   f = 1. */
+/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps
+   add f = 1. */
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;

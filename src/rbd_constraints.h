@@ -1,9 +1,9 @@
 /* rbd_constraints.h - contacts, closed loops and impacts, on rbd.h.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   A set of constraints is described and checked once. One call then gives accelerations and constraint forces,
-   another one the velocities after an impact. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same
-   file. A foot that stands:
+   A set of constraints is described and checked once. One call then gives accelerations and constraint
+   forces, another one the velocities after an impact. Implemented by the same RBD_IMPLEMENTATION as rbd.h,
+   in the same file. A foot that stands:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_constraints.h"
@@ -33,17 +33,18 @@
      rows         the components of the velocity whose axes are held, in the order omega_x .. v_z, constraint
                   after constraint: J v
      gamma        dJ/dt v: J a + gamma is the time derivative of J v, on the constraint and off it
-     e            the position error. For linear rows it is r, and its rate is J v. For three angular axes it is
-                  log R, for two z x (R z), z the unit vector of the free axis; their rate is J v at e = 0. For
-                  a single angular axis it is its component of log R, useful for small turns only
+     e            the position error. For linear rows it is r, and its rate is J v. For three angular axes
+                  it is log R, for two z x (R z), z the unit vector of the free axis; their rate is J v at
+                  e = 0. For a single angular axis it is its component of log R, useful for small turns only
      lambda       (moment about the origin of frame 1; force) in the axes of frame 2 that body 2 puts on body
                   1, the held components; the opposite acts on body 2, at the same place: J' lambda
 
    [configuration] That of rbd.h, without RBD_NO_CHOLESKY.
 
    [limits]
-     A constraint pulls as well as it pushes. rbd_contact.h has contacts that open and slip, with friction. Constraints of velocities alone (rolling, knife edges) are
-     not described. M must be regular, also where the constraints would make up for it.
+     A constraint pulls as well as it pushes. rbd_contact.h has contacts that open and slip, with friction.
+     Constraints of velocities alone (rolling, knife edges) are not described. M must be regular, also where
+     the constraints would make up for it.
 */
 #include "rbd.h"
 #ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */

@@ -1,8 +1,8 @@
 /* rbd_derivatives.h - momentum and Coriolis matrix and first derivatives of a robot's dynamics, for rbd.h.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   All calls support every joint type, external wrenches, rotors, mimic joints and several roots. Include it as
-   rbd.h: in ONE file
+   All calls support every joint type, external wrenches, rotors, mimic joints and several roots. Include it
+   as rbd.h: in ONE file
 
        #define RBD_IMPLEMENTATION
        #include "rbd_derivatives.h"

@@ -1,5 +1,5 @@
-/* hopper.c - a leg finds out when to touch the ground: it stands, and shall stand half a metre further on after
-   0.7 s. Nobody tells it that it has to hop. The cost knows the place of the trunk, motion and effort, but no
+/* hopper.c - a leg finds out when to touch the ground: it stands, and shall stand half a metre further on
+   after 0.7 s. Nobody tells it that it has to hop. The cost knows the place of the trunk, motion and effort, but no
    contacts; iterative LQR gets the derivatives of whole steps with contact, and decides when the foot lifts,
    lands, sticks and slips. Then the plan is tried with steps a tenth as long. Prints a table for hopper.gp.
    SPDX-License-Identifier: MIT */
@@ -173,8 +173,8 @@ static int hops(void) {
     return past[0].force[2] > 0 && air * tick > 0.05 && past[N - 1].force[2] > 0;
 }
 
-/* In each knot: the force is within the cone, and 0 above the ground but for a rounding of the step: it turns a leg
-   by a finite angle. The foot is not in the ground. */
+/* In each knot: the force is within the cone, and 0 above the ground but for a rounding of the step: it
+   turns a leg by a finite angle. The foot is not in the ground. */
 static int keeps_laws(void) {
     int keeps = 1;
     for (int k = 0; k < N; k++) {

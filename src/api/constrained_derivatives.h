@@ -13,14 +13,14 @@ typedef struct rbd_constrained_fd_results {
     rbd_real *dlambda_dq, *dlambda_dv, *dlambda_dtau; /* rows x nv */
 } rbd_constrained_fd_results;
 
-/* Derivatives of the results of rbd_constrained_fd, a (nv x nv) and lambda (rows x nv), by q (column k: q moves
-   with unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes.
+/* Derivatives of the results of rbd_constrained_fd, a (nv x nv) and lambda (rows x nv), by q (column k: q
+   moves with unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes.
    d            of the same work
    out          da_... each with its dlambda_..., both or neither NULL, also where there are no rows; no two
                 the same array
-   If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the change of
-   least norm that belongs to it: the lambda of least norm changes by that and by a null vector of J'.
-   Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
+   If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the
+   change of least norm that belongs to it: the lambda of least norm changes by that and by a null vector of
+   J'. Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
    Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,

@@ -85,9 +85,9 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
    (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on each
-   other, the state decides which of them are left out, not their order. If several of these contradict the
-   others, this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on
+   each other, the state decides which of them are left out, not their order. If several of these contradict
+   the others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -122,9 +122,9 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
 /* Inverse dynamics with contacts: M a + c = tau + sum J_b' f_ext + J' lambda, where only some joints have
-   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum of
-   weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is missing. The
-   caller must check lambda: a foot may be asked to pull.
+   motors. Among all lambda with tau = 0 at the other joints (a free base), takes the one with the least sum
+   of weight lambda^2. If there is none, takes the nearest (least squares); tau of these joints is what is
+   missing. The caller must check lambda: a foot may be asked to pull.
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
@@ -135,8 +135,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda);
 
-/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near = 0
-   there, the one with the least sum of weight (v_near - v)^2.
+/* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near
+   = 0 there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
    combination of the rows of J. If all joints have one degree of freedom, it is the nearest place, or nearer
    than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it

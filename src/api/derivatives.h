@@ -32,8 +32,8 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it
-   It holds constants of the model: call it again when those have changed. With any other model every call returns
-   RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
+   It holds constants of the model: call it again when those have changed. With any other model every call
+   returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
                                          rbd_derivatives **d);
 
@@ -45,8 +45,8 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 /* ---- momentum [momentum] ---- */
 
 /* Centroidal momentum matrix A, 6 x nv: A v = (angular momentum about the centre of mass; linear momentum) of
-   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's rate
-   is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
+   all bodies that a joint moves, world axes; and, unless it is NULL, A_dot_v = dA/dt v, 6: the momentum's
+   rate is A a + A_dot_v. v may be NULL if A_dot_v is. Rotors count in neither. Orin,
    Goswami and Lee (2013). Its angular half needs mass: without any it is about the root. */
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
@@ -69,8 +69,8 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 /* ---- inverse dynamics with a free base [free base] ---- */
 
 #ifndef RBD_NO_CHOLESKY
-/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the accelerations
-   of all other joints. It takes a little more than half the instructions of rbd_hybrid.
+/* Inverse dynamics with floating bases (RBDA section 9.3), from the wrenches on the bases and the
+   accelerations of all other joints. It takes a little more than half the instructions of rbd_hybrid.
    a       in: those of the joints; out: of floating bases too
    tau     in: the wrench on each floating base, 0 in flight; out: the torques of the joints too
    Without a floating base it is rbd_rnea. Also RBD_ERR_SINGULAR; then a and tau are 0. */

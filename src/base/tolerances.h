@@ -9,12 +9,12 @@
 
    A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a
    pivot must exceed RBDI_NOISE times the terms whose difference it is, or it is singular: 32
-   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that should go
-   through a mass m misses it by L eps, L the distance to the frame that it is described in, and the pivot is
-   m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps
-   m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far above the
-   5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be 1e-11 L. In
-   float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
+   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that
+   should go through a mass m misses it by L eps, L the distance to the frame that it is described in, and
+   the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot
+   up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far
+   above the 5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be
+   1e-11 L. In float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16

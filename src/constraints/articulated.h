@@ -84,8 +84,8 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free base: its
-   U/D has only the entries that its own dofs need. */
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free
+   base: its U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
                                 rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
@@ -168,8 +168,8 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that these
-   are 0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that
+   these are 0 in the links' motion. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;

@@ -4,9 +4,9 @@
 #include "constraints/weights.h"
 
 /* ---- assembly [assembly] ----
-   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near), the
-   remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps only
-   reduce e. */
+   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near),
+   the remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps
+   only reduce e. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -18,9 +18,9 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
     return largest;
 }
 
-/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x, the one
-   before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J changes, steps with it
-   converge slowly or never. */
+/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x,
+   the one before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J
+   changes, steps with it converge slowly or never. */
 static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
                    most = rbdi_set(RBDI_MOST_SHARE);

@@ -47,8 +47,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, con
     }
 }
 
-/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in an impact:
-   the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is in doubt. */
+/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in
+   an impact: the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is
+   in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {

@@ -168,8 +168,9 @@ static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, 
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs' motions S
-   stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a free base's. */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs'
+   motions S stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a
+   free base's. */
 static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
                          const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),

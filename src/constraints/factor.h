@@ -39,7 +39,8 @@ static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these
+   dofs. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;

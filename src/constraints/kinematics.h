@@ -77,8 +77,8 @@ static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then those
-   of linear rows. */
+/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then
+   those of linear rows. */
 typedef struct rbdi_axes_held {
     rbd_real x[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;

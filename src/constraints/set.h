@@ -187,8 +187,8 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there are more
-   rows than dofs, or if two links have more than six rows between them, or more than dofs. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
+   are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;

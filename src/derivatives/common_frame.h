@@ -14,11 +14,12 @@ RBDI_CODE_BEGIN
 #endif
 
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the first
-   rotating link from the root, and at this instant it moves with that origin. Any frame that moves uniformly gives
-   the same matrices; this one keeps the place and velocity of a root out of the differences that give small
-   inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors or over a subtree. All
-   else is computed for each dof alone: the dofs, in the caller's order, are the SIMD lanes.
+   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the
+   first rotating link from the root, and at this instant it moves with that origin. Any frame that moves
+   uniformly gives the same matrices; this one keeps the place and velocity of a root out of the differences
+   that give small inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors
+   or over a subtree. All else is computed for each dof alone: the dofs, in the caller's order, are the SIMD
+   lanes.
 
    A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
    R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
@@ -29,9 +30,9 @@ RBDI_CODE_BEGIN
        Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
                                                    A of the world: (0; -gravity)
 
-   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's regrouped
-   constants give the same sums: bodies that move alike have the same momentum and force. With acc = a + omega x v
-   and Omega = [omega_dot]x + [omega]x [omega]x
+   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's
+   regrouped constants give the same sums: bodies that move alike have the same momentum and force. With acc
+   = a + omega x v and Omega = [omega_dot]x + [omega]x [omega]x
 
        X = [omega]x Sigma + v h'    the integral of x_dot x' dm
        P = m v + omega x h          linear momentum
@@ -44,9 +45,9 @@ RBDI_CODE_BEGIN
 
    and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
 
-   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There its S
-   are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot + w x v -
-   gravity). Its dofs then have
+   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There
+   its S are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot +
+   w x v - gravity). Its dofs then have
 
        turns   U = (w x e; e x v), Phi = (0; -gravity x e)      shifts   U = (0; w x e), Phi = 0
    Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
@@ -251,8 +252,8 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
 }
 
 /* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link of its
-   origin, is subtracted. */
+   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link
+   of its origin, is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -293,7 +294,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free
+   base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];

@@ -12,8 +12,8 @@
 
    and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right column,
-   those of its subtree by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right
+   column, those of its subtree by the left one. */
 
 /* S' F. */
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
@@ -55,8 +55,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a stride
-   apart. */
+/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a
+   stride apart. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
@@ -130,9 +130,9 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of the next
-   row, which is stored later, as are the columns of a base. A row whose last batch would pass the end of the matrix
-   is computed in scratch memory and copied. */
+/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of
+   the next row, which is stored later, as are the columns of a base. A row whose last batch would pass the
+   end of the matrix is computed in scratch memory and copied. */
 RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
     const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
     const ptrdiff_t length = rbdi_relatives_length(&d);
@@ -209,8 +209,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
-   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for HyQ,
-   17 % for Atlas. */
+   Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for
+   HyQ, 17 % for Atlas. */
 /* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree. */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
@@ -234,8 +234,8 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
     }
 }
-/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of the next
-   row, which is stored later, but does not pass end, the number of the matrix's entries. */
+/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
+   the next row, which is stored later, but does not pass end, the number of the matrix's entries. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;

@@ -4,9 +4,9 @@
 
 /* ---- inverse dynamics with a free base [free base code] ----
    At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
-   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common frame
-   all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and gravity are in
-   y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
+   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common
+   frame all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and
+   gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
 
 #ifndef RBD_NO_CHOLESKY
 /* M^-1 x by pivots from the end, as everywhere. */

@@ -9,8 +9,8 @@
 typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
 
-/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one block.
-   Indices of dofs are in the solver's order in this header. */
+/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one
+   block. Indices of dofs are in the solver's order in this header. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
     int16_t parent;     /* parent of the first dof, -1 = none */

@@ -39,7 +39,8 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's own. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's
+   own. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -72,8 +73,8 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of links
-   that only slide. */
+/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of
+   links that only slide. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&

@@ -34,8 +34,8 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     }
 }
 
-/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives it, for
-   no mass was moved past the base. Otherwise it comes from the bodies as described. */
+/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives
+   it, for no mass was moved past the base. Otherwise it comes from the bodies as described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;

@@ -14,8 +14,8 @@ RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3
     rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
 }
 
-/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the parameters
-   m and m c: a' (x R) = (a' x; R' a). */
+/* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the
+   parameters m and m c: a' (x R) = (a' x; R' a). */
 typedef struct rbdi_placement {
     rbdi_four row[3];
 } rbdi_placement;
@@ -46,8 +46,8 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the rows of X,
-   acc in P, omega and omega_dot in U. */
+/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the
+   rows of X, acc in P, omega and omega_dot in U. */
 RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];

@@ -14,9 +14,9 @@
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2
-   on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum (-x)^k /
-   (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c
+   [w]x^2 on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum
+   (-x)^k / (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
 
        exp(-ad)   b = -c_1, c = c_2
        J_r        b = -c_2, c = c_3
@@ -101,8 +101,8 @@ static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 
-/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps add
-   f = 1. */
+/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps
+   add f = 1. */
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;

@@ -3,8 +3,9 @@
 #include "derivatives/common_frame.h"
 
 /* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
-   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike fill
-   them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more time. */
+   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike
+   fill them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more
+   time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
     for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
@@ -149,8 +150,8 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's axes
-   and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's
+   axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;

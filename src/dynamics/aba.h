@@ -15,9 +15,9 @@
        pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and rbdi_abi_shift_z
-   rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on the parent about the
-   joint's axis is the torque. */
+   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and
+   rbdi_abi_shift_z rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on
+   the parent about the joint's axis is the torque. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {

@@ -190,9 +190,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
-/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants subtract, then
-   the results on the path. It is stored as it is loaded, by batches and then by scalars: the processor
-   would wait for a batch that was stored by scalars. */
+/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants
+   subtract, then the results on the path. It is stored as it is loaded, by batches and then by scalars: the
+   processor would wait for a batch that was stored by scalars. */
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;

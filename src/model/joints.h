@@ -70,9 +70,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The angle
-   q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double; not at all
-   if the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The
+   angle q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double;
+   not at all if the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     int plain = 1;
     for (int i = 0; i < m->nl; ++i) {

@@ -22,8 +22,8 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis a goes
-   through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
+/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis
+   a goes through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];

@@ -697,7 +697,8 @@ static void check_forces(void) {
     }
 }
 
-/* Contacts take kinetic energy: p'(u + u_free)/2 without biases. More than the residual allows is an error. */
+/* Contacts take kinetic energy: p'(u + u_free)/2 without biases. More than the residual allows is an error.
+   */
 static void check_energy(double residual) {
     const laws *x = &exact_laws;
     quad sum = 0, size = 0;
