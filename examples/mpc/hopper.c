@@ -1,8 +1,8 @@
 /* hopper.c - a leg finds out when to touch the ground: it stands, and shall stand half a metre further on
-   after 0.7 s. Nobody tells it that it has to hop. The cost knows the place of the trunk, motion and effort, but no
-   contacts; iterative LQR gets the derivatives of whole steps with contact, and decides when the foot lifts,
-   lands, sticks and slips. Then the plan is tried with steps a tenth as long. Prints a table for hopper.gp.
-   SPDX-License-Identifier: MIT */
+   after 0.7 s. Nobody tells it that it has to hop. The cost knows the place of the trunk, motion and
+   effort, but no contacts; iterative LQR gets the derivatives of whole steps with contact, and decides
+   when the foot lifts, lands, sticks and slips. Then the plan is tried with steps a tenth as long. Prints
+   a table for hopper.gp. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
 #include "check.h"
 #include "rbd_contact.h"
