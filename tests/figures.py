@@ -144,8 +144,20 @@ def pattern(sentence, figures="same"):
     return re.compile(re.sub(r"(?:\d(?:\\?[.,]?\d)*|–)", lambda _: r"[\d.,–]*[\d–]", text) if figures == "any" else text)
 
 
+def csv_tables(document, text):
+    """Tables between <!-- rows of FILE.csv --> and <!-- end --> have the cells of that file."""
+    for match in re.finditer(r"<!-- rows of (\S+) -->\n(.*?)\n<!-- end -->", text, re.S):
+        with open(ROOT / match[1], newline="") as file:
+            rows = ["| " + " | ".join(row) + " |" for row in csv.reader(file)]
+        shown = [re.sub(r"\|  \|", "| |", line) for line in match[2].split("\n") if not set(line) <= set("|-: ")]
+        if shown != [re.sub(r"\|  \|", "| |", row) for row in rows]:
+            yield f"{document}: the table of {match[1]} has other cells"
+
+
 def check(write):
     problems, texts = [], {d: (ROOT / d).read_text() for d in DOCUMENTS}
+    for document, text in texts.items():
+        problems += csv_tables(document, text)
     left = {d: without_code(text) for d, text in texts.items()}
     for document, sentence in sentences():
         same = pattern(sentence).search(texts[document])
