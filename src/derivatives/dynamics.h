@@ -18,7 +18,8 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
 
 RBDI_API rbd_status rbd_gravity_torque_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                                    rbd_real *dg_dq) {
-    if (!m || !d || !q || !dg_dq) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_derivatives(m, d, q && dg_dq);
+    if (status) return status;
     return rbd_id_derivatives(m, d, q, d->work->zero, d->work->zero, NULL, dg_dq, NULL, NULL);
 }
 
