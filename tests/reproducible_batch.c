@@ -7,6 +7,8 @@
 #include "rbd_constraints.h"
 #include "rbd_derivatives.h"
 
+#include "rbd_batch.h"
+
 #include "models/atlas_model.h"
 #include "models/hyq_model.h"
 #include "models/iiwa_model.h"
