@@ -46,6 +46,8 @@ def programs():
         flags = [*QUICK, f"-DRBD_REAL={real}", f"-DBATCH_LANES={lanes}"]
         out.append((f"batch {real} {lanes}", ["batch.c", "rbd.c"], ["test_batch.c", "reference.c"], flags, []))
     out.append(("spatial", ["test_spatial.c"], ["reference.c"], QUICK, ["-lquadmath"]))
+    for robot in "iiwa", "hyq":
+        out.append((f"features {robot}", [f"features_{robot}.c", "features.c"], [], QUICK, []))
     out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
     return out
 
