@@ -117,7 +117,7 @@ def test_arguments_are_those_of_the_header():
             assert sorted(call.inputs) == sorted(call.c_inputs), call.name
             assert first == 1 + len(call.memory) + (prefix == "rbd_batch_"), call.name
         if call.struct:
-            kind = re.search(rf"const (\w+) \*out\);", text[text.index(f"rbd_{call.name}("):])[1]
+            kind = re.search(rf"const (\w+) \*out\);", text[text.index(f"rbd_{call.c_name}("):])[1]
             members = re.search(rf"typedef struct {kind} \{{(.*?)\}}", text, re.S)[1]
             assert re.findall(r"\*(\w+)", members) == [x.rstrip("_") for x in call.outputs], call.name
 

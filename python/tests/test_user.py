@@ -66,7 +66,7 @@ def test_fall(tmp_path, monkeypatch, quick):
     energy = [float(number) for number in re.findall(r"s: *([\d.]+) J", printed)]
     assert len(energy) == 24 and (np.diff(energy) <= 0).all() and energy[0] - energy[-1] > 300
     force, weight = map(int, re.search(r"with (\d+) N on the ground, weight (\d+)", printed).groups())
-    assert abs(force - weight) < 10
+    assert abs(force - weight) < 0.05 * weight  # it may still roll a little
     unsolved, worst = re.search(r"of 1200 steps (\d+) .* than (\S+) m/s", printed).groups()
     assert int(unsolved) < 40 and float(worst) < 0.05  # legs hit their limits and the ground at once
     frames = sorted(tmp_path.glob("hyq_falls_*.png"))
