@@ -2,7 +2,7 @@
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
 # rbd_urdf.h; for double and float; without code, as a standard decides on syntax and meaning alone, and with the first
-# standard also at -O0 and -O2, where the compiler sees more. Then the batch calls for several numbers of lanes, with the
+# standard also at -O0 and, but for clang-16, -O2, where the compiler sees more. Then the batch calls for several numbers of lanes, with the
 # SIMD unit for them where the compiler has it; the first of them with code.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
@@ -49,8 +49,7 @@ all() {
     compiler=$1 suffix=$2 level=$quick
     shift 2
     optimised=-O2
-    [ "$compiler" != clang-16 ] || optimised="-O2 -Dalways_inline=unused" # in half the time: clang-19 has it with
-    [ "$suffix" != c ] || compile "$compiler" "$1" "$suffix" implementation double "$optimised"
+    [ "$suffix" != c ] || [ "$compiler" = clang-16 ] || compile "$compiler" "$1" "$suffix" implementation double "$optimised"
     for standard; do
         for scalar in double float; do
             for included in declarations urdf implementation; do

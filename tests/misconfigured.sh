@@ -17,7 +17,7 @@ prefix='rbd: '
 says() {
     sentence=$1
     shift
-    for compiler in gcc g++ clang clang-19 clang++-19; do
+    for compiler in gcc g++ clang-19 clang++-19; do
         command -v "$compiler" >/dev/null 2>&1 || continue
         language="-x c -std=c99"
         case $compiler,$* in
@@ -74,6 +74,6 @@ with '#define RBD_FEATURES IIWA_FEATURES | HYQ_FEATURES' "$iiwa" "$hyq" "$rbd" "
     'const rbd_model *const both[2] = {&iiwa_model, &hyq_model};'
 says '' "$@"
 
-for compiler in gcc clang; do command -v "$compiler" >/dev/null 2>&1 || missing="$missing $compiler"; done
+for compiler in gcc clang-19; do command -v "$compiler" >/dev/null 2>&1 || missing="$missing $compiler"; done
 echo "$checks checks, $failures failed; missing:${missing:- nothing}"
 [ "$checks" -gt 0 ] && [ "$failures" -eq 0 ]

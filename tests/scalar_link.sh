@@ -196,9 +196,9 @@ gcc=
 ! command -v gcc >/dev/null || gcc=gcc
 for flags in -O0 "-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections" -flto; do
     [ -z "$gcc" ] || both "gcc $flags" gcc gcc
-    [ -z "$gcc" ] || ! command -v g++ >/dev/null || both "g++ and gcc $flags" g++ gcc
 done
 flags="-O2 -ffunction-sections -fdata-sections -Wl,--gc-sections"
+[ -z "$gcc" ] || ! command -v g++ >/dev/null || both "g++ and gcc $flags" g++ gcc
 for clang in clang-16 clang-19; do
     if command -v $clang >/dev/null; then
         shares links "$clang" "$clang" double "$clang" float # the default
