@@ -27,7 +27,8 @@
      states       n states stand one after the other, unless rbd_batch_set_layout says otherwise: q is n x nq,
                   v, a, tau n x nv, f_ext n x nb x 6 or NULL, mass_matrix n x nv x nv, packed
                   n x rbd_packed_size(m). With n <= 0 nothing is done
-     results      those of the single calls, to rounding. Outputs that may be NULL there may be NULL here
+     results      those of the single calls, to rounding. Outputs that may be NULL, or the array of an input,
+                  there may be so here
      errors       those of the single calls. With RBD_ERR_SINGULAR the results of the other states stand, and
                   rbd_batch_singular names the first singular state
 */
@@ -418,11 +419,12 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
 }
 
 /* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
-   them. */
+   them. With RBD_REPRODUCIBLE always to y: rbdi_batch_apart may need the inputs again, which may be the same
+   arrays. */
 static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
-        t->y[k] = !out || rbdi_usable(b, out, rest) ? (rbd_real *)out : y;
+        t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
     }
 }
 static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
@@ -441,7 +443,7 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: where a pivot is in doubt, a call's way depends on all of its lanes. */
+/* One state at a time, in all lanes: if a pivot is in doubt, the path of a call depends on all of its lanes. */
 static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
                                    rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;

@@ -50,11 +50,12 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
 }
 
 /* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
-   them. */
+   them. With RBD_REPRODUCIBLE always to y: rbdi_batch_apart may need the inputs again, which may be the same
+   arrays. */
 static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
-        t->y[k] = !out || rbdi_usable(b, out, rest) ? (rbd_real *)out : y;
+        t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
     }
 }
 static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
@@ -73,7 +74,7 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: where a pivot is in doubt, a call's way depends on all of its lanes. */
+/* One state at a time, in all lanes: if a pivot is in doubt, the path of a call depends on all of its lanes. */
 static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
                                    rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
