@@ -13,7 +13,7 @@ import rbd
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
 hyq = rbd.Model(rbd.load_table(rbd.SOURCES / "models/hyq.h"))
-legs, dt, steps_per_frame, frames = ["lf", "rf", "lh", "rh"], 1e-3, 50, 28
+legs, dt, steps_per_frame, frames = ["lf", "rf", "lh", "rh"], 1e-3, 50, 30
 toe = (0.33, 0, 0)  # in the lower leg, whose origin is the knee
 corners = [(x, y, -0.1) for x in (0.45, -0.45) for y in (0.2, -0.2)]
 rows = [rbd.Contact(f"{leg} foot", f"{leg}_lowerleg", point=toe, radius=0.02, friction=0.7) for leg in legs]
@@ -54,9 +54,9 @@ for frame in range(frames):
         q, v = ground.step(q, v, tau, dt, damping=damping)
         residuals.append(ground.last().residual)
 weight, force = hyq.mass() * 9.81, ground.forces()[:, 2].sum()
-print(f"it moves at {np.abs(v).max():.0e} m/s or rad/s, with {force:.1f} N on the ground, weight {weight:.1f} N")
-print(f"of {len(residuals)} steps {np.sum(np.array(residuals) > 1e-6)} are solved to no better than "
-      f"{max(residuals):.0e} m/s")
+unsolved = np.sum(np.array(residuals) > 1e-6)
+print(f"it lies still, no speed above {np.abs(v).max():.0e}, with {force:.3f} N on the ground, weight {weight:.3f} N")
+print(f"of {len(residuals)} steps {unsolved} are solved to no better than {max(residuals):.0e} m/s")
 
 # %% The frames, of which a video tool makes a film: ffmpeg -framerate 20 -i hyq_falls_%02d.png fall.mp4
 try:
