@@ -15,10 +15,10 @@ typedef struct rbd_contact_step_results {
     rbd_real *dv_next_dq, *dv_next_dv, *dv_next_dtau; /* nv x nv */
 } rbd_contact_step_results;
 
-/* Makes a step and differentiates it: what a step of q (column k: q moves with unit velocity of dof k), v or
-   tau changes of q_next (row k: along its dof k) and of v_next. f_ext stays fixed in its bodies' axes, planes
-   of the world and damping as they are. Each contact keeps its state (open, sticking, slipping), and each
-   bound is reached or not as in the step; at a change of state these are the derivatives on one side.
+/* Makes a step and differentiates q_next (row k: along its dof k) and v_next by q (column k: q moves with
+   unit velocity of dof k), v and tau. f_ext stays fixed in its bodies' axes, planes of the world and damping
+   as they are. The state of each contact and bounded row is held: where one is about to change, these are the
+   derivatives on one side.
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array

@@ -95,7 +95,7 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
     s->G = x + 5 * rows;
 }
 
-/* A problem, and what of it does not change between iterations; the defaults. */
+/* Takes a problem, with its defaults, and computes all that stays the same between iterations. */
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
