@@ -20,6 +20,7 @@ TARGETS = ["cortex-m0", "cortex-m3", "cortex-m4f", "stm32f405", "cortex-m7", "co
            "rv64gc"]
 SCALARS = ["float", "double"]
 LEVELS = ["s", "2"]
+PARTS = ["examples", "reference", "calls", "own", "more"]  # more: contacts, generated code, rbd_aba alone
 ROBOTS = ["iiwa", "hyq", "atlas"]
 SMALL = {"id": "rbd_rnea", "mm": "rbd_crba", "fd": "rbd_aba", "fd_cholesky": "rbd_fd_cholesky",
          "kinematics": "rbd_kinematics", "jacobian": "rbd_jacobian", "hybrid": "rbd_hybrid", "minv": "rbd_minverse"}
@@ -108,12 +109,12 @@ def compiler(target):
 
 # ---- build and run ----
 
-def build(target, folder, scalars, levels, codegen):
+def build(target, folder, scalars, levels, parts, codegen):
     if not (folder / "build.ninja").exists():
         family = "riscv.ini" if is_riscv(target) else "arm.ini"
         output_of("meson", "setup", "--wipe" if folder.exists() else "--warnlevel=2", "--cross-file",
                   CROSS / (target + ".ini"), "--cross-file", CROSS / family, "-Dfirmware_scalars=" + ",".join(scalars),
-                  "-Dfirmware_levels=" + ",".join(levels),
+                  "-Dfirmware_levels=" + ",".join(levels), "-Dfirmware_parts=" + ",".join(parts),
                   "-Dcodegen=" + (str(codegen.absolute()) if codegen else ""), folder, ROOT)
     output_of("ninja", "-C", folder, "--quiet")
 
@@ -160,7 +161,7 @@ def double_arithmetic(target, library, symbols):
     return sorted(instructions | {s for s in symbols if DOUBLE.fullmatch(s)})
 
 
-def prove(target, folder, scalars, levels):
+def prove(target, folder, scalars, levels, parts):
     """What the objects of the library may show and what not; returns a line a proof."""
     lines = []
     here = folder / "bench/firmware"
@@ -180,10 +181,11 @@ def prove(target, folder, scalars, levels):
             lines.append(f"{library.stem}: double arithmetic: {' '.join(doubles) or 'none'}")
             if (scalar == "double") != bool(doubles):  # seen where it is, none where it must not be
                 problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
-    if len(lines) < (1 + 2 * len(levels)) * len(scalars):
+    if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
-    for program in ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa",
-                    "recorded_control", "standing"):
+    programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa",
+                "recorded_control", "standing")
+    for program in programs if "examples" in parts else ():
         if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc", "record", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
@@ -233,11 +235,11 @@ def worst_frames(graph_file):
     return {re.sub("_(double|float)$", "", function): depth(function) for function in list(frame)}
 
 
-def figures(target, folder, scalars, levels, printed):
+def figures(target, folder, scalars, levels, parts, printed):
     here, title, rows = folder / "bench/firmware", compiler(target), []
     for scalar in scalars:
         model = {r: flash_bytes(target, here / f"libmodel_{scalar}_{r}.a") for r in ROBOTS}
-        for level in levels:
+        for level in levels if "calls" in parts else ():
             name = f"{scalar}_{level}"
             code = {g: flash_bytes(target, here / f"code_{name}_{g}") for g in ALGORITHMS}
             frames = worst_frames(next((here / f"librbd_{name}.a.p").glob("*.ci")))
@@ -263,7 +265,7 @@ def figures(target, folder, scalars, levels, printed):
                              model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
                              frames=frames[algorithms[algorithm]], instructions=int(instructions)))
             check_stack(rows[-1])
-    for robot, level in ((r, level) for r in OWN_ROBOTS for level in levels):
+    for robot, level in ((r, level) for r in OWN_ROBOTS for level in levels if "own" in parts):
         name = f"own_{robot}_{level}"
         frames = worst_frames(next((here / f"lib{name}.a.p").glob("*.ci")))
         for line in re.findall(r"^\w+,\w+,\d+,\d+,\d+$", printed.get("figures " + name, ""), re.M):
@@ -275,16 +277,16 @@ def figures(target, folder, scalars, levels, printed):
                              model=flash_bytes(target, here / f"libmodel_float_{robot}.a"), frames=frames[OWN[algorithm]],
                              instructions=int(instructions)))
             check_stack(rows[-1])
-    if len(rows) < len(scalars) * len(levels) * len(SMALL):
+    if "calls" in parts and len(rows) < len(scalars) * len(levels) * len(SMALL):
         problem(f"{target}: only {len(rows)} rows of figures")
     return rows
 
 
-def example_figures(target, folder, printed):
+def example_figures(target, folder, parts, printed):
     """Of this target's examples: {(target, program, figure): number}, flash and RAM too."""
     found = {}
     for (wanted, program), patterns in EXAMPLES.items():
-        if wanted != target:
+        if wanted != target or "examples" not in parts:
             continue
         for figure, pattern in patterns.items():
             match = re.search(pattern, printed.get(program, ""))
@@ -590,7 +592,8 @@ def options():
     parser.add_argument("--target", action="append", choices=TARGETS + ["all"], help="once or several times; default: "
                         "all")
     parser.add_argument("--scalar", choices=SCALARS + ["all"], default="float", help="to show; default: float")
-    parser.add_argument("--brief", action="store_true", help="build, run and measure float at -Os alone, in less time")
+    parser.add_argument("--brief", metavar="PART,...", help="build, run and measure these alone, in float at --level "
+                        "(default: both), in less time: " + ", ".join(PARTS[:-1]))
     parser.add_argument("--level", choices=LEVELS + ["all"], help="of optimisation, to show: -Os or -O2; "
                         "default: 2")
     parser.add_argument("--robot", choices=ROBOTS + ["all"], default="all", help="to show; default: all")
@@ -607,19 +610,19 @@ def options():
     return parser.parse_args()
 
 
-def do_target(target, directory, scalars, levels, proofs, codegen):
+def do_target(target, directory, scalars, levels, parts, proofs, codegen):
     say(f"firmware: {target}: building")
-    build(target, directory / target, scalars, levels, codegen)
+    build(target, directory / target, scalars, levels, parts, codegen)
     say(f"firmware: {target}: running")
     printed = run_tests(target, directory / target)
     for name, text in printed.items():
         if not name.startswith("figures"):
             say(f"  {name}: {text}")
-    found = prove(target, directory / target, scalars, levels)
+    found = prove(target, directory / target, scalars, levels, parts)
     if proofs:
         say("  " + "\n  ".join(found))
-    return (figures(target, directory / target, scalars, levels, printed),
-            example_figures(target, directory / target, printed))
+    return (figures(target, directory / target, scalars, levels, parts, printed),
+            example_figures(target, directory / target, parts, printed))
 
 
 def check_accepted():
@@ -654,16 +657,22 @@ def main():
             say(f"firmware: {target} needs {' and '.join(missing(target))}")
             sys.exit(77 if wanted.if_possible else 1)
     wanted.directory.mkdir(parents=True, exist_ok=True)
-    scalars, levels = (["float"], ["s"]) if wanted.brief else (SCALARS, LEVELS)
+    parts, scalars, levels = PARTS, SCALARS, LEVELS
+    if wanted.brief:
+        parts, scalars = wanted.brief.split(","), ["float"]
+        levels = [wanted.level] if wanted.level in LEVELS else LEVELS
+        if not set(parts) < set(PARTS):
+            die("--brief takes some of " + ", ".join(PARTS))
     codegen = None if wanted.brief else wanted.codegen
     level = wanted.level or levels[-1]
     rows, examples = [], {}
     for target in targets:
-        new, of_examples = do_target(target, wanted.directory, scalars, levels, wanted.proofs, codegen)
+        new, of_examples = do_target(target, wanted.directory, scalars, levels, parts, wanted.proofs, codegen)
         rows, examples = rows + new, {**examples, **of_examples}
         if not wanted.accept:
             check_examples(of_examples)
-            say(f"  {check_budgets(target, [r for r in rows if r['target'] == target])}")
+            if new:
+                say(f"  {check_budgets(target, new)}")
     shown = [r for r in rows if wanted.scalar in ("all", r["scalar"]) and level in ("all", r["level"])
              and wanted.robot in ("all", r["robot"])]
     robots = ROBOTS if wanted.robot == "all" else [wanted.robot]
