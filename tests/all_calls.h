@@ -1,6 +1,6 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_contact.h and rbd_derivatives.h, with or without the implementation. */
+   included rbd_derivatives.h and, after it, rbd_contact.h, with or without the implementation. */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
@@ -40,6 +40,46 @@ typedef struct all_calls {
         s->sink(s->to, s->header, #call, status_, s->out, n_); \
     } while (0)
 
+static void all_calls_put(rbd_real *to, const rbd_const *x, int n) {
+    for (int i = 0; i < n; i++) to[i] = (rbd_real)x[i];
+}
+
+/* What a model says of itself, and random positions. */
+static void all_calls_model(all_calls *s) {
+    rbd_real *o = s->out;
+    uint64_t seed = 11;
+    s->header = "rbd.h";
+    ALL_CALLS_RUN((o[0] = (rbd_real)rbd_mass(s->m), RBD_OK), 1);
+    ALL_CALLS_RUN(rbd_random(s->m, &seed, o), s->nq);
+    for (int i = 0; i < s->nb; i++) {
+        rbd_joint_info joint;
+        ALL_CALLS_RUN(rbd_joint(s->m, i, &joint), 0);
+        ALL_CALLS_RUN((o[0] = (rbd_real)joint.type, o[1] = (rbd_real)joint.iq, o[2] = (rbd_real)joint.nq,
+                       o[3] = (rbd_real)joint.iv, o[4] = (rbd_real)joint.nv, o[5] = (rbd_real)joint.lower,
+                       o[6] = (rbd_real)joint.upper, o[7] = (rbd_real)joint.velocity,
+                       o[8] = (rbd_real)joint.effort, RBD_OK),
+                      9);
+        ALL_CALLS_RUN((o[0] = (rbd_real)rbd_body_index(s->m, rbd_body_name(s->m, i)), RBD_OK), 1);
+        ALL_CALLS_RUN((o[0] = (rbd_real)rbd_joint_index(s->m, rbd_joint_name(s->m, i)), RBD_OK), 1);
+    }
+    for (int k = 0; k < s->nv; k++)
+        ALL_CALLS_RUN(
+            (o[0] = (rbd_real)rbd_dof_body(s->m, k), o[1] = (rbd_real)rbd_packed_index(s->m, k, 0), RBD_OK),
+            2);
+}
+
+/* With gravity askew. */
+static void all_calls_gravity(all_calls *s) {
+    const rbd_const askew[3] = {(rbd_const)1.5, (rbd_const)-2.25, (rbd_const)-8};
+    rbd_const before[3];
+    rbd_real *o = s->out;
+    s->header = "rbd.h";
+    ALL_CALLS_RUN(rbd_get_gravity(s->w, before), 0);
+    ALL_CALLS_RUN(rbd_set_gravity(s->w, askew), 0);
+    ALL_CALLS_RUN(rbd_gravity_torque(s->m, s->w, s->q, o), s->nv);
+    ALL_CALLS_RUN((all_calls_put(o, before, 3), rbd_set_gravity(s->w, before)), 3);
+}
+
 static void all_calls_dynamics(all_calls *s) {
     const int nv = s->nv;
     rbd_real *o = s->out;
@@ -58,6 +98,14 @@ static void all_calls_dynamics(all_calls *s) {
                   2 * nv);
     ALL_CALLS_RUN((rbd_crba(s->m, s->w, s->q, o), rbd_cholesky_factor(s->m, s->w, o, o)),
                   rbd_packed_size(s->m));
+    ALL_CALLS_RUN((rbd_crba_packed(s->m, s->w, s->q, o), rbd_cholesky_factor_packed(s->m, s->w, o)),
+                  rbd_packed_size(s->m));
+    rbd_real *factor = (rbd_real *)malloc(sizeof *factor * (size_t)(nv * nv + 1));
+    memcpy(factor, o, sizeof *o * (size_t)rbd_packed_size(s->m));
+    ALL_CALLS_RUN(rbd_cholesky_solve(s->m, s->w, factor, s->tau, o), nv);
+    ALL_CALLS_RUN(rbd_cholesky_solve_many(s->m, s->w, factor, 2, s->v, o), 2 * nv); /* of v and a */
+    free(factor);
+    ALL_CALLS_RUN((o[0] = (rbd_real)rbd_singular_dof(s->w), RBD_OK), 1);
     ALL_CALLS_RUN(rbd_passive(s->m, s->w, s->v, o), nv);
 }
 
@@ -72,7 +120,11 @@ static void all_calls_kinematics(all_calls *s) {
         ALL_CALLS_RUN(rbd_body_pose(s->m, s->w, i, o, o + 9), 12);
         ALL_CALLS_RUN(rbd_body_velocity(s->m, s->w, i, o), 6);
         ALL_CALLS_RUN(rbd_body_acceleration(s->m, s->w, i, o), 6);
+        ALL_CALLS_RUN(rbd_body_acceleration_classical(s->m, s->w, i, o), 6);
+        ALL_CALLS_RUN(rbd_point_position(s->m, s->w, i, point, o), 3);
+        ALL_CALLS_RUN(rbd_point_velocity(s->m, s->w, i, point, RBD_LINK_AXES, o), 6);
         ALL_CALLS_RUN(rbd_point_acceleration(s->m, s->w, i, point, RBD_WORLD_AXES, o), 6);
+        ALL_CALLS_RUN(rbd_point_wrench(s->m, s->w, i, point, RBD_WORLD_AXES, s->f_ext, o), 6);
     }
     ALL_CALLS_RUN(rbd_jacobian(s->m, s->w, last, point, RBD_WORLD_AXES, o), 6 * nv);
     ALL_CALLS_RUN(rbd_jacobian(s->m, s->w, last, point, RBD_LINK_AXES, o), 6 * nv);
@@ -85,6 +137,9 @@ static void all_calls_kinematics(all_calls *s) {
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
     ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);
     ALL_CALLS_RUN(rbd_rates_from_velocity(s->m, s->q, s->v, o), s->nq);
+    ALL_CALLS_RUN(
+        (rbd_rates_from_velocity(s->m, s->q, s->v, o), rbd_velocity_from_rates(s->m, s->q, o, o + s->nq)),
+        s->nq + nv);
 }
 
 static void all_calls_derivatives(all_calls *s) {
@@ -110,26 +165,95 @@ static void all_calls_derivatives(all_calls *s) {
     ALL_CALLS_RUN(
         (memcpy(o, s->a, sizeof *o * (size_t)nv), rbd_id_free_base(s->m, d, s->q, s->v, o, o + nv, NULL)),
         2 * nv);
+    for (int i = 0; i < s->nb; i++) {
+        rbd_const pi[10];
+        rbd_body body;
+        memset(&body, 0, sizeof body);
+        ALL_CALLS_RUN((rbd_body_parameters(s->m, i, pi), all_calls_put(o, pi, 10), rbd_check_parameters(pi)),
+                      10);
+        ALL_CALLS_RUN(rbd_set_parameters(&body, pi), 0);
+        for (int k = 0; k < 3; k++) o[k] = (rbd_real)body.com[k];
+        for (int k = 0; k < 6; k++) o[3 + k] = (rbd_real)body.inertia[k];
+        s->sink(s->to, s->header, "what rbd_set_parameters set", RBD_OK, o, 9);
+    }
+    ALL_CALLS_RUN(rbd_keep_zeros(d, 1), 0);
+    ALL_CALLS_RUN(rbd_id_derivatives(s->m, d, s->q, s->v, s->a, s->f_ext, o, o + n, NULL), 2 * n);
     free(memory);
 }
 
-/* The last body is held at a point, and another in all axes. */
-static void all_calls_constraints(all_calls *s) {
+static void all_calls_constraint_set(all_calls *s, const rbd_constraint *list, int constraints) {
     const int nv = s->nv;
-    const double place[3] = {0.125, 0, 0.25};
-    rbd_constraint list[2] = {rbd_point_contact(s->nb - 1, place, NULL),
-                              rbd_flat_contact(s->nb / 2, NULL, NULL)};
-    const size_t size = rbd_constraint_set_size(s->m, list, 2);
-    void *memory = malloc(size);
+    const size_t size = rbd_constraint_set_size(s->m, list, constraints),
+                 derivatives_size = rbd_derivatives_size(s->m);
+    void *memory = malloc(size), *derivatives_memory = malloc(derivatives_size);
     rbd_constraint_set *c;
+    rbd_derivatives *d;
     rbd_real *o = s->out;
     s->header = "rbd_constraints.h";
-    ALL_CALLS_RUN(rbd_constraint_set_init(s->m, s->w, list, 2, memory, size, &c, NULL), 0);
+    ALL_CALLS_RUN(rbd_constraint_set_init(s->m, s->w, list, constraints, memory, size, &c, NULL), 0);
+    ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, derivatives_memory, derivatives_size, &d), 0);
     const int rows = rbd_constraint_rows(c);
     ALL_CALLS_RUN(rbd_constraint_jacobian(s->m, c, s->q, s->v, o, o + rows * nv, NULL), rows * (nv + 1));
     ALL_CALLS_RUN(rbd_constrained_fd(s->m, c, s->q, s->v, s->tau, s->f_ext, o, o + nv), nv + rows);
     ALL_CALLS_RUN(rbd_impact(s->m, c, s->q, s->v, (rbd_real)0.5, o, o + nv), nv + rows);
+    ALL_CALLS_RUN((o[0] = (rbd_real)rbd_constraint_rank(c), o[1] = (rbd_real)rbd_infeasible_row(c),
+                   o[2] = (rbd_real)rbd_constraint_first(c, 1), RBD_OK),
+                  3);
     ALL_CALLS_RUN(rbd_constrained_id(s->m, c, s->q, s->v, s->a, s->f_ext, NULL, NULL, o, o + nv), nv + rows);
+    ALL_CALLS_RUN(rbd_assemble(s->m, c, s->q, s->v, NULL, o, o + s->nq), s->nq + nv);
+    const int n = nv * nv, k = rows * nv;
+    rbd_real *by = o + nv + rows;
+    const rbd_constrained_fd_results out = {.a = o,
+                                            .lambda = o + nv,
+                                            .da_dq = by,
+                                            .da_dv = by + n,
+                                            .da_dtau = by + 2 * n,
+                                            .dlambda_dq = by + 3 * n,
+                                            .dlambda_dv = by + 3 * n + k,
+                                            .dlambda_dtau = by + 3 * n + 2 * k};
+    ALL_CALLS_RUN(rbd_constrained_fd_derivatives(s->m, c, d, s->q, s->v, s->tau, s->f_ext, &out),
+                  nv + rows + 3 * n + 3 * k);
+    free(memory), free(derivatives_memory);
+}
+
+/* The last body is held at a point, and another in all axes; or the same two as by a ball and a hinge. */
+static void all_calls_constraints(all_calls *s) {
+    const double place[3] = {0.125, 0, 0.25}, axis[3] = {0.25, 1, -0.5};
+    const rbd_constraint contacts[2] = {rbd_point_contact(s->nb - 1, place, NULL),
+                                        rbd_flat_contact(s->nb / 2, NULL, NULL)};
+    const rbd_constraint loops[2] = {rbd_ball_loop(s->nb - 1, place, -1, axis),
+                                     rbd_hinge_loop(s->nb / 2, place, axis, -1, place, axis)};
+    all_calls_constraint_set(s, contacts, 2);
+    all_calls_constraint_set(s, loops, 2);
+}
+
+/* A problem of two contacts and two bounded rows, by itself. */
+static void all_calls_contact_problem(all_calls *s, uint64_t *seed) {
+    enum { ROWS = 8 };
+    const rbd_real friction[2] = {(rbd_real)0.5, (rbd_real)0.75}, lower[2] = {-2, 0}, upper[2] = {2, 1};
+    rbd_real delta[ROWS * ROWS], b[ROWS];
+    for (int i = 0; i < ROWS; i++)
+        for (int k = 0; k <= i; k++)
+            delta[ROWS * i + k] = delta[ROWS * k + i] = all_calls_number(seed) + (i == k ? 9 : 0);
+    all_calls_numbers(seed, 8, b, ROWS);
+    const rbd_contact_problem problem = {.contacts = 2,
+                                         .bounded = 2,
+                                         .delta = delta,
+                                         .b = b,
+                                         .friction = friction,
+                                         .lower = lower,
+                                         .upper = upper};
+    const size_t size = rbd_contact_solve_size(2, 2);
+    void *memory = malloc(size);
+    rbd_contact_state state[2];
+    rbd_contact_solution solution;
+    rbd_real *o = s->out;
+    s->header = "rbd_contact.h";
+    ALL_CALLS_RUN(rbd_contact_solve(&problem, memory, size, o, state, &solution), ROWS);
+    ALL_CALLS_RUN((o[0] = solution.residual, o[1] = (rbd_real)solution.sweeps,
+                   o[2] = (rbd_real)solution.newton_steps, o[3] = (rbd_real)state[0],
+                   o[4] = (rbd_real)state[1], RBD_OK),
+                  5);
     free(memory);
 }
 
@@ -139,17 +263,41 @@ static void all_calls_contact(all_calls *s) {
                            {.body1 = s->nb / 2, .body2 = -1, .radius = 0.25, .friction = 0.75}};
     const rbd_contact_options options = {
         .margin = 100, .joint_limits = 1, .joint_friction = 1, .joint_damping = 1};
-    const size_t size = rbd_contact_set_size(s->m, 2, NULL, 0, &options);
-    void *memory = malloc(size);
+    const double slope[3] = {0.25, -0.5, 2};
+    const size_t size = rbd_contact_set_size(s->m, 2, NULL, 0, &options),
+                 derivatives_size = rbd_derivatives_size(s->m);
+    void *memory = malloc(size), *derivatives_memory = malloc(derivatives_size);
+    const int nq = s->nq, nv = s->nv, n = nv * nv;
     rbd_contact_set *c;
+    rbd_derivatives *d;
     rbd_real *o = s->out;
     s->header = "rbd_contact.h";
     ALL_CALLS_RUN(rbd_contact_set_init(s->m, s->w, list, 2, NULL, 0, &options, memory, size, &c, NULL), 0);
     ALL_CALLS_RUN(
         rbd_contact_step(s->m, c, s->q, s->v, s->tau, s->f_ext, NULL, (rbd_real)0.0078125, o, o + s->nq),
         s->nq + s->nv);
-    ALL_CALLS_RUN(rbd_contact_fd(s->m, c, s->q, s->v, s->tau, s->f_ext, NULL, (rbd_real)0.0078125, o), s->nv);
-    free(memory);
+    for (int i = 0; i < 2; i++) ALL_CALLS_RUN((o[4] = (rbd_real)rbd_contact_get(c, i, o, o + 1), RBD_OK), 5);
+    rbd_contact_solution last;
+    ALL_CALLS_RUN((last = rbd_contact_last(c), o[0] = last.residual, o[1] = (rbd_real)last.sweeps,
+                   o[2] = (rbd_real)last.newton_steps, RBD_OK),
+                  3);
+    ALL_CALLS_RUN(rbd_contact_fd(s->m, c, s->q, s->v, s->tau, s->f_ext, NULL, (rbd_real)0.0078125, o), nv);
+    ALL_CALLS_RUN(rbd_contact_plane(s->m, c, 0, slope, 0.125), 0);
+    ALL_CALLS_RUN((rbd_contact_reset(c), RBD_OK), 0);
+    ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, derivatives_memory, derivatives_size, &d), 0);
+    rbd_real *by = o + nq + nv;
+    const rbd_contact_step_results out = {.q_next = o,
+                                          .v_next = o + nq,
+                                          .dq_next_dq = by,
+                                          .dq_next_dv = by + n,
+                                          .dq_next_dtau = by + 2 * n,
+                                          .dv_next_dq = by + 3 * n,
+                                          .dv_next_dv = by + 4 * n,
+                                          .dv_next_dtau = by + 5 * n};
+    ALL_CALLS_RUN(rbd_contact_step_derivatives(s->m, c, d, s->q, s->v, s->tau, s->f_ext, NULL,
+                                               (rbd_real)0.0078125, &out),
+                  nq + nv + 6 * n);
+    free(memory), free(derivatives_memory);
 }
 
 /* All of it, at `states` states. */
@@ -160,7 +308,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
     void *memory = malloc(size);
     const int nb = s->nb = rbd_nb(m), nq = s->nq = rbd_nq(m), nv = s->nv = rbd_nv(m);
     rbd_real *x;
-    s->room = 4 * nv * nv + 24 * (nv + nb) + 10 * nb * nv + 64 * nv + 64;
+    s->room = 6 * nv * nv + 24 * (nv + nb) + 10 * nb * nv + 64 * nv + 64;
     x = (rbd_real *)calloc((size_t)(2 * nq + 3 * nv + 6 * nb + s->room), sizeof(rbd_real));
     s->q = x, s->q2 = s->q + nq, s->v = s->q2 + nq, s->a = s->v + nv, s->tau = s->a + nv,
     s->f_ext = s->tau + nv;
@@ -168,6 +316,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
     s->given = (unsigned char *)calloc((size_t)nv + 1, 1);
     s->header = "rbd.h";
     ALL_CALLS_RUN(rbd_work_init(m, memory, size, &s->w), 0);
+    all_calls_model(s);
     for (int i = 0; i < states && s->w; i++) {
         s->header = "rbd.h";
         ALL_CALLS_RUN((rbd_neutral(m, s->q), rbd_neutral(m, s->q2)), 0);
@@ -182,10 +331,12 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_numbers(&seed, 30, s->f_ext, 6 * nb);
         for (int k = 0; k < nv; k++) s->given[k] = (unsigned char)(k % 3 == 0);
         all_calls_dynamics(s);
+        all_calls_gravity(s);
         all_calls_kinematics(s);
         all_calls_derivatives(s);
         all_calls_constraints(s);
         all_calls_contact(s);
+        all_calls_contact_problem(s, &seed);
     }
     free(memory), free(x), free(s->given);
 }

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """docs/interface.md names what the headers declare, and nothing else: interface.py [--list]
 
+Each function of the headers that RBD_REPRODUCIBLE is for is called in reproducible.c or all_calls.h, where the bits of
+its results are compared.
+
 Public is each rbd_... and RBD_... of a header's code before "Stop here", and each macro RBD_... that it defines or
 asks for after it. --list prints them. SPDX-License-Identifier: MIT"""
 import pathlib
@@ -10,6 +13,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_urdf.h"]
 NAME = re.compile(r"\b(?:rbd|RBD)_\w*[A-Za-z0-9]\b")
+TEXTS = ["rbd_status_string", "rbd_finding_text", "rbd_constraint_finding_text"]  # words, not numbers
 MACRO = re.compile(r"^ *# *(?:define|ifdef|ifndef|if|elif)\b.*$", re.M)
 
 
@@ -36,6 +40,18 @@ def public(header):
     return {n for n in names if n != guard and not re.fullmatch(r"RBD\w*_H", n)}
 
 
+def uncompared():
+    """Functions of which no bits are compared."""
+    calls = "".join((ROOT / "tests" / name).read_text() for name in ("all_calls.h", "reproducible.c"))
+    for header in HEADERS:
+        if header in ("rbd_batch.h", "rbd_urdf.h"):  # reproducible_batch.c compares batches; URDF is never on a robot
+            continue
+        public_part = (ROOT / header).read_text().partition("   Stop here if you only use it.")[0]
+        for name in sorted(set(re.findall(r"\b(rbd_\w+)\(", code_of(public_part + "*/"))) - set(TEXTS)):
+            if not re.search(rf"\b{name}\(", calls):
+                yield f"tests/all_calls.h does not call {name} of {header}"
+
+
 def documented(text):
     """Names in the first cell of each row of the tables."""
     found = []
@@ -53,6 +69,7 @@ def main():
     problems = [f"docs/interface.md lacks {n}" for n in sorted(declared - set(rows))]
     problems += [f"docs/interface.md has {n}, which no header declares" for n in sorted(set(rows) - declared)]
     problems += [f"docs/interface.md has {n} twice" for n in sorted(set(rows)) if rows.count(n) > 1]
+    problems += uncompared()
     print("\n".join(problems))
     print(f"{len(declared)} public names, {len(problems)} problems")
     return bool(problems) or len(declared) < 200

@@ -7,8 +7,9 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_spatial.h"
 
-#include "rbd_contact.h"
 #include "rbd_derivatives.h"
+
+#include "rbd_contact.h"
 
 #include "models/atlas.h"
 #include "models/atlas_model.h"
@@ -103,6 +104,11 @@ static void hash_description(const char *name, const rbd_body *bodies, int nb, i
     h->robot = name;
     hash_call(h, "rbd.h", "rbd_model_build", status, NULL, 0);
     if (!status) hash_model(name, m, states, h);
+    if (!status) {
+        const double com[3] = {0.125, 0.25, -0.5}, inertia[6] = {0.5, 0, 0.125, 0.5, 0, 0.25};
+        hash_call(h, "rbd.h", "rbd_add_payload", rbd_add_payload(memory, nb - 1, 1.5, com, inertia), NULL, 0);
+        hash_described(m, h);
+    }
     free(memory);
 }
 
@@ -121,6 +127,32 @@ static void hash_random(int each_class, hashes *h) {
 static rbd_real *put_rotation(rbd_rotation r, rbd_real *x) {
     rbd_rotation_to_array(r, x);
     return x + 9;
+}
+
+/* Rotations and placements from and to turns; what is made of single vectors and arrays. */
+static void hash_spatial_log(const rbd_real *in, hashes *h) {
+    rbd_real out[128], *x = out;
+    const rbd_vec3 turn = rbd_vec3_of(in[0], in[1], in[2]), shift = rbd_vec3_from_array(in + 3);
+    const rbd_motion v = rbd_motion_of(turn, shift, 1);
+    const rbd_force f = rbd_force_of(shift, turn, 1);
+    const rbd_rotation R = rbd_rotation_exp(turn), S = rbd_rotation_from_axis_angle(shift, in[6]),
+                       back = rbd_rotation_product(rbd_rotation_inverse(S), R);
+    const rbd_placement p = rbd_placement_exp(v, 2);
+    rbd_const com[3], inertia[6];
+    rbd_vec3 axis;
+    for (int k = 0; k < 3; k++) com[k] = (rbd_const)in[k];
+    for (int k = 0; k < 6; k++) inertia[k] = (rbd_const)in[6 + k];
+    x = put_rotation(back, put_rotation(S, put_rotation(R, x)));
+    x = put_rotation(rbd_rotation_from_array(out), put_rotation(rbd_rotation_identity(), x));
+    rbd_vec3_to_array(rbd_rotation_log(S), x), x += 3;
+    *x++ = rbd_rotation_to_axis_angle(back, &axis);
+    rbd_vec3_to_array(rbd_rotate_back(S, rbd_rotate(R, axis)), x), x += 3;
+    x = put_rotation(p.rotation, x);
+    rbd_motion_to_array(rbd_placement_log(rbd_placement_compose(p, rbd_placement_identity(2, 2))), x), x += 6;
+    x = put_rotation(rbd_placement_from_arrays(out, in, 1, 2).rotation, x);
+    rbd_force_to_array(rbd_force_add(f, rbd_force_scale(in[7], f)), x), x += 6;
+    rbd_inertia_to_parameters(rbd_inertia_of((rbd_const)2.5, com, inertia, 1), x), x += 10;
+    hash_call(h, "rbd_spatial.h", "turns and placements", RBD_OK, out, (int)(x - out));
 }
 
 static void hash_spatial(hashes *h) {
@@ -148,7 +180,8 @@ static void hash_spatial(hashes *h) {
         rbd_inertia_to_parameters(rbd_inertia_down(p, rbd_inertia_up(p, rbd_inertia_add(I, I))), x), x += 10;
         rbd_vec3_to_array(rbd_point_down(p, rbd_point_up(back, rbd_vec3_from_array(in))), x), x += 3;
         *x++ = rbd_power(u, g);
-        hash_call(h, "rbd_spatial.h", "all of rbd_spatial.h", RBD_OK, out, (int)(x - out));
+        hash_call(h, "rbd_spatial.h", "frames, velocities, forces, inertias", RBD_OK, out, (int)(x - out));
+        hash_spatial_log(in, h);
     }
 }
 
