@@ -82,7 +82,8 @@ runs() {
 # ---- this machine's compilers ----
 
 if [ "$how" = light ]; then
-    ! with gcc || build gcc -O2 -march=native -ffp-contract=fast $quickly
+    scalars=double
+    ! with gcc || build gcc -O1 -march=native -ffp-contract=fast $quickly
     scalars=float
     ! with clang-19 || build clang-19 -O1 $quickly
     scalars="double float"
@@ -166,18 +167,15 @@ foreign() {
     # shellcheck disable=SC2086 # words wanted
     with $foreign_compiler $emulator || { emulator=; return 0; }
     link='-static -lm'
-    levels="0"
-    [ "$how" = light ] || levels="0 1 2 3 s"
-    for level in $levels; do build "$foreign_compiler" -O"$level" $quickly "$@"; done
+    for level in 0 1 2 3 s; do build "$foreign_compiler" -O"$level" $quickly "$@"; done
     emulator='' link=''
 }
-[ "$how" = light ] || foreign aarch64 aarch64-linux-gnu-gcc qemu-aarch64
-[ "$how" != light ] || scalars=double # the M4F has float
-foreign i386 i686-linux-gnu-gcc qemu-i386 -msse2 -mfpmath=sse
-dialect=gnu99 # in c99 s390x computes floats as doubles
-foreign s390x s390x-linux-gnu-gcc qemu-s390x
-dialect=c99
 if [ "$how" != light ]; then
+    foreign aarch64 aarch64-linux-gnu-gcc qemu-aarch64
+    foreign i386 i686-linux-gnu-gcc qemu-i386 -msse2 -mfpmath=sse
+    dialect=gnu99 # in c99 s390x computes floats as doubles
+    foreign s390x s390x-linux-gnu-gcc qemu-s390x
+    dialect=c99
     foreign armhf arm-linux-gnueabihf-gcc qemu-arm
     foreign armhf arm-linux-gnueabihf-gcc qemu-arm -mfpu=neon-vfpv4 -ffp-contract=fast
     foreign riscv64 riscv64-linux-gnu-gcc qemu-riscv64
@@ -208,7 +206,7 @@ board() {
     done
     emulator='' machine='' link=''
 }
-levels_of_boards=s
+levels_of_boards=g
 [ "$how" = light ] || levels_of_boards="2 s"
 # A small set, and float alone: doubles are calls there.
 [ "$how" != light ] || scalars=float
