@@ -1,0 +1,49 @@
+# The tools and urdfdom for wasm32-wasi; called by tools.sh with ROOT, OUT and OPTIMIZATION.
+
+build := $(OUT)/build
+objects := $(build)/objects$(OPTIMIZATION)
+urdfdom := $(build)/urdfdom
+tools := rbd-model rbd-codegen rbd-eval
+
+target := --target=wasm32-wasi -fwasm-exceptions
+includes := -I$(ROOT) -I$(ROOT)/tools $(addprefix -isystem ,$(ROOT)/web/wasm/libcxx $(urdfdom)/tinyxml \
+    $(urdfdom)/console-bridge/include $(urdfdom)/urdfdom/urdf_parser/include $(wildcard $(urdfdom)/urdfdom-headers/*/include))
+# urdfdom's messages name its source files: without this build's folder. No function is inlined by force, as in
+# tools/meson.build, which says too why contraction is off.
+flags := $(target) $(OPTIMIZATION) $(includes) -MMD -ffile-prefix-map=$(urdfdom)/= -Dalways_inline=unused -ffp-contract=off
+warnings := -Wall -Wextra -Werror
+c := clang-19 -std=c99 $(flags) $(warnings)
+cpp := clang++-19 -std=c++17 $(flags) $(warnings)
+foreign := clang++-19 -std=c++17 $(flags) -w -DTIXML_USE_STL
+
+# Objects are named after their sources, in their folders; record.cpp is compiled once for each scalar.
+mains := rbd_model rbd_codegen rbd_eval
+record := $(objects)/record_double.o $(objects)/record_float.o
+object = $(patsubst $(1)/%,$(objects)/%.o,$(basename $(2)))
+ours := $(filter-out $(mains:%=$(objects)/tools/%.o) $(objects)/tools/codegen/record.o,$(call object,$(ROOT), \
+    $(wildcard $(ROOT)/tools/*.c $(ROOT)/tools/*.cpp $(ROOT)/tools/codegen/*.cpp) $(ROOT)/web/wasm/exceptions.cpp)) $(record)
+theirs := $(call object,$(urdfdom),$(addprefix $(urdfdom)/, \
+    $(addprefix tinyxml/,tinystr.cpp tinyxml.cpp tinyxmlerror.cpp tinyxmlparser.cpp) console-bridge/src/console.cpp \
+    $(addprefix urdfdom/urdf_parser/src/,model.cpp link.cpp joint.cpp pose.cpp)))
+
+all: $(tools:%=$(OUT)/%.wasm)
+
+# Between --start-lib and --end-lib the linker takes the objects that are needed. A trap ends what outgrows the stack.
+$(OUT)/rbd-%.wasm: $(objects)/tools/rbd_%.o $(ours) $(theirs)
+	clang++-19 $(target) -Wl,--strip-all -Wl,-z,stack-size=1048576 -o $@ $< -Wl,--start-lib $(ours) $(theirs) -Wl,--end-lib
+
+$(objects)/%.o: $(ROOT)/%.c
+	@mkdir -p $(@D)
+	$(c) -c $< -o $@
+$(objects)/%.o: $(ROOT)/%.cpp
+	@mkdir -p $(@D)
+	$(cpp) -c $< -o $@
+$(record): $(objects)/record_%.o: $(ROOT)/tools/codegen/record.cpp
+	@mkdir -p $(@D)
+	$(cpp) -DCONSTANTS=$* -DRECORD=record_$* -DRECORD_SPACE=of_$* -c $< -o $@
+$(theirs): $(objects)/%.o: $(urdfdom)/%.cpp
+	@mkdir -p $(@D)
+	$(foreign) -c $< -o $@
+
+.SECONDARY: $(mains:%=$(objects)/tools/%.o)
+-include $(patsubst %.o,%.d,$(ours) $(theirs) $(mains:%=$(objects)/tools/%.o))
