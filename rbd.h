@@ -871,6 +871,14 @@ typedef double rbdi_wide;
 #endif
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+
+/* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
+   sized for it: the file with the implementation may have other options than the file that gives memory. */
+#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#define RBDI_WIDEST_SIMD 8
+#else
+#define RBDI_WIDEST_SIMD 0
+#endif
 #define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
@@ -1331,10 +1339,13 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
    RBD_LANES. */
 #ifdef __AVX__
 #define RBDI_SIMD 4
-#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
 #define RBDI_SIMD 2
 #else
 #define RBDI_SIMD 0
+#endif
+#if RBDI_SIMD > RBDI_WIDEST_SIMD
+#error "rbd: RBDI_WIDEST_SIMD, for which memory is sized, must be at least RBDI_SIMD"
 #endif
 #ifdef __has_builtin
 #if __has_builtin(__builtin_shufflevector)

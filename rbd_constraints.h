@@ -318,11 +318,10 @@ RBDI_EXTERN_C_END
 /* ---- layout [layout] ---- */
 
 /* Scalars in the widest SIMD register for which the file with the implementation may be compiled. */
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || \
-    !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || RBDI_WIDEST_SIMD == 0
 #define RBDI_ROW_BATCH 1
 #else
-#define RBDI_ROW_BATCH (8 * RBDI_REAL_KIND)
+#define RBDI_ROW_BATCH (RBDI_WIDEST_SIMD * RBDI_REAL_KIND)
 #endif
 
 #define RBDI_SIX_ROWS (RBDI_ROW_BATCH > 6 ? RBDI_ROW_BATCH : 6) /* a constraint's rows, padded to batches */

@@ -1,6 +1,6 @@
 #ifndef RBDI_BASE_COMPILER_H
 #define RBDI_BASE_COMPILER_H
-#include "api/configuration.h"
+#include "base/types.h"
 #include <float.h>
 
 /* ---- compiler [compiler] ----
@@ -41,10 +41,13 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
    RBD_LANES. */
 #ifdef __AVX__
 #define RBDI_SIMD 4
-#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__)
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
 #define RBDI_SIMD 2
 #else
 #define RBDI_SIMD 0
+#endif
+#if RBDI_SIMD > RBDI_WIDEST_SIMD
+#error "rbd: RBDI_WIDEST_SIMD, for which memory is sized, must be at least RBDI_SIMD"
 #endif
 #ifdef __has_builtin
 #if __has_builtin(__builtin_shufflevector)

@@ -1,6 +1,5 @@
 #ifndef RBDI_BASE_SIMD_H
 #define RBDI_BASE_SIMD_H
-#include "base/types.h"
 #include "base/scalar.h"
 
 /* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a

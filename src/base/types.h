@@ -13,6 +13,14 @@ typedef double rbdi_wide;
 #endif
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+
+/* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
+   sized for it: the file with the implementation may have other options than the file that gives memory. */
+#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#define RBDI_WIDEST_SIMD 8
+#else
+#define RBDI_WIDEST_SIMD 0
+#endif
 #define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 

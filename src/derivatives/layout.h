@@ -65,7 +65,7 @@ struct rbd_derivatives {
 
 #define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17     /* in rbdi_constants */
-#if defined RBD_LANES || !(defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64)
+#if defined RBD_LANES || RBDI_WIDEST_SIMD == 0
 #define RBDI_SURPLUS 0
 #define RBDI_RELATIVES(n, padded) 0
 #else

@@ -1,6 +1,7 @@
-/* C++ exceptions for WASI, since Debian's libc++abi is built without them. The compiler (-fwasm-exceptions) calls these
-   functions; their names and tables are those of the Itanium C++ ABI. For one thread, without exception
-   specifications. A throw inside the compiled libc++ still ends the program. SPDX-License-Identifier: MIT */
+/* C++ exceptions for WASI, since Debian's libc++abi is built without them. The compiler (-fwasm-exceptions)
+   calls these functions; their names and tables are those of the Itanium C++ ABI. For one thread, without
+   exception specifications. A throw inside the compiled libc++ still ends the program.
+   SPDX-License-Identifier: MIT */
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -24,8 +25,8 @@ header *innermost; /* of the caught ones */
 header *header_of(void *object) { return static_cast<header *>(object) - 1; }
 void *object_of(header *h) { return h + 1; }
 
-/* The virtual functions of libc++abi's type_info, in their order: the last one decides about a catch, and moves
-   the pointer to the base that is caught. */
+/* The virtual functions of libc++abi's type_info, in their order. The last one decides about a catch, and
+   moves the pointer to the base that is caught. */
 struct handler_type : std::type_info {
     virtual ~handler_type();
     virtual void unused_1() const;
