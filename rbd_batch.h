@@ -443,7 +443,7 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: if a pivot is in doubt, the path of a call depends on all of its lanes. */
+/* One state at a time, in all lanes: if a pivot is in doubt, a call's path depends on all of its lanes. */
 static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
                                    rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
