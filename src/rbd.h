@@ -77,9 +77,9 @@
                       optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the calls of rbd_batch.h
      RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
-                      ..._FEATURES of their tables, with | between. The compiler leaves all else out, half of
-                      the flash; rbd_work_init refuses other models, RBD_ERR_LEFT_OUT. A table gives its
-                      features before rbd.h, the rest after it:
+                      ..._FEATURES of their tables, with | between. The compiler leaves all else out, which
+                      halves the flash. rbd_work_init refuses other models: RBD_ERR_LEFT_OUT. Before rbd.h a
+                      table gives its features, after it the rest:
                           #define RBD_IMPLEMENTATION
                           #define RBD_FEATURES ARM_FEATURES
                           #include "arm_model.h"
@@ -106,8 +106,8 @@
      and the order of sums change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
-     Sums have one order, and sine is rbd's own. It takes clang without -ffp-contract=fast, no -ffast-math or
-     part of it, a sqrt that rounds correctly, and, on a 32-bit x86, SSE2 (x87 does not compile).
+     Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
+     without -ffp-contract=fast; sqrt must round correctly; a 32-bit x86 needs SSE2 (x87 does not compile).
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one

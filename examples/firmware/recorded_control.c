@@ -44,7 +44,7 @@ static void measure(int tick, const rbd_real *q, const rbd_real *v, rbd_real *in
     if (tick > LOOSE && tick % 8 == 0) in[Q + LOOSE_JOINT] += 0.02f * (rbd_real)((tick - LOOSE) / 8);
 }
 
-/* The joint of which the torque is too large, or not a number; -1 if there is none. */
+/* The first joint whose torque is too large or not a number, else -1. */
 static int beyond(const rbd_real *tau) {
     for (int i = 0; i < N; i++)
         if (!(fabsf(tau[i]) < torque_limit)) return i;

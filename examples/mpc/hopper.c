@@ -130,7 +130,7 @@ static void prepare(void) {
 }
 
 /* Iterates until nothing is to be gained. Returns whether the cost fell in each of fewer than 100. There are
-   many ways to hop: which one it finds, and after how many iterations, hangs on roundings. */
+   many ways to hop: rounding errors decide which one it finds, and after how many iterations. */
 static int converge(void) {
     int better = 1, falling = 1, iterations = 0;
     s.tolerance = 1e-5;
