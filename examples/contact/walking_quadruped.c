@@ -1,7 +1,7 @@
 /* walking_quadruped.c - HyQ walks up and down two steps, one foot after the other, stands, and is pushed from
    the side. Its controller knows where the feet shall be and holds the joints there by springs and dampers;
-   the simulation knows the height of the ground under each foot. The step finds which feet stand, slip and lift.
-   Prints tables for walking_quadruped.gp. */
+   the simulation knows the height of the ground under each foot. The step finds which feet stand, slip and
+   lift. Prints tables for walking_quadruped.gp. */
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 #include "models/hyq_model.h"
