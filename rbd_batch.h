@@ -27,8 +27,7 @@
      states       n states stand one after the other, unless rbd_batch_set_layout says otherwise: q is n x nq,
                   v, a, tau n x nv, f_ext n x nb x 6 or NULL, mass_matrix n x nv x nv, packed
                   n x rbd_packed_size(m). With n <= 0 nothing is done
-     results      those of the single calls, to rounding. Outputs that may be NULL, or the array of an input,
-                  there may be so here
+     results      those of the single calls, to rounding. An output may be NULL, or an input, as there
      errors       those of the single calls. With RBD_ERR_SINGULAR the results of the other states stand, and
                   rbd_batch_singular names the first singular state
 */
@@ -418,9 +417,8 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
     }
 }
 
-/* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
-   them. With RBD_REPRODUCIBLE always to y: rbdi_batch_apart may need the inputs again, which may be the same
-   arrays. */
+/* Where the outputs of the states from s on go: to the caller, or to y, for rbdi_task_scatter. With
+   RBD_REPRODUCIBLE to y: rbdi_batch_apart reads the inputs again, which may be the same arrays. */
 static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;

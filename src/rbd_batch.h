@@ -26,8 +26,7 @@
      states       n states stand one after the other, unless rbd_batch_set_layout says otherwise: q is n x nq,
                   v, a, tau n x nv, f_ext n x nb x 6 or NULL, mass_matrix n x nv x nv, packed
                   n x rbd_packed_size(m). With n <= 0 nothing is done
-     results      those of the single calls, to rounding. Outputs that may be NULL, or the array of an input,
-                  there may be so here
+     results      those of the single calls, to rounding. An output may be NULL, or an input, as there
      errors       those of the single calls. With RBD_ERR_SINGULAR the results of the other states stand, and
                   rbd_batch_singular names the first singular state
 */

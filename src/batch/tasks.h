@@ -49,9 +49,8 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
     }
 }
 
-/* Where the outputs of the states from s on go: to the caller, or to y, from where rbdi_task_scatter takes
-   them. With RBD_REPRODUCIBLE always to y: rbdi_batch_apart may need the inputs again, which may be the same
-   arrays. */
+/* Where the outputs of the states from s on go: to the caller, or to y, for rbdi_task_scatter. With
+   RBD_REPRODUCIBLE to y: rbdi_batch_apart reads the inputs again, which may be the same arrays. */
 static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
