@@ -403,7 +403,7 @@ typedef struct rbd_work rbd_work;   /* scratch and results of one thread: see rb
 /* ==== src/api/status.h ==== */
 /* ---- status [status] ---- */
 
-/* What every function returns: 0, or a negative error. A build error names body and field. */
+/* Every function returns one: 0, or a negative error. A build error names body and field. */
 typedef enum rbd_status {
     RBD_OK = 0,
     RBD_ERR_NULL = -1,     /* a required pointer is NULL */
@@ -455,7 +455,7 @@ typedef struct rbd_finding {
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
-/* What the build found: the first error, and the warnings (counted all, kept as far as they fit). */
+/* Findings of the build: the first error, and the warnings (counted all, kept as far as they fit). */
 typedef struct rbd_report {
     rbd_finding error; /* error.status is RBD_OK if there is none */
     int warnings;
@@ -517,7 +517,7 @@ RBDI_API size_t rbd_work_size(const rbd_model *m);
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
-/* What it is set to. Errors: RBD_ERR_NULL. */
+/* The gravity that is set. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
 /* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
@@ -2601,7 +2601,7 @@ RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
            m->shape[2] == w->shape[2];
 }
 
-/* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
+/* Every call with a model and a work asks this first; arrays: none of the caller's required ones is NULL. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
@@ -5882,7 +5882,7 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
      7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
+/* Facts of a joint type for the build. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
 typedef struct rbdi_joint_fact {
     int nq, nv, first; /* first: of a block's spatial axes */
@@ -6101,7 +6101,7 @@ typedef struct rbdi_counts {
     int nl, nblock, ndof, nmimic, nq, nv;
 } rbdi_counts;
 
-/* What the steps work on: the description, the model's arrays, and scratch behind them. */
+/* The steps work on this: the description, the model's arrays, and scratch behind them. */
 typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;
@@ -6544,7 +6544,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     }
 }
 
-/* What the user sees of body i. */
+/* The frame of body i, as its user sees it. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];

@@ -726,7 +726,7 @@ RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_deriv
     return rbdi_batch_derivatives_run(rbdi_lanes_coriolis, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_rnea_derivatives(const rbd_model *m, const rbdi_task *t) {
+static rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2]);
 }
@@ -738,7 +738,7 @@ RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch
     rbdi_task_output(&t, 0, dtau_dq, rbd_nv(m) * rbd_nv(m));
     rbdi_task_output(&t, 1, dtau_dv, rbd_nv(m) * rbd_nv(m));
     rbdi_task_output(&t, 2, M, rbd_nv(m) * rbd_nv(m));
-    return rbdi_batch_derivatives_run(rbdi_lanes_rnea_derivatives, m, d, n, &t);
+    return rbdi_batch_derivatives_run(rbdi_lanes_id_derivatives, m, d, n, &t);
 }
 
 static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {

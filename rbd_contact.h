@@ -214,9 +214,7 @@ RBDI_EXTERN_C_END
 
 #if defined RBD_DERIVATIVES_H && !defined RBDI_CONTACT_DERIVATIVES
 #define RBDI_CONTACT_DERIVATIVES
-#if defined __cplusplus && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/contact_derivatives.h ==== */
 #define rbd_contact_step_derivatives RBDI_SYMBOL(rbd_contact_step_derivatives)
@@ -248,9 +246,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
                                                  const rbd_contact_step_results *out);
 
 /* ==== src/rbd_contact.h ==== */
-#if defined __cplusplus && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 #endif
 
 /* ====================================================================================================

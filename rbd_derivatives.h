@@ -791,9 +791,8 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 
 /* ==== src/derivatives/subtrees.h ==== */
 /* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
-   for, at most 14 of the 27. All dofs of a block get the sum of the block. Not by batches where limbs alike
-   fill them, as HyQ's legs do: 9 % fewer instructions for its derivatives of inverse dynamics, but 6 % more
-   time. */
+   for, at most 14 of the 27. All dofs of a block get the sum of the block. One segment after the other:
+   equal limbs side by side in batches, such as HyQ's legs, took more time. */
 RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
     for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
         const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;

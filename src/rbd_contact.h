@@ -63,15 +63,11 @@ RBDI_EXTERN_C_END
 
 #if defined RBD_DERIVATIVES_H && !defined RBDI_CONTACT_DERIVATIVES
 #define RBDI_CONTACT_DERIVATIVES
-#if defined __cplusplus && !defined RBD_STATIC
-extern "C" {
-#endif
+RBDI_EXTERN_C_BEGIN
 
 #include "api/contact_derivatives.h"
 
-#if defined __cplusplus && !defined RBD_STATIC
-}
-#endif
+RBDI_EXTERN_C_END
 #endif
 
 /* ====================================================================================================

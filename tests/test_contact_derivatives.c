@@ -72,7 +72,7 @@ static rbd_body box(double lx, double ly, double lz, double mass) {
 
 /* ---- differences ---- */
 
-/* What a step gives, and what each contact does in it. */
+/* Results of a step, and the state of each contact in it. */
 typedef struct end {
     double q[MAX_Q], v[MAX_V];
     rbd_contact_state state[MOST];
@@ -503,7 +503,7 @@ static rbd_body rod(void) {
     return b;
 }
 
-/* What is not wanted changes nothing in what is; without contacts it is rbd_fd_derivatives; zeros that
+/* Results left out change nothing in the others; without contacts it is rbd_fd_derivatives; zeros that
    rbd_keep_zeros leaves out are written. */
 START_TEST(parts_are_as_the_whole) {
     const rbd_body bodies[2] = {box(0.4, 0.3, 0.2, 3), rod()};

@@ -11,7 +11,9 @@
 #ifndef RBD_NO_BUILD
 #define RBD_NO_BUILD
 #endif
+#ifndef RBD_REPRODUCIBLE
 #define RBD_REPRODUCIBLE
+#endif
 #define RBD_IMPLEMENTATION
 #define RBD_FEATURES IIWA_FEATURES
 #include "models/iiwa_model.h"

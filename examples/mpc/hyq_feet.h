@@ -101,7 +101,7 @@ static void add_product(int rows, const double *A, const double *B, int ld, doub
 static double by_q[NV * NV], by_v[NV * NV], by_tau[NV * NV], force_q[ROWS * NV], force_v[ROWS * NV],
     force_tau[ROWS * NV];
 
-/* What the feet's forces change by in a knot in contact. */
+/* Derivatives of the feet's forces in a knot in contact. */
 static void put_forces(double (*f_z)[NZ]) {
     for (int i = 0; i < ROWS; i++)
         for (int j = 0; j < NV; j++) {

@@ -306,7 +306,7 @@ static inline rbd_status ilqr_state_difference(ilqr *s, int k, const rbd_real *q
     return rbd_difference(s->p->m, s->q + k * s->nq, q, s->dx);
 }
 
-/* What the caller's functions, and the controls, gave in a knot of a rollout. */
+/* Checks the results of the caller's functions, and the controls, in a knot of a rollout. */
 static inline rbd_status ilqr_check_knot(ilqr *s, int k, rbd_real l) {
     const int n = ilqr_nv(s), m = ilqr_nu(s), nq = s->nq;
     if (k < s->knots) {
@@ -347,7 +347,7 @@ static inline void ilqr_swap(rbd_real **x, rbd_real **y) {
     *x = *y, *y = z;
 }
 
-/* What was tried becomes the trajectory. */
+/* The trajectory that was tried replaces the old one. */
 static inline void ilqr_accept(ilqr *s, rbd_real cost) {
     ilqr_swap(&s->q, &s->q_try), ilqr_swap(&s->v, &s->v_try), ilqr_swap(&s->u, &s->u_try);
     s->cost = cost;

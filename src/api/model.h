@@ -54,7 +54,7 @@ RBDI_API size_t rbd_work_size(const rbd_model *m);
 /* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
-/* What it is set to. Errors: RBD_ERR_NULL. */
+/* The gravity that is set. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
 /* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its

@@ -4,7 +4,7 @@
 
 /* ---- status [status] ---- */
 
-/* What every function returns: 0, or a negative error. A build error names body and field. */
+/* Every function returns one: 0, or a negative error. A build error names body and field. */
 typedef enum rbd_status {
     RBD_OK = 0,
     RBD_ERR_NULL = -1,     /* a required pointer is NULL */
@@ -56,7 +56,7 @@ typedef struct rbd_finding {
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
-/* What the build found: the first error, and the warnings (counted all, kept as far as they fit). */
+/* Findings of the build: the first error, and the warnings (counted all, kept as far as they fit). */
 typedef struct rbd_report {
     rbd_finding error; /* error.status is RBD_OK if there is none */
     int warnings;

@@ -13,7 +13,7 @@ RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
            m->shape[2] == w->shape[2];
 }
 
-/* What every call with a model and a work asks first; arrays: none of the caller's required ones is NULL. */
+/* Every call with a model and a work asks this first; arrays: none of the caller's required ones is NULL. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;

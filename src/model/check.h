@@ -14,7 +14,7 @@
      7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* What the build knows of a joint type. A type made of one-axis links lists their axes in order:
+/* Facts of a joint type for the build. A type made of one-axis links lists their axes in order:
    'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
 typedef struct rbdi_joint_fact {
     int nq, nv, first; /* first: of a block's spatial axes */
@@ -233,7 +233,7 @@ typedef struct rbdi_counts {
     int nl, nblock, ndof, nmimic, nq, nv;
 } rbdi_counts;
 
-/* What the steps work on: the description, the model's arrays, and scratch behind them. */
+/* The steps work on this: the description, the model's arrays, and scratch behind them. */
 typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;

@@ -103,7 +103,7 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     }
 }
 
-/* What the user sees of body i. */
+/* The frame of body i, as its user sees it. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
