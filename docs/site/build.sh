@@ -1,0 +1,22 @@
+#!/bin/sh
+# Builds the site: build.sh FOLDER [OPTION OF SPHINX...]. With web/playground/build.sh the playground is in it.
+set -eu
+here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
+out=${1:?usage: build.sh FOLDER}
+shift
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+python3() { if [ -x /usr/bin/python3 ]; then /usr/bin/python3 "$@"; else command python3 "$@"; fi; } # Debian's Sphinx
+python3 "$here/pages.py" "$scratch/pages"
+cp -R "$here/static" "$scratch/pages/static"
+cp -RL /usr/share/javascript/katex "$scratch/pages/static/katex"
+mkdir -p "$scratch/pages/extra/licences"
+for package in libjs-katex fonts-katex furo sphinx-common; do
+    [ ! -f "/usr/share/doc/$package/copyright" ] || cp "/usr/share/doc/$package/copyright" "$scratch/pages/extra/licences/$package.txt"
+done
+python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
+rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
+[ "${RBD_PLAYGROUND-}" = no ] || [ ! -f "$root/web/playground/build.sh" ] || "$root/web/playground/build.sh" "$scratch/site/playground"
+mkdir -p "$(dirname -- "$out")"
+rm -rf "$out"
+mv "$scratch/site" "$out"

@@ -1,0 +1,23 @@
+# Sphinx's configuration of the site; docs/site/build.sh calls it. Formulas are set by KaTeX, from the site itself.
+project = "rbd"
+html_title = "rbd"
+extensions = ["myst_parser", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+myst_dmath_allow_digits = False
+html_theme = "furo"
+primary_domain = "c"
+highlight_language = "text"
+smartquotes = False
+html_copy_source = False
+html_show_sourcelink = False
+html_show_sphinx = True
+html_extra_path = ["extra"]
+exclude_patterns = ["extra"]
+html_static_path = ["static"]
+html_css_files = ["katex/katex.min.css", "site.css"]
+mathjax_path = "katex/katex.min.js"
+mathjax_options = {"defer": "defer"}
+html_js_files = ["math.js"]
+suppress_warnings = ["myst.header", "misc.highlighting_failure"]
+nitpicky = False

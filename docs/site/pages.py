@@ -1,0 +1,662 @@
+#!/usr/bin/env python3
+"""Writes the sources of the site, for Sphinx: pages.py FOLDER; pages.py --check compares only; pages.py --main FAMILY
+writes a program that calls the snippets of a family.
+
+The reference comes from the headers' comments (extract.py); the short line of each name from docs/interface.md; shapes
+of arguments from python/rbd/__init__.py; costs from bench/instructions.csv; formulas, arguments of C alone and snippets
+from this folder. Guides are docs/*.md and the README files, with their links made fit. SPDX-License-Identifier: MIT"""
+import csv
+import functools
+import html
+import os
+import pathlib
+import re
+import sys
+
+import extract
+from extract import ROOT
+
+HERE = pathlib.Path(__file__).resolve().parent
+# Guides, in order: title of the part, and files.
+GUIDES = [
+    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
+               "python/README.md"]),
+    ("In a controller", ["docs/control_loop.md", "docs/gradients.md", "docs/contacts.md", "docs/contact_step.md",
+                         "docs/firmware.md", "docs/porting.md", "docs/reproducible.md", "examples/firmware/README.md"]),
+    ("Tools and other libraries", ["docs/tools.md", "docs/other_libraries.md", "models/README.md"]),
+    ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-23-zen4/report.md",
+                                   "bench/results/2026-11-25-contact/contact.md", "bench/README.md"]),
+    ("The project", ["README.md", "docs/interface.md", "CONTRIBUTING.md", "CHANGELOG.md", "packaging/README.md"]),
+]
+# Rows of bench/instructions.csv, and the call that each is of.
+COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
+         "fd_cholesky": "rbd_fd_cholesky", "hybrid": "rbd_hybrid", "id_free_base": "rbd_id_free_base",
+         "minv": "rbd_minverse", "jacobian": "rbd_jacobian", "momentum_matrix": "rbd_momentum_matrix",
+         "coriolis": "rbd_coriolis", "regressor": "rbd_regressor", "id_derivatives": "rbd_id_derivatives",
+         "id_derivatives_mm": "rbd_id_derivatives", "fd_derivatives": "rbd_fd_derivatives",
+         "constrained_fd": "rbd_constrained_fd", "constrained_fd_hand": "rbd_constrained_fd"}
+COST_NOTES = {"jacobian": "with rbd_kinematics", "id_derivatives_mm": "with M", "constrained_fd": "12 rows",
+              "constrained_fd_hand": "with a hand held too"}
+# Arguments of these types need no further word.
+HANDLES = {"rbd_model": "the model", "rbd_work": "work of this thread", "rbd_derivatives": "memory of derivatives",
+           "rbd_constraint_set": "the set", "rbd_contact_set": "the set", "rbd_batch": "memory of the batch",
+           "rbd_batch_derivatives": "memory of derivatives", "rbd_batch_constraint_set": "the set"}
+
+
+# ---- what is known of a name ----
+
+def table(name, columns):
+    """Rows of a text file of this folder: columns that two blanks separate."""
+    rows = [line for line in (HERE / name).read_text().splitlines() if line and not line.startswith("#")]
+    return [re.split(r" {2,}", row, maxsplit=columns - 1) for row in rows]
+
+
+@functools.lru_cache(None)
+def headers():
+    return [extract.parse(name) for name in extract.HEADERS]
+
+
+@functools.lru_cache(None)
+def formulas():
+    return dict(table("formulas.txt", 2))
+
+
+@functools.lru_cache(None)
+def summaries():
+    """Name and short line, of docs/interface.md."""
+    found = {}
+    for names, what in re.findall(r"^\| (`[^|]*) \| ([^|]*) \|", (ROOT / "docs/interface.md").read_text(), re.M):
+        for name in re.findall(r"`(\w+)", names):
+            found.setdefault(name, what)
+    return found
+
+
+@functools.lru_cache(None)
+def quantities():
+    """Name, shape and meaning, of the Python module's table."""
+    text = (ROOT / "python/rbd/__init__.py").read_text()
+    rows = re.search(r'_QUANTITIES = \{.*?"""\n(.*?)\n"""', text, re.S)[1].splitlines()
+    return {row[0]: (row[1], row[2].replace("None", "NULL")) for row in (re.split(r"\s{2,}", line) for line in rows)}
+
+
+@functools.lru_cache(None)
+def arguments():
+    return {(call, name): (shape, text) for call, name, shape, text in table("arguments.txt", 4)}
+
+
+def argument(call, name, own):
+    """Shape and meaning of an argument, or None; and the row of arguments.txt that it took."""
+    for key in ((call, name), (re.sub("^rbd_batch_", "rbd_", call), name), ("*", name)):
+        if key in arguments():
+            shape, text = arguments()[key]
+            return (quantities()[text] if shape == "=" else (shape, own or text)), key
+        if key[0] != "*" and name in quantities() and ("*", name) not in arguments():
+            continue
+    return (quantities().get(name) if not own else (quantities().get(name, ("-", ""))[0], own)), None
+
+
+@functools.lru_cache(None)
+def costs():
+    found = {}
+    with open(ROOT / "bench/instructions.csv", newline="") as file:
+        for row in csv.DictReader(file):
+            if row["compiler"].startswith("gcc") and row["scalar"] == "double" and row["variant"] == "run-time":
+                found.setdefault(row["algorithm"], {})[row["robot"]] = int(row["instructions"])
+    return found
+
+
+@functools.lru_cache(None)
+def snippets():
+    """Call and (file, line, body): each example_NAME of the snippets."""
+    found = {}
+    for path in sorted((HERE / "snippets").glob("*.c")):
+        for match in re.finditer(r"^void example_(\w+)\(void\) \{(?: ([^\n]*) \}|\n(.*?)\n\})$", path.read_text(), re.S | re.M):
+            body = match[2] or "\n".join(line[4:] for line in match[3].split("\n"))
+            found[match[1]] = (path, body)
+    return found
+
+
+def snippet(name):
+    """The example of a call: its own, or the first that calls it."""
+    if name in snippets():
+        return snippets()[name]
+    return next((s for s in snippets().values() if re.search(rf"\b{name}\(", s[1])), None)
+
+
+@functools.lru_cache(None)
+def places():
+    """Name and (page, kind) of all that has a place in the reference."""
+    found = {}
+    for header in headers():
+        for name in extract.named_in_top(header):
+            found[name] = (page_of(header, None), "macro")
+        for section in header.sections:
+            for item in section.items:
+                found.setdefault(item.name, (page_of(header, section), {"function": "func"}.get(item.kind, item.kind)))
+                for declaration, _ in item.members:
+                    if item.text.startswith("typedef enum"):
+                        found[declaration.split()[0]] = (page_of(header, section), "enumerator")
+    return found
+
+
+def page_of(header, section):
+    """rbd.h has a page for each section, other headers have one."""
+    stem = header.name.replace(".h", "")
+    if header.name == "rbd.h" and section and section.tag:
+        return f"reference/{stem}_{section.tag.replace(' ', '_')}"
+    return f"reference/{stem}"
+
+
+def errors(text):
+    """Statuses that a comment says a call returns; whether those of its section count too."""
+    text = " ".join(text.split())
+    found, add = [], True
+    for start in re.finditer(r"\b(Errors?(?: of these \w+)?(?:, [^:.]*)?:|Also (?=RBD_ERR|_))", text):
+        sentence = re.split(r"\.(?= [A-Z]|$)", text[start.end():])[0]
+        if start[1].startswith("Error") and not re.match(r" (also|as) ", sentence):
+            add = False
+        for call in re.findall(r"\bas (rbd_\w+)", sentence):
+            found += [s for s in status_list(call) if s not in found]
+        sentence = re.sub(r"(; _|, and RBD_ERR_)SINGULAR[^.]*where said.*", "", sentence)
+        for prefix, word in re.findall(r"(?<!\w)(RBD_ERR|RBD_URDF_ERR|)_([A-Z]+)\b", sentence):
+            name = (prefix or "RBD_ERR") + "_" + word
+            if name in places() and name not in found:
+                found.append(name)
+    return found, add
+
+
+@functools.lru_cache(None)
+def status_list(name):
+    """All statuses that a call's comment and its section's name."""
+    for header in headers():
+        note = ""
+        for section in header.sections:
+            together = 0  # calls that a sentence "Errors of these four" still covers
+            shared = []
+            for group in extract.groups(section):
+                for item in group:
+                    text = "\n".join(i.comment for i in group)
+                    own, add = errors(text)
+                    covers = re.search(r"Errors of these (two|three|four)", text)
+                    if item is group[0] and covers:
+                        together, shared = {"two": 2, "three": 3, "four": 4}[covers[1]], own
+                    if item.name == name:
+                        if not own and together > 0:
+                            return shared
+                        shared = errors(section.comment)[0] or errors(note)[0]
+                        return [s for s in shared if s not in own] + own if add else own
+                    together -= 1
+            note = section.note or note
+    return []
+
+
+# ---- text of comments as Markdown ----
+
+def escaped(text):
+    return re.sub(r"([\\*_<>\[\]|$#~])", r"\\\1", text)
+
+
+def linked(text, header):
+    """A comment's sentence: names that the reference has are links, all else is taken as it stands."""
+    out, k = [], 0
+    tags = {s.tag: page_of(header, s) for s in header.sections if s.tag}
+    for match in re.finditer(r"`[^`\n]*`|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
+        word = match[0]
+        out.append(escaped(text[k:match.start()]))
+        name = "RBD_ERR" + word if word.startswith("_") else word.rstrip("()")
+        if word.startswith("["):
+            page = tags.get(word[1:-1])
+            out.append(f"[{word[1:-1]}](/{page}.md)" if page else f"[{word[1:-1]}]".replace("[", "\\[").replace("]", "\\]"))
+        elif name in places():
+            out.append(f"{{c:{places()[name][1]}}}`{word} <{name}>`" if word != name else f"{{c:{places()[name][1]}}}`{name}`")
+        else:
+            out.append(word if word.startswith("`") else f"`{word}`")
+        k = match.end()
+    return "".join(out) + escaped(text[k:])
+
+
+def paragraphs(comment):
+    """A comment's parts: ("text", sentence), ("code", lines) and ("entry", name, text)."""
+    found, last = [], None
+    for line in comment.split("\n"):
+        entry = re.match(r"( *)([A-Za-z_]\w*(?:\([a-z]\)| [A-Z]\w*\([a-z]\))?(?:, ?[A-Za-z_]\w*)*) {2,}(\S.*)$", line)
+        indent = len(line) - len(line.lstrip())
+        if not line.strip():
+            last = None if not (last and last[0] == "code") else last
+            if last:
+                last[1] += "\n"
+        elif entry and (not last or last[0] != "code") and len(entry[1]) < 4 and not line.strip().startswith("("):
+            last = ["entry", entry[2], entry[3]]
+            found.append(last)
+        elif last and last[0] == "entry" and indent >= 2:
+            last[2] += " " + line.strip()
+        elif indent >= 4:
+            if not last or last[0] != "code":
+                last = ["code", ""]
+                found.append(last)
+            last[1] += line + "\n"
+        else:
+            if not last or last[0] != "text":
+                last = ["text", ""]
+                found.append(last)
+            last[1] += " " + line.strip()
+    return found
+
+
+def fence(text, language="c"):
+    lines = text.strip("\n").split("\n")
+    indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
+    return f"```{language}\n" + "\n".join(line[indent:] for line in lines) + "\n```\n"
+
+
+def rendered(comment, header, leave=()):
+    """A comment as Markdown; entries named in leave are left out."""
+    out, rows = [], []
+    for part in paragraphs(comment) + [None]:
+        if part and part[0] == "entry":
+            if not set(part[1].split(", ")) & set(leave):
+                rows.append(part[1:])
+            continue
+        if rows:
+            out += ["| | |", "|---|---|"] + [f"| `{n}` | {linked(t, header)} |" for n, t in rows] + [""]
+            rows = []
+        if part and part[0] == "text":
+            out.append(linked(part[1].strip(), header) + "\n")
+        elif part:
+            out.append(fence(part[1]))
+    return "\n".join(out)
+
+
+# ---- entries ----
+
+def signature(item):
+    text = re.sub(r"/\*.*?\*/", " ", item.text, flags=re.S).split("{")[0]
+    text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
+    return " ".join(text.split()).rstrip(";").strip()
+
+
+def parameters(item):
+    """Type and name of a function's parameters."""
+    inside = signature(item)
+    inside = inside[inside.index("(") + 1:inside.rindex(")")]
+    found = []
+    for word in [] if inside.strip() == "void" else inside.split(","):
+        name = re.search(r"(\w+)(\[\d*\])?$", word.strip())
+        found.append((word.strip()[:name.start()].strip() + (" *" if name[2] else ""), name[1], name[2] or ""))
+    return found
+
+
+def own_words(comment):
+    """Names that a comment describes by lines of their own."""
+    return {name: part[2] for part in paragraphs(comment) if part[0] == "entry" for name in part[1].split(", ")}
+
+
+def argument_rows(group, header):
+    """Rows of the table of arguments, and the arguments of which nothing is known."""
+    rows, unknown, seen, used = [], [], set(), set()
+    own = own_words("\n".join(i.comment for i in group))
+    for item in group:
+        for kind, name, length in parameters(item):
+            base = re.sub(r"\bconst\b|\*", "", kind).strip()
+            if base in HANDLES and "**" not in kind:
+                continue
+            known, row = argument(item.name, name, own.get(name))
+            used.add(row)
+            if (name, known) in seen:
+                continue
+            seen.add((name, known))
+            if not known and header.name == "rbd_spatial.h":
+                continue
+            if not known and not own.get(name) and base not in places():
+                unknown.append((item.name, name))
+            shape, text = known or ("-", own.get(name) or "")
+            shape = length.strip("[]") or shape if shape == "-" else shape
+            way = "out" if "*" in kind and not kind.startswith("const") else "in"
+            way = "in, out" if re.match(r"(nv flags|in: )", text) and way == "out" else way
+            rows.append((name, way, shape.replace("-", "").replace(" ", " × "), text))
+    return rows, unknown, used
+
+
+def cost_lines(group):
+    names = [i.name for i in group]
+    rows = [(a, costs()[a]) for a, call in COSTS.items() if call in names and a in costs()]
+    if not rows:
+        return []
+    out = ["| instructions per call | iiwa | HyQ | Atlas |", "|---|--:|--:|--:|"]
+    for algorithm, row in rows:
+        cells = [f"{row[r]:,}" if r in row else "–" for r in ("iiwa", "hyq", "atlas")]
+        name = f"`{COSTS[algorithm]}`" + (f", {COST_NOTES[algorithm]}" if algorithm in COST_NOTES else "")
+        out.append(f"| {name} | " + " | ".join(cells) + " |")
+    return out + [""]
+
+
+def entry(group, header):
+    """A group of declarations as one entry."""
+    first = group[0]
+    functions = [i for i in group if i.kind == "function"]
+    types = [i for i in group if i.kind == "type"]
+    comment = "\n".join(i.comment for i in group if i.comment)
+    out = []
+    for item in types:
+        kind = "enum" if item.text.startswith("typedef enum") else "struct" if "struct" in item.text else "type"
+        out.append(f"`````{{c:{kind}}} {item.name if kind != 'type' else signature(item).replace('typedef ', '').split('__attr')[0].strip()}\n")
+        if not functions:
+            out.append(rendered(item.comment or summaries().get(item.name, ""), header))
+        for declaration, text in item.members:
+            names = declaration.split("=")[0].strip()
+            role = "enumerator" if kind == "enum" else "member"
+            for each in members_apart(names) if role == "member" else [names]:
+                value = declaration.split("=")[1].strip() if "=" in declaration else ""
+                text_of = (f"`{value}`. " if value else "") + linked(text, header) if text or value else ""
+                out.append(f"````{{c:{role}}} {each}\n{text_of}\n````\n")
+        out.append("`````\n")
+    macros = [i for i in group if i.kind == "macro"]
+    if macros:
+        described = extract.named_in_top(header)
+        macros = [i for i in macros if i.name not in described]
+    if macros:
+        out.append("`````{c:macro} " + "\n".join(i.text for i in macros) + "\n")
+        out.append(rendered(comment or summaries().get(first.name, ""), header))
+        out.append(source(macros[0], header) + "\n`````\n")
+    if functions:
+        out.append("`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n")
+        rows, _, _ = argument_rows(functions, header)
+        short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
+        body = rendered(comment, header, leave=[r[0] for r in rows])
+        out.append(body or short[:1].upper() + short[1:] + ".\n")
+        for item in functions:
+            if item.name in formulas():
+                out.append("```{math}\n" + formulas()[item.name] + "\n```\n")
+        if rows:
+            out += ["| argument | | shape | meaning |", "|---|---|---|---|"]
+            out += [f"| `{n}` | {way} | {shape} | {linked(text, header)} |" for n, way, shape, text in rows] + [""]
+        found = list(dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf)?_status ", signature(i))))
+        if found:
+            out.append("**Errors** " + ", ".join(f"{{c:enumerator}}`{s}`" for s in found) + "\n")
+        out += cost_lines(functions)
+        examples = dict.fromkeys(s for s in (snippet(i.name) for i in functions) if s)
+        for _, code in examples:
+            out.append(fence(code))
+        out.append(source(first, header) + "\n`````\n")
+    return "\n".join(out)
+
+
+def members_apart(names):
+    """'double lower, upper' as 'double lower' and 'double upper'."""
+    match = re.match(r"((?:const )?\w+(?: const)?(?: \w+(?= [*\w]))?(?: \*const \*?)?) ?(.*)$", names)
+    return [f"{match[1]} {part.strip()}" for part in match[2].split(",")] if match and "," in names else [names]
+
+
+def source(item, header):
+    left_out = [g.split()[1] for g in item.guards if g.startswith("ifndef RBD_NO")]
+    words = f"{raw_link(f'{header.name}', item.line)}"
+    return words + (f"; left out by {', '.join(f'{{c:macro}}`{g}`' for g in left_out)}" if left_out else "") + "\n"
+
+
+def raw_link(path, line):
+    """A link from a page of the reference to a line of a file."""
+    return f'<a class="source" href="../files/{path}.html#L{line}">{path}, line {line}</a>'
+
+
+def top_page(header):
+    """The first comment: what the header is for, and its sections."""
+    out, described = [], extract.named_in_top(header)
+    text = re.sub(r"\n *CONTENTS.*?(?=\n *\[\w+\](?! *\[)|\Z)", "\n", header.top, flags=re.S)
+    text = re.sub(r"^[^\n]*\n(?: *Made by[^\n]*\n)?(?: *SPDX[^\n]*\n)?", "", text)
+    parts = re.split(r"^ *\[(\w+)\](?! *\[)(.*)$", text, flags=re.M)
+    out.append(rendered(parts[0].strip("\n"), header))
+    for tag, head, body in zip(parts[1::3], parts[2::3], parts[3::3]):
+        out.append(f"\n### {tag.capitalize()}\n")
+        lines, keep, rows = body.split("\n"), [], []
+        last = None
+        for line in lines:
+            pair = re.match(r" *(\S.*?) {2,}(\S.*)$", line) or re.match(r" +(RBD_REPRODUCIBLE) (.*)$", line)
+            if pair and len(line) - len(line.lstrip()) <= 4:
+                last = [pair[1], pair[2]]
+                rows.append(last)
+            elif last and line.startswith("      "):
+                last[1] += ("\n" if re.match(r" {14,}#", line) else " ") + line.strip()
+            else:
+                last = None
+                keep.append(line[2:] if line.startswith("  ") else line)
+        if head.strip():
+            out.append(linked(head.strip(), header) + "\n" if not keep or not rows else "")
+            if keep and rows:
+                keep.insert(0, head.strip())
+        macros = [r for r in rows if r[0].startswith("RBD_")]
+        others = [r for r in rows if not r[0].startswith("RBD_")]
+        lead = "\n".join(keep).strip("\n")
+        if lead and not (head.strip() and not rows and False):
+            out.append(rendered(lead, header))
+        for name, text in macros:
+            names = re.findall(r"RBD_\w+(?:\(\w\))?", name) if "(" in name else [name.split()[0]]
+            code = re.findall(r"\n(#.*)", text)
+            sentence = re.sub(r"\n#[^\n]*", "", text)
+            out.append("`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n")
+            out.append((fence("\n".join(code)) if code else "") + "`````\n")
+        if others:
+            out += ["| | |", "|---|---|"] + [f"| {escaped(n)} | {linked(t, header)} |" for n, t in others] + [""]
+    for name in sorted(set(re.findall(r"#define (RBD_\w+)", header.top)) - set(described)):
+        if owner(name) == header.name:
+            out.append(f"`````{{c:macro}} {name}\n\n{escaped(summaries().get(name, ''))}\n`````\n")
+    return "\n".join(out)
+
+
+def owner(name):
+    """The header in whose first comment this macro is explained."""
+    return {"RBD_IMPLEMENTATION": "rbd.h", "RBD_URDF_IMPLEMENTATION": "rbd_urdf.h",
+            "RBD_CHECK_FRAMES": "rbd_spatial.h"}.get(name, "rbd.h" if name in extract.named_in_top(headers()[0]) else None)
+
+
+def reference():
+    """Pages of the reference: name and text."""
+    pages, done = {}, set()
+    for header in headers():
+        title = re.match(r"\S+ - ([^.]*)", header.top)[1]
+        page = page_of(header, None)
+        text = pages.setdefault(page, [f"# {header.name}\n\n{escaped(title[0].upper() + title[1:])}.\n", top_page(header)])
+        done |= set(extract.named_in_top(header)) | {n for n in re.findall(r"#define (RBD_\w+)", header.top) if owner(n) == header.name}
+        for section in header.sections:
+            where = pages.setdefault(page_of(header, section), [])
+            if section.tag:
+                level = "#" if where is not text else "##"
+                where.append(f"{level} {section.title[0].upper() + section.title[1:]}\n")
+                where.append(rendered(section.comment, header))
+            for group in extract.groups(section):
+                fresh = [i for i in group if i.name not in done]
+                done |= {i.name for i in group}
+                if fresh:
+                    where.append(entry(fresh, header))
+            if section.note:
+                where.append(rendered(section.note, header))
+    return {page: "\n".join(parts) for page, parts in pages.items()}
+
+
+# ---- guides ----
+
+def guides():
+    return [path for _, paths in GUIDES for path in paths if (ROOT / path).exists()]
+
+
+def page_name(path):
+    """README.md of a folder is called by the folder."""
+    name = re.sub(r"(^|/)README$", lambda m: "" if m[1] else "readme", path[:-3])
+    return "guides/" + name.replace("docs/", "").replace("/", "_")
+
+
+def guide(path, files):
+    """A guide with its links to pages of the site and to files; files collects the latter."""
+    text, here = (ROOT / path).read_text(), pathlib.PurePosixPath(path).parent
+
+    def link(match):
+        label, target = match[1], match[2]
+        if target is None:  # code
+            return match[0]
+        if re.match(r"\w+:|#", target):
+            return match[0]
+        bare, _, anchor = target.partition("#")
+        goal = os.path.normpath(str(here / bare)).replace(os.sep, "/")
+        if (ROOT / goal).is_dir():
+            goal = f"{goal}/README.md" if (ROOT / goal / "README.md").exists() else goal
+        if not (ROOT / goal).exists():
+            raise SystemExit(f"{path}: there is no {target}")
+        files.add(goal)
+        if match[0].startswith("!"):
+            return f"![{label}](/files/{goal})"
+        if goal in guides():
+            return f"[{label}]({page_name(goal).split('/')[1]}.md" + (f"#{anchor}" if anchor else "") + ")"
+        return f'<a href="../files/{goal}{"" if goal.endswith((".png", ".svg")) or (ROOT / goal).is_dir() else ".html"}">' + label + "</a>"
+
+    text = re.sub(r"^```.*?^```|!?\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)|`[^`\n]+`|^(?: {4}\S[^\n]*\n)+", link, text,
+                  flags=re.S | re.M)
+    text = re.sub(r"^```(\w+) \w+$", r"```\1", text, flags=re.M)  # names of output, for tests
+    return text
+
+
+def index():
+    out = ["# rbd", "", "Rigid-body dynamics of robots in one C99 header.", ""]
+    first = ROOT / "docs/overview.svg"
+    out += ["![A description is built into a constant model; the algorithms take it with the state and the caller's work "
+            "memory](/files/docs/overview.svg)", ""] if first.exists() else []
+    if (ROOT / "web/playground/build.sh").exists():
+        out += ['<p id="playground"><a href="playground/index.html">Playground</a>: drop a URDF file into the page, move the '
+                "robot, take its table home. Nothing leaves your browser.</p>", ""]
+    for title, paths in GUIDES:
+        out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ""]
+        out += [page_name(p) for p in paths if (ROOT / p).exists()] + ["```", ""]
+    out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", "", *reference(), "reference/names", "```", ""]
+    return "\n".join(out)
+
+
+def names_page():
+    """All names, with the short line of docs/interface.md."""
+    out = ["# All names\n", "| name | |", "|---|---|"]
+    for name, (_, kind) in sorted(places().items(), key=lambda x: x[0].lower()):
+        out.append(f"| {{c:{kind}}}`{name}` | {summaries().get(name, '')} |")
+    return re.sub(r"\]\((\w+)\.md\)", r"](/guides/\1.md)", "\n".join(out)) + "\n"
+
+
+# ---- files that the pages link to ----
+
+def write_file(path, folder):
+    """A copy of a file, or a page with its text and its lines as anchors."""
+    whole = folder / "files" / path
+    whole.parent.mkdir(parents=True, exist_ok=True)
+    data = (ROOT / path).read_bytes()
+    if path.endswith((".png", ".svg")):
+        whole.write_bytes(data)
+        return
+    try:
+        from pygments import highlight
+        from pygments.formatters import HtmlFormatter
+        from pygments.lexers import get_lexer_for_filename
+        formatter = HtmlFormatter(full=True, title=path, linenos="inline", lineanchors="L", anchorlinenos=True)
+        formatter.lineanchors = "L"
+        text = highlight(data.decode(), get_lexer_for_filename(path, stripnl=False), formatter)
+        text = re.sub(r'(name|id|href)="(#?)L-(\d+)"', r'\1="\2L\3"', text)
+    except Exception:  # no such lexer
+        lines = data.decode(errors="replace").split("\n")
+        text = ("<!doctype html><meta charset=utf-8><title>" + html.escape(path) + "</title><pre>" + "\n".join(
+            f'<a id="L{k}"></a>{html.escape(line)}' for k, line in enumerate(lines, 1)) + "</pre>")
+    (whole.parent / (whole.name + ".html")).write_text(text)
+
+
+def write(folder):
+    """The pages for Sphinx in folder/, and in folder/extra/ what is copied as it is."""
+    files = {h.name for h in headers()} | {"docs/overview.svg"}
+    pages = {**reference(), "reference/names": names_page(), "index": index()}
+    for path in guides():
+        pages[page_name(path)] = guide(path, files)
+    for name, text in pages.items():
+        path = folder / (name + ".md")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    for path in files:
+        if (ROOT / path).is_file():
+            write_file(path, folder / "extra")
+        if path.endswith((".png", ".svg")):
+            (folder / "files" / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / "files" / path).write_bytes((ROOT / path).read_bytes())
+        elif (ROOT / path).is_dir():
+            listing = "".join(f"<li>{html.escape(p.name)}</li>" for p in sorted((ROOT / path).iterdir()))
+            (folder / "extra/files" / path).mkdir(parents=True, exist_ok=True)
+            (folder / "extra/files" / path / "index.html").write_text(f"<!doctype html><title>{path}</title><ul>{listing}</ul>")
+    (folder / "conf.py").write_text((HERE / "conf.py").read_text())
+    return len(pages)
+
+
+# ---- what is missing, or names what is not there ----
+
+def problems():
+    sys.path.insert(0, str(ROOT / "tests"))
+    import interface
+    pages = reference()
+    text = "\n".join(pages.values())
+    declared = set().union(*map(interface.public, interface.HEADERS))
+    shown = set()
+    for block in re.findall(r"^`{4,5}\{c:\w+\} ([^`]*?)\n\n|^````\{c:enumerator\} (\w+)", text, re.M):
+        for line in (block[0] or block[1]).split("\n"):
+            names = re.findall(r"\b(?:rbd|RBD)_\w+(?=\(|$| *\*?$|\[)", line.strip())
+            shown |= set(names[:1]) if "(" in line else set(names[-1:])
+    for name in sorted(declared - shown):
+        yield f"{name} has no page"
+    for name in sorted(shown - declared):
+        yield f"the pages have {name}, which no header declares"
+    for name in formulas():
+        if name not in declared:
+            yield f"formulas.txt has {name}, which no header declares"
+    functions = [(i, h) for h in headers() for s in h.sections for i in s.items if i.kind == "function"]
+    used = set()
+    for header in headers():
+        for section in header.sections:
+            for group in extract.groups(section):
+                found = [i for i in group if i.kind == "function"]
+                if found:
+                    _, unknown, rows = argument_rows(found, header)
+                    used |= rows
+                    yield from (f"{call}: nothing is known of its argument {name}" for call, name in unknown)
+    yield from (f"arguments.txt has {' '.join(key)}, which no call uses" for key in sorted(set(arguments()) - used))
+    for name in snippets():
+        if name not in {i.name for i, _ in functions}:
+            yield f"the snippet {name} is of no function"
+    for item, header in functions:
+        if header.name in ("rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h") and not snippet(item.name):
+            yield f"{item.name} is in no snippet"
+        if signature(item).startswith("rbd_status ") and "batch" not in item.name and not status_list(item.name):
+            yield f"{item.name}: no errors are known"
+    yield from (f"instructions.csv has {a}, which is of no call" for a in sorted(set(costs()) - set(COSTS)))
+    yield from (f"{call} has a cost and is no function" for call in COSTS.values() if call not in declared)
+    for path in guides():
+        guide(path, set())  # ends with the link that leads nowhere
+    for path in (p for _, paths in GUIDES for p in paths):
+        if not (ROOT / path).exists():
+            yield f"there is no guide {path}"
+
+
+def main_of(family):
+    """A program that calls the snippets of a family in their order; each leaves RBD_OK in status."""
+    names = ["example_" + name for name, (path, _) in snippets().items() if path.stem == family]
+    calls = "".join(f'    {name}();\n    if (status != 0) printf("{name}: status %d\\n", status), bad = 1;\n    status = 0;\n'
+                    for name in names)
+    return ('#include <stdio.h>\n#include "rbd.h"\n#define HYQ_MODEL_IMPLEMENTATION\n#include "models/hyq_model.h"\n'
+            "extern rbd_status status;\n" + "".join(f"void {name}(void);\n" for name in names) +
+            f"int main(void) {{\n    int bad = {int(not names)};\n{calls}    return bad;\n}}")
+
+
+def main():
+    if sys.argv[1:] == ["--check"]:
+        found = list(problems())
+        print("\n".join(found))
+        print(f"{len(places())} names, {len(snippets())} snippets, {len(found)} problems")
+        return bool(found) or len(places()) < 200
+    if sys.argv[1:2] == ["--main"]:
+        print(main_of(sys.argv[2]))
+        return 0
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    print(write(pathlib.Path(sys.argv[1])), "pages")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,30 @@
+#!/bin/sh
+# The site: each public declaration has a page, no page or table names what is not there, all links lead somewhere, and
+# Sphinx builds it without a warning. Programs
+# of the guides do what is said. usage: test.sh names | pages | guides   pages is skipped (77) without Sphinx
+set -eu
+here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+case ${1-} in
+names) python3 -B "$here/pages.py" --check ;;
+pages)
+    /usr/bin/python3 -c 'import sphinx, furo, myst_parser' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
+        { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
+    PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
+    python3 -B "$here/links.py" "$scratch/site"
+    ;;
+guides) # their programs compile as shown and print what is shown
+    cd "$here/../.."
+    for page in first_minutes gradients; do
+        awk '$0 == "```c" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/$page.c"
+        awk '$0 == "```text" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/expected"
+        [ -s "$scratch/$page.c" ] && [ -s "$scratch/expected" ]
+        # shellcheck disable=SC2086 # CC may be "ccache cc"
+        ${CC:-cc} -std=c99 -Dalways_inline=unused -Wall -Wextra -pedantic -Werror -I. "$scratch/$page.c" -o "$scratch/program" -lm
+        "$scratch/program" >"$scratch/printed"
+        diff "$scratch/expected" "$scratch/printed"
+    done
+    ;;
+*) exit 2 ;;
+esac
