@@ -1,0 +1,196 @@
+// The page: which robot, and what changes when it moves.
+import iiwa from "../../../models/iiwa.urdf";
+import hyq from "../../../models/hyq.urdf";
+import atlas from "../../../models/atlas.urdf";
+import cartPole from "../../../models/cart_pole.urdf";
+import licences from "./licences.txt";
+import { Model } from "./module.js";
+import { Robot } from "./robot.js";
+import { View } from "./view.js";
+import { Motion } from "./motion.js";
+import { readFiles } from "./files.js";
+import { buildDownloads, identifier } from "./downloads.js";
+import { readLink, writeLink } from "./link.js";
+import * as panels from "./panels.js";
+
+const { $, element } = panels;
+// Built in: title, text, whether it floats, and a pose by joint.
+const builtIn = {
+  iiwa: ["KUKA iiwa", iiwa, false, (name) => ({ 2: 0.6, 4: -1.2, 6: 0.9 })[name.at(-1)]],
+  hyq: ["HyQ", hyq, true, (name) => (/^.[fh]_hfe/.test(name) ? (name[1] === "f" ? 0.75 : -0.75) : /kfe/.test(name) ? (name[1] === "f" ? -1.5 : 1.5) : 0)],
+  atlas: ["Atlas", atlas, true, (name) => (/leg_hpy/.test(name) ? -0.35 : /leg_kny/.test(name) ? 0.7 : /leg_aky/.test(name) ? -0.35 : 0)],
+  cart_pole: ["cart-pole", cartPole, false, (name) => (name === "hinge" ? 2.6 : 0)],
+};
+
+let robot, view, update = [], costs = 0;
+const motion = new Motion();
+const tell = (text) => { $("status").textContent = text; };
+const current = () => ({ robot, source: robot.source });
+const showCommands = buildDownloads(current, tell);
+
+// ---- opening ----
+
+function showFindings(source, findings) {
+  panels.showProblems(findings, panels.goToLine);
+  panels.showText(source.text, findings);
+  $("floating").checked = Boolean(source.floating);
+  $("massless").checked = Boolean(source.massless);
+}
+
+// Reads a source and shows it; one that has an error leaves the robot that was there. Resolves to whether it was read.
+async function open(source, pose) {
+  setRunning(false);
+  source = { files: {}, ...source };
+  let model;
+  try { model = await Model.load(source.text, source); } catch (error) {
+    tell(`The module stopped: ${error.message}`);
+    return false;
+  }
+  const errors = model.build ? [{ line: 0, status: -15, text: model.build }] : model.errors;
+  showFindings(source, [...errors, ...model.warnings]);
+  if (model.status) {
+    tell(`${source.name} has an error; the picture is of the robot before.`);
+    $("problems").scrollIntoView({ block: "nearest" });
+    return false;
+  }
+  robot = new Robot(model, source);
+  if (pose?.length === model.nq) robot.setPose(pose);
+  else startPose();
+  $("floor").checked = robot.floor;
+  $("robot").value = source.id ?? "";
+  $("name").value = identifier(source.name);
+  $("facts").textContent = `${model.name}: ${model.nb} bodies, ${model.nv} degrees of freedom, ${model.mass.toPrecision(4)} kg`;
+  document.title = `${model.name} · rbd playground`;
+  tell("");
+  build();
+  return true;
+}
+
+function startPose() {
+  const joint = builtIn[robot.source.id]?.[3], q = [...robot.q()];
+  if (joint) for (const b of robot.motors()) q[b.iq] = joint(b.joint) ?? 0;
+  robot.setPose(q);
+  robot.stand();
+  robot.model.array("wanted").set(robot.q());
+}
+
+function build() {
+  for (const id of ["joints", "gravity", "cost"]) $(id).replaceChildren();
+  view.show(robot);
+  panels.buildLinks(robot, refresh);
+  update = [panels.buildJoints(robot, moved), panels.buildGravity(robot), panels.buildMatrix(robot)];
+  motion.start(robot);
+  refresh();
+  showCommands();
+  cost();
+}
+
+async function cost() {
+  const turn = ++costs, rows = await panels.measureCost(robot);
+  if (turn === costs) panels.showCost(rows);
+}
+
+// ---- changes ----
+
+// Shows the robot as it is.
+function refresh() {
+  const ellipsoid = $("ellipsoid").checked && $("at").value ? robot.ellipsoid(Number($("at").value)) : null;
+  update.forEach((f) => f());
+  panels.updateCom(robot);
+  panels.updateReach(ellipsoid);
+  view.update();
+  view.showEllipsoid(ellipsoid);
+  panels.drawEnergy(motion.history);
+  $("canvas").setAttribute("aria-label", `${robot.model.name}, ${motion.running ? "moving" : "at rest"}`);
+}
+
+// After a slider or the mouse changed q.
+function moved() {
+  robot.model.array("v").fill(0);
+  robot.model.array("wanted").set(robot.q());
+  robot.update();
+  refresh();
+}
+
+function setRunning(on) {
+  motion.running = on;
+  motion.last = null;
+  $("move").setAttribute("aria-pressed", String(on));
+  $("move").textContent = on ? "Hold it" : "Let it move";
+}
+
+function animate(time) {
+  if (motion.running) {
+    const status = motion.frame(time);
+    if (status) {
+      setRunning(false);
+      tell(`The motion stopped: ${robot.model.statusText(status)}`);
+    }
+    refresh();
+    view.showGrip();
+  }
+  view.draw();
+  requestAnimationFrame(animate);
+}
+
+// ---- controls ----
+
+const openBuiltIn = (id, pose) => open({ id, name: `${id}.urdf`, text: builtIn[id][1], floating: builtIn[id][2] }, pose);
+
+async function openFiles(list) {
+  try { await open(await readFiles(list)); } catch (error) { tell(error.message); }
+}
+
+async function openLink() {
+  const link = await readLink(location.hash);
+  if (link?.source) return open(link.source, link.q);
+  return openBuiltIn(Object.hasOwn(builtIn, link?.id ?? "") ? link.id : "iiwa", link?.q);
+}
+
+function listen() {
+  $("robot").append(element("option", { value: "", textContent: "your file", disabled: true }),
+    ...Object.entries(builtIn).map(([value, [textContent]]) => element("option", { value, textContent })));
+  $("robot").addEventListener("change", () => openBuiltIn($("robot").value));
+  $("open").addEventListener("click", () => $("file").click());
+  $("file").addEventListener("change", () => openFiles($("file").files));
+  $("link").addEventListener("click", async () => {
+    history.replaceState(null, "", await writeLink(robot));
+    try { await navigator.clipboard.writeText(location.href); } catch { /* the address bar has it */ }
+    tell(robot.source.id || location.hash.includes("urdf=") ? "The address carries robot and pose." : "The address carries the pose; the robot is too large for it.");
+  });
+  $("move").addEventListener("click", () => { motion.setMotors(); setRunning(!motion.running); });
+  $("reset").addEventListener("click", () => { setRunning(false); startPose(); motion.start(robot); robot.makeContacts($("floor").checked); refresh(); });
+  $("frame").addEventListener("click", () => view.frame());
+  $("floor").addEventListener("change", () => robot.makeContacts($("floor").checked));
+  for (const id of ["hold", "damping"]) $(id).addEventListener("change", () => motion.setMotors());
+  for (const button of document.querySelectorAll("[data-push]")) {
+    button.addEventListener("click", () => {
+      motion.pushLink(Number($("at").value), button.dataset.push.split(",").map(Number), Number($("force").value) || 0);
+      if (!motion.running) setRunning(true);
+    });
+  }
+  $("again").addEventListener("click", cost);
+  const readText = () => open({ ...robot.source, id: $("text").value === robot.source.text ? robot.source.id : undefined, text: $("text").value,
+    floating: $("floating").checked, massless: $("massless").checked });
+  $("read").addEventListener("click", readText);
+  for (const id of ["floating", "massless"]) $(id).addEventListener("change", readText);
+  addEventListener("hashchange", openLink);
+  addEventListener("dragover", (event) => { event.preventDefault(); $("drop").hidden = false; });
+  addEventListener("dragleave", (event) => { if (!event.relatedTarget) $("drop").hidden = true; });
+  addEventListener("drop", (event) => { event.preventDefault(); $("drop").hidden = true; openFiles(event.dataTransfer.files); });
+}
+
+async function start() {
+  view = new View($("canvas"), {
+    moved,
+    pulled: (body, point, place) => motion.running && (motion.pull(body, point, place), true),
+    released: () => { motion.grip = null; },
+  });
+  $("licences").textContent = licences;
+  listen();
+  await openLink();
+  requestAnimationFrame(animate);
+  // For tests: what the page knows.
+  window.playground = { current, motion, view, ready: true };
+}
+start();

@@ -1,0 +1,216 @@
+// A robot that was read: its module, and what picture, panels and motion take from it.
+export const FIXED = 0, PRISMATIC = 4, PLANAR = 13, FLOATING = 15; // rbd_joint_type
+
+// Eigenvalues and unit eigenvectors of a symmetric 3 x 3 matrix, by Jacobi's rotations: A = sum e x x'.
+export function eigen(matrix) {
+  const A = matrix.map((row) => [...row]), X = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  for (let sweep = 0; sweep < 12; sweep++) {
+    for (const [i, j] of [[0, 1], [0, 2], [1, 2]]) {
+      if (A[i][j] === 0) continue;
+      const angle = 0.5 * Math.atan2(2 * A[i][j], A[j][j] - A[i][i]), c = Math.cos(angle), s = Math.sin(angle);
+      const turn = (M, a, b) => { const [x, y] = [M[a], M[b]]; [M[a], M[b]] = [c * x - s * y, s * x + c * y]; };
+      for (const row of A) turn(row, i, j);
+      for (let k = 0; k < 3; k++) [A[i][k], A[j][k]] = [c * A[i][k] - s * A[j][k], s * A[i][k] + c * A[j][k]];
+      for (const row of X) turn(row, i, j);
+    }
+  }
+  return [0, 1, 2].map((k) => ({ value: A[k][k], axis: X.map((row) => row[k]) }));
+}
+
+const times = (R, x) => [0, 1, 2].map((i) => R[3 * i] * x[0] + R[3 * i + 1] * x[1] + R[3 * i + 2] * x[2]);
+const plus = (a, b) => a.map((x, i) => x + b[i]);
+
+function quaternion(roll, pitch, yaw) {
+  const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap((a) => [Math.cos(a / 2), Math.sin(a / 2)]);
+  return [sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy];
+}
+function angles([x, y, z, w]) {
+  const n = Math.hypot(x, y, z, w) || 1;
+  [x, y, z, w] = [x / n, y / n, z / n, w / n];
+  return [Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)), Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x)))),
+    Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))];
+}
+
+export class Robot {
+  // source: { name (of the file), text, files, floating, massless }
+  constructor(model, source) {
+    Object.assign(this, { model, source, bodies: model.bodies, frames: model.frames });
+    this.collectTips();
+    this.collectCoordinates();
+    this.update();
+    this.size = this.extent();
+    this.balls = this.contactBalls();
+    this.makeContacts();
+  }
+
+  q() { return this.model.array("q"); }
+
+  // Where links end: the origins of what they carry, and, of a last link, a rod of its mass would end at twice its
+  // centre of mass.
+  collectTips() {
+    this.tips = this.bodies.map(() => []);
+    for (const b of this.bodies) if (b.parent >= 0) this.tips[b.parent].push(b.position);
+    for (const f of this.frames) if (f.body >= 0 && Math.hypot(...f.position) > 0) this.tips[f.body].push(f.position);
+    this.bodies.forEach((b, i) => { if (this.tips[i].length === 0) this.tips[i].push(b.com.map((x) => 2 * x)); });
+  }
+
+  // What a slider moves: { label, joint, low, high, unit, get, set }.
+  collectCoordinates() {
+    this.coordinates = [];
+    const plain = (b, k, label, low, high, unit) => this.coordinates.push({
+      label, body: b, low, high, unit, get: () => this.q()[b.iq + k], set: (x) => { this.q()[b.iq + k] = x; },
+    });
+    for (const b of this.bodies) {
+      const name = b.joint ?? "root";
+      if (b.type === FLOATING) {
+        ["x", "y", "z"].forEach((c, k) => plain(b, k, `${name} ${c}`, -2, 2, "m"));
+        ["roll", "pitch", "yaw"].forEach((c, k) => this.coordinates.push({
+          label: `${name} ${c}`, body: b, low: -Math.PI, high: Math.PI, unit: "rad",
+          get: () => angles([...this.q().slice(b.iq + 3, b.iq + 7)])[k],
+          set: (x) => {
+            const a = angles([...this.q().slice(b.iq + 3, b.iq + 7)]);
+            a[k] = x;
+            this.q().set(quaternion(...a), b.iq + 3);
+          },
+        }));
+      } else if (b.type === PLANAR) {
+        ["x", "y"].forEach((c, k) => plain(b, k, `${name} ${c}`, -2, 2, "m"));
+        plain(b, 2, `${name} angle`, -Math.PI, Math.PI, "rad");
+      } else if (b.nq === 1) {
+        const limited = b.lower < b.upper, free = b.type === PRISMATIC ? 1 : Math.PI;
+        plain(b, 0, name, limited ? b.lower : -free, limited ? b.upper : free, b.type === PRISMATIC ? "m" : "rad");
+      }
+    }
+  }
+
+  motors() { return this.bodies.filter((b) => b.nv === 1 && b.nq === 1); }
+  isFloating() { return this.bodies[0].type === FLOATING; }
+
+  setPose(q) {
+    this.q().set(q);
+    for (const c of this.coordinates) if (c.body.nq === 1) c.set(Math.min(c.high, Math.max(c.low, c.get())));
+    this.model.array("v").fill(0);
+    this.model.array("wanted").set(this.q());
+    this.update();
+  }
+
+  // Poses, centre of mass, energy; gravity torques and mass matrix.
+  update() {
+    this.model.exports.web_pose();
+    this.model.exports.web_dynamics();
+    this.poses = this.model.array("poses").slice();
+    this.com = [...this.model.array("com")];
+    this.energy = [...this.model.array("energy")];
+    this.gravity = this.model.array("gravity").slice();
+    this.matrix = this.model.array("mass_matrix").slice();
+  }
+
+  rotation(body) { return body < 0 ? [1, 0, 0, 0, 1, 0, 0, 0, 1] : this.poses.subarray(12 * body, 12 * body + 9); }
+  origin(body) { return body < 0 ? [0, 0, 0] : [...this.poses.subarray(12 * body + 9, 12 * body + 12)]; }
+  world(body, point) { return plus(this.origin(body), times(this.rotation(body), point)); }
+
+  // Length of the box that holds all links.
+  extent() {
+    const points = this.bodies.flatMap((b, i) => [this.origin(i), ...this.tips[i].map((t) => this.world(i, t))]);
+    const range = (k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k]));
+    return Math.hypot(range(0), range(1), range(2)) || 0.5;
+  }
+
+  // Balls that may touch the floor: [body, x, y, z, radius]. Of collision shapes where the file has them.
+  contactBalls() {
+    const balls = this.collisionBalls();
+    if (balls.length > 0) return balls;
+    const radius = 0.012 * this.size, seen = new Set();
+    this.bodies.forEach((b, i) => {
+      for (const tip of this.tips[i]) {
+        const key = `${i} ${tip.map((x) => x.toFixed(4))}`;
+        if (!seen.has(key)) balls.push([i, ...tip, radius]);
+        seen.add(key);
+      }
+    });
+    return balls.slice(0, 300);
+  }
+
+  collisionBalls() {
+    const balls = [], numbers = (s) => (s ?? "0 0 0").trim().split(/\s+/).map(Number);
+    const places = new Map(this.frames.map((f) => [f.link, f]));
+    for (const shape of new DOMParser().parseFromString(this.source.text, "text/xml").querySelectorAll("link > collision")) {
+      const frame = places.get(shape.parentElement.getAttribute("name"));
+      const kind = shape.querySelector("geometry")?.firstElementChild, origin = shape.querySelector("origin");
+      if (!frame || frame.body < 0 || !kind) continue;
+      const at = numbers(origin?.getAttribute("xyz")), R = rotationOf(...numbers(origin?.getAttribute("rpy")));
+      for (const [point, radius] of roundPoints(kind, numbers)) {
+        const inLink = plus(at, times(R, point));
+        balls.push([frame.body, ...plus(frame.position, times(frame.rotation, inLink)), radius]);
+      }
+    }
+    return balls.filter((b) => b.every(Number.isFinite)).slice(0, 300);
+  }
+
+  makeContacts(floor = this.isFloating(), friction = 0.7) {
+    this.floor = floor;
+    const balls = floor ? this.balls : [];
+    this.exports().web_contacts(this.model.copy(balls.flat()), balls.length, friction, 0);
+  }
+  exports() { return this.model.exports; }
+
+  // Puts a floating robot on the floor: its lowest ball touches it, or hangs that far above.
+  stand(above = 0) {
+    if (!this.isFloating()) return;
+    const lowest = Math.min(...this.balls.map(([body, x, y, z, r]) => this.world(body, [x, y, z])[2] - r));
+    this.q()[2] += above - lowest;
+    this.update();
+  }
+
+  // Corners of the polygon that carries the robot: convex hull of the balls on the floor.
+  support() {
+    const points = this.balls.map(([body, x, y, z, r]) => [...this.world(body, [x, y, z]), r])
+      .filter((p) => p[2] - p[3] < 0.01).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    const left = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 1e-9;
+    const half = (list) => list.reduce((hull, p) => {
+      while (hull.length > 1 && !left(hull.at(-2), hull.at(-1), p)) hull.pop();
+      return [...hull, p];
+    }, []).slice(0, -1);
+    return points.length < 3 ? points : [...half(points), ...half(points.reverse())];
+  }
+
+  // How far the centre of mass is within the polygon's edges, m; below 0 outside.
+  margin() {
+    const hull = this.support();
+    if (hull.length < 3) return -Infinity;
+    return Math.min(...hull.map((a, i) => {
+      const b = hull[(i + 1) % hull.length], l = Math.hypot(b[0] - a[0], b[1] - a[1]);
+      return ((b[0] - a[0]) * (this.com[1] - a[1]) - (b[1] - a[1]) * (this.com[0] - a[0])) / l;
+    }));
+  }
+
+  // J J' of a frame's origin with the motors' columns of its linear rows.
+  ellipsoid(frame) {
+    const f = this.frames[frame], nv = this.model.nv;
+    if (f.body < 0) return null;
+    this.exports().web_pose();
+    this.exports().web_jacobian(f.body, ...f.position);
+    const J = this.model.array("jacobian"), columns = this.motors().map((b) => b.iv);
+    const A = [3, 4, 5].map((i) => [3, 4, 5].map((j) => columns.reduce((s, k) => s + J[i * nv + k] * J[j * nv + k], 0)));
+    return { place: this.world(f.body, f.position), axes: eigen(A) };
+  }
+}
+
+function rotationOf(roll, pitch, yaw) {
+  const [x, y, z, w] = quaternion(roll, pitch, yaw);
+  return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z),
+    2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)];
+}
+
+// Points with a radius that stand for a shape: corners of a box, eight of a cylinder's rims, a ball itself.
+function roundPoints(shape, numbers) {
+  const signs = [-1, 1], radius = Number(shape.getAttribute("radius")), length = Number(shape.getAttribute("length"));
+  if (shape.nodeName === "sphere") return [[[0, 0, 0], radius]];
+  if (shape.nodeName === "box") {
+    const half = numbers(shape.getAttribute("size")).map((x) => x / 2);
+    return signs.flatMap((i) => signs.flatMap((j) => signs.map((k) => [[i * half[0], j * half[1], k * half[2]], 0])));
+  }
+  if (shape.nodeName !== "cylinder") return [];
+  const rim = [[radius, 0], [0, radius], [-radius, 0], [0, -radius]];
+  return signs.flatMap((s) => rim.map(([x, y]) => [[x, y, (s * length) / 2], 0]));
+}

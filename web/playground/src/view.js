@@ -1,0 +1,293 @@
+// The picture: links as the file draws them, or as rods between joints; and the mouse in it.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import URDFLoader from "urdf-loader";
+import { meshLoader, textureManager } from "./meshes.js";
+import { eigen, PRISMATIC, FLOATING } from "./robot.js";
+
+const rod = new THREE.CylinderGeometry(1, 1, 1, 16), ball = new THREE.SphereGeometry(1, 20, 14);
+const paint = (color, opacity = 1) => new THREE.MeshStandardMaterial({
+  color, roughness: 0.55, transparent: opacity < 1, opacity, depthWrite: opacity === 1,
+});
+const colours = { link: paint(0xe8862e), joint: paint(0x3d4a57), inertia: paint(0x2f6fde, 0.28), com: paint(0xc02626),
+  reach: paint(0x128a4a, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626) };
+const vector = (x) => new THREE.Vector3(...x);
+
+// A cylinder from one place to another.
+function between(from, to, radius, material) {
+  const mesh = new THREE.Mesh(rod, material), along = to.clone().sub(from), length = along.length();
+  mesh.position.copy(from).addScaledVector(along, 0.5);
+  if (length > 0) mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length));
+  mesh.scale.set(radius, length || radius, radius);
+  return mesh;
+}
+
+function placeEllipsoid(mesh, place, axes, lengths) {
+  const [x, y, z] = axes.map((a) => vector(a.axis));
+  if (x.clone().cross(y).dot(z) < 0) z.negate();
+  mesh.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
+  mesh.position.set(...place);
+  mesh.scale.set(...lengths);
+}
+
+// Of the same mass and inertia, with its mass evenly spread.
+function inertiaEllipsoid(b) {
+  const [xx, xy, xz, yy, yz, zz] = b.inertia, mesh = new THREE.Mesh(ball, colours.inertia);
+  const axes = eigen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), [a, c, e] = axes.map((p) => p.value);
+  const half = (x) => Math.sqrt(Math.max(1e-6, (2.5 / b.mass) * x));
+  placeEllipsoid(mesh, b.com, axes, [half(c + e - a), half(a + e - c), half(a + c - e)]);
+  return mesh;
+}
+
+export class View {
+  constructor(canvas, events) {
+    this.canvas = canvas;
+    this.events = events; // moved(robot), pulled(body, point, place), released()
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(40, 1, 0.01, 500);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => { this.dirty = true; });
+    const sun = new THREE.DirectionalLight(0xffffff, 2);
+    sun.position.set(2, -3, 5);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8899aa, 2), sun);
+    this.ray = new THREE.Raycaster();
+    this.frames = 0;
+    this.listen();
+  }
+
+  show(robot) {
+    if (this.root) this.scene.remove(this.root, this.grid);
+    this.robot = robot;
+    this.root = new THREE.Group();
+    this.groups = robot.bodies.map((b, i) => this.bodyGroup(b, i));
+    this.base = new THREE.Group();
+    this.marks = new THREE.Group();
+    this.root.add(this.base, this.marks, ...this.groups);
+    this.drawShapes();
+    this.drawMarks();
+    const cells = Math.ceil(robot.size * 4);
+    this.grid = new THREE.GridHelper(cells, 4 * cells, 0x8899aa, 0xbcc6d0);
+    this.grid.rotation.x = Math.PI / 2;
+    this.scene.add(this.root, this.grid);
+    this.update();
+    this.frame();
+  }
+
+  bodyGroup(b, index) {
+    const { robot } = this, group = new THREE.Group(), thick = 0.013 * robot.size;
+    group.matrixAutoUpdate = false;
+    group.userData.body = index;
+    group.rods = new THREE.Group();
+    group.add(group.rods);
+    for (const tip of robot.tips[index]) {
+      if (Math.hypot(...tip) > 1e-4) group.rods.add(between(new THREE.Vector3(), vector(tip), thick, colours.link));
+    }
+    if (b.nv === 1) {
+      const half = vector(b.axis).normalize().multiplyScalar(0.028 * robot.size);
+      group.rods.add(between(half.clone().negate(), half, 1.7 * thick, colours.joint));
+    }
+    if (b.mass > 0) group.rods.add(inertiaEllipsoid(b));
+    return group;
+  }
+
+  // The file's visual shapes in place of rods. A name or a number that urdf-loader does not take: rods stay.
+  drawShapes() {
+    const { source, frames } = this.robot;
+    let drawn;
+    try {
+      const loader = new URDFLoader(textureManager(source.files));
+      loader.loadMeshCb = meshLoader(source.files, () => { this.dirty = true; });
+      loader.packages = (name) => name;
+      drawn = loader.parse(source.text);
+    } catch { return; }
+    for (const f of frames) {
+      const shapes = drawn.links[f.link]?.children.filter((c) => c.isURDFVisual) ?? [];
+      if (shapes.length === 0) continue;
+      const [a, b, c, d, e, g, h, i, j] = f.rotation, link = new THREE.Group();
+      link.matrixAutoUpdate = false;
+      link.matrix.set(a, b, c, f.position[0], d, e, g, f.position[1], h, i, j, f.position[2], 0, 0, 0, 1);
+      link.add(...shapes);
+      (this.groups[f.body] ?? this.base).add(link);
+      if (f.body >= 0) this.groups[f.body].rods.visible = false;
+    }
+  }
+
+  drawMarks() {
+    const { size } = this.robot;
+    this.com = new THREE.Mesh(ball, colours.com);
+    this.com.scale.setScalar(0.02 * size);
+    this.plumb = between(new THREE.Vector3(), new THREE.Vector3(0, 0, 1), 0.003 * size, colours.com);
+    this.reach = new THREE.Mesh(ball, colours.reach);
+    this.support = new THREE.Mesh(new THREE.BufferGeometry(), colours.support);
+    colours.support.side = THREE.DoubleSide;
+    this.arrow = between(new THREE.Vector3(), new THREE.Vector3(0, 1, 0), 0.006 * size, colours.grip);
+    this.arrow.visible = false;
+    this.marks.add(this.com, this.plumb, this.reach, this.support, this.arrow);
+  }
+
+  // After the robot has a new pose.
+  update() {
+    const { robot } = this;
+    this.groups.forEach((group, i) => {
+      const R = robot.rotation(i), p = robot.origin(i);
+      group.matrix.set(R[0], R[1], R[2], p[0], R[3], R[4], R[5], p[1], R[6], R[7], R[8], p[2], 0, 0, 0, 1);
+    });
+    const [x, y, z] = robot.com;
+    this.com.position.set(x, y, z);
+    this.plumb.position.set(x, y, z / 2);
+    this.plumb.scale.y = Math.abs(z) || 1e-6;
+    const hull = robot.isFloating() ? robot.support() : [];
+    this.support.visible = hull.length > 2;
+    if (this.support.visible) {
+      const corners = hull.slice(1, -1).flatMap((c, i) => [hull[0], hull[i + 1], hull[i + 2]]).flatMap((c) => [c[0], c[1], 0.002]);
+      this.support.geometry.dispose();
+      this.support.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+      this.support.geometry.computeVertexNormals();
+    }
+    this.dirty = true;
+  }
+
+  showEllipsoid(e) {
+    this.reach.visible = Boolean(e);
+    this.dirty = true;
+    if (!e) return;
+    const lengths = e.axes.map((a) => Math.sqrt(Math.max(0, a.value))), scale = (0.22 * this.robot.size) / (Math.max(...lengths) || 1);
+    placeEllipsoid(this.reach, e.place, e.axes, lengths.map((l) => Math.max(l * scale, 0.003 * this.robot.size)));
+  }
+
+  // The whole robot in the picture, from the direction in which one looks.
+  frame() {
+    this.resize();
+    this.root.updateMatrixWorld(true);
+    const box = new THREE.Box3();
+    for (const group of [this.base, ...this.groups]) box.expandByObject(group);
+    if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, 0), new THREE.Vector3(0.5, 0.5, 1));
+    const { center, radius } = box.getBoundingSphere(new THREE.Sphere()), half = (this.camera.fov / 2) * (Math.PI / 180);
+    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    const from = this.camera.position.clone().sub(this.controls.target);
+    if (from.lengthSq() === 0) from.set(1.1, -1.3, 0.5);
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(from.normalize(), (1.02 * radius) / Math.sin(narrow));
+    this.controls.update();
+    this.dirty = true;
+  }
+
+  // Turns (rad) and zooms about the target, for keys.
+  turn(right, up, zoom = 1) {
+    const s = new THREE.Spherical(), y = new THREE.Quaternion().setFromUnitVectors(this.camera.up, new THREE.Vector3(0, 1, 0));
+    const from = this.camera.position.clone().sub(this.controls.target).applyQuaternion(y);
+    s.setFromVector3(from);
+    s.theta += right;
+    s.phi = Math.min(3.1, Math.max(0.04, s.phi - up));
+    s.radius *= zoom;
+    this.camera.position.copy(from.setFromSpherical(s).applyQuaternion(y.invert())).add(this.controls.target);
+    this.controls.update();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (!width || !height) return;
+    const ratio = this.renderer.getPixelRatio();
+    if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.dirty = true;
+  }
+
+  draw() {
+    this.resize();
+    if (!this.dirty) return;
+    this.dirty = false;
+    this.renderer.render(this.scene, this.camera);
+    this.frames++;
+  }
+
+  // ---- the mouse ----
+
+  aim(event) {
+    const box = this.canvas.getBoundingClientRect();
+    this.ray.setFromCamera(new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2), this.camera);
+  }
+
+  // Before OrbitControls, which must not turn the view when a link is taken.
+  listen() {
+    this.canvas.addEventListener("pointerdown", (event) => this.take(event), { capture: true });
+    this.canvas.addEventListener("pointermove", (event) => { if (this.taken) this.drag(event); });
+    for (const end of ["pointerup", "pointercancel"]) {
+      this.canvas.addEventListener(end, () => {
+        if (this.taken) this.events.released();
+        this.taken = null;
+        this.arrow.visible = false;
+        this.controls.enabled = this.dirty = true;
+      });
+    }
+    this.canvas.addEventListener("keydown", (event) => {
+      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 0.9], "-": [0, 0, 1.1] };
+      if (!turns[event.key]) return;
+      this.turn(...turns[event.key]);
+      event.preventDefault();
+    });
+  }
+
+  take(event) {
+    if (!this.robot) return;
+    this.aim(event);
+    const hit = this.ray.intersectObjects(this.groups, true)[0];
+    if (!hit) return;
+    let at = hit.object;
+    while (at.userData.body === undefined) at = at.parent;
+    const point = hit.point.clone().applyMatrix4(at.matrix.clone().invert());
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new THREE.Vector3()), hit.point);
+    this.taken = { body: at.userData.body, point, plane };
+    this.controls.enabled = false;
+    this.canvas.setPointerCapture(event.pointerId);
+    this.canvas.focus();
+    event.preventDefault();
+  }
+
+  drag(event) {
+    this.aim(event);
+    const { body, point, plane } = this.taken, place = this.ray.ray.intersectPlane(plane, new THREE.Vector3());
+    if (!place) return;
+    if (this.events.pulled(body, point.toArray(), place.toArray())) {
+      this.taken.place = place;
+      return;
+    }
+    this.turnJoint(body, point, place);
+    this.events.moved();
+  }
+
+  // Moves the joint above the taken link so that the point follows as near as this joint lets it.
+  turnJoint(body, point, place) {
+    const { robot } = this, at = vector(robot.world(body, point.toArray())), step = place.clone().sub(at);
+    for (let i = body; i >= 0; i = robot.bodies[i].parent) {
+      const b = robot.bodies[i], q = robot.q();
+      if (b.type === FLOATING) return step.toArray().forEach((x, k) => { q[b.iq + k] += x; });
+      if (b.nv !== 1) continue;
+      const R = robot.rotation(i), [x, y, z] = vector(b.axis).normalize();
+      const axis = new THREE.Vector3(R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z);
+      const column = b.type === PRISMATIC ? axis : axis.cross(at.clone().sub(vector(robot.origin(i))));
+      const coordinate = robot.coordinates.find((c) => c.body === b), size = column.lengthSq();
+      if (size < 1e-4 * robot.size ** 2 && b.type !== PRISMATIC) continue; // the point lies on the axis
+      const dq = Math.max(-0.3, Math.min(0.3, column.dot(step) / size));
+      return coordinate.set(Math.min(coordinate.high, Math.max(coordinate.low, coordinate.get() + dq)));
+    }
+  }
+
+  // The arrow of a pull, while the robot moves.
+  showGrip() {
+    const { taken, robot } = this;
+    this.arrow.visible = Boolean(taken?.place);
+    if (!this.arrow.visible) return;
+    const from = vector(robot.world(taken.body, taken.point.toArray()));
+    const made = between(from, taken.place, 0.006 * robot.size, colours.grip);
+    this.arrow.position.copy(made.position);
+    this.arrow.quaternion.copy(made.quaternion);
+    this.arrow.scale.copy(made.scale);
+  }
+}
