@@ -45,5 +45,5 @@ $(theirs): $(objects)/%.o: $(urdfdom)/%.cpp
 	@mkdir -p $(@D)
 	$(foreign) -c $< -o $@
 
-.SECONDARY: $(mains:%=$(objects)/tools/%.o)
+.SECONDARY: # objects stay: the playground links some of them
 -include $(patsubst %.o,%.d,$(ours) $(theirs) $(mains:%=$(objects)/tools/%.o))

@@ -70,13 +70,13 @@ export function buildDownloads(current, tell) {
       tell(`Saved: ${Object.keys(files).join(", ")}.`);
     } catch (error) { tell(error.message); }
   });
-  const finish = ({ status, errors }, files) => {
-    if (status !== 0) throw new Error(errors);
+  const finish = ({ status, stderr }, files) => {
+    if (status !== 0) throw new Error(stderr);
     return files;
   };
   taking("save-model", async ({ source }) => {
     const r = await command("rbd-model", modelOptions(source), source.name, source.text);
-    return finish(r, { [`${$("name").value}_model.h`]: r.output });
+    return finish(r, { [`${$("name").value}_model.h`]: r.stdout });
   });
   taking("save-code", async ({ source }) => {
     const r = await command("rbd-codegen", codeOptions(source), source.name, source.text);

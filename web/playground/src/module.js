@@ -2,7 +2,7 @@
 import pageModule from "./playground.wasm.gz";
 import modelCommand from "./rbd-model.wasm.gz";
 import codegenCommand from "./rbd-codegen.wasm.gz";
-import { run } from "./wasi.js";
+import { run } from "../../wasm/wasi.mjs";
 
 const compiled = new Map();
 function compile(bytes) {
@@ -48,8 +48,10 @@ export class Model {
   statusText(status) { return this.string(this.exports.web_status_text(status)); }
 }
 
-// Runs a command on a file; resolves to { status, output, errors, files }.
+// Runs a command on a file; resolves to { status, stdout, stderr, files }, files as text, without the one given.
 export async function command(name, options, path, text) {
   const module = await compile(name === "rbd-model" ? modelCommand : codegenCommand);
-  return run(module, [name, ...options, path], { [path]: text });
+  const result = await run(module, [name, ...options, path], { [path]: text });
+  const written = Object.entries(result.files).map(([n, bytes]) => [n.replace(/^\/+/, ""), new TextDecoder().decode(bytes)]);
+  return { ...result, files: Object.fromEntries(written.filter(([n]) => n !== path)) };
 }

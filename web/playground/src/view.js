@@ -163,14 +163,14 @@ export class View {
     this.resize();
     this.root.updateMatrixWorld(true);
     const box = new THREE.Box3();
-    for (const group of [this.base, ...this.groups]) box.expandByObject(group);
+    for (const group of [this.base, ...this.groups]) box.expandByObject(group, true);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, 0), new THREE.Vector3(0.5, 0.5, 1));
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere()), half = (this.camera.fov / 2) * (Math.PI / 180);
     const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
     const from = this.camera.position.clone().sub(this.controls.target);
     if (from.lengthSq() === 0) from.set(1.1, -1.3, 0.5);
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(from.normalize(), (1.02 * radius) / Math.sin(narrow));
+    this.camera.position.copy(center).addScaledVector(from.normalize(), (0.9 * radius) / Math.sin(narrow));
     this.controls.update();
     this.dirty = true;
   }

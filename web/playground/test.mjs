@@ -1,0 +1,310 @@
+// Opens the playground in Chromium, uses it as people do, and compares what it writes with the native tools.
+// test.mjs PAGE TOOLS [PICTURES]: PAGE is index.html, TOOLS the folder of rbd-model and rbd-codegen. Ends with 77 where
+// Chromium or puppeteer-core is missing.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+const [pageFile, tools, pictures] = process.argv.slice(2).map((a) => resolve(a));
+const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
+const chromium = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser"].find((p) => p && existsSync(p));
+const { default: puppeteer } = await import("puppeteer-core").catch(() => ({}));
+if (!chromium || !puppeteer) {
+  console.log(`skipped: there is no ${chromium ? "puppeteer-core (npm ci in web/playground)" : "chromium (apt-get install chromium)"}`);
+  process.exit(77);
+}
+const scratch = mkdtempSync(join(tmpdir(), "rbd-web-"));
+const browser = await puppeteer.launch({ executablePath: chromium, headless: true, userDataDir: join(scratch, "profile"), defaultViewport: { width: 1360, height: 860 },
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+let page;
+const complaints = [], begin = Date.now();
+
+async function visit(address) {
+  page = await browser.newPage();
+  page.on("pageerror", (e) => complaints.push(`error: ${e.message}`));
+  page.on("dialog", (d) => { complaints.push(`dialog: ${d.message()}`); d.dismiss(); });
+  page.on("console", (m) => { if (["error", "warning", "warn"].includes(m.type()) && !/GPU stall|GL Driver/.test(m.text())) complaints.push(`console: ${m.text()}`); });
+  page.on("request", (r) => {
+    const url = r.url();
+    if (!/^(data|blob):/.test(url) && url.split("#")[0] !== address.split("#")[0]) complaints.push(`request: ${url}`);
+  });
+  const client = await page.createCDPSession();
+  await client.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: scratch });
+  await page.goto(address);
+  await page.waitForFunction("window.playground?.ready", { timeout: 30000 });
+}
+
+const text = (id) => page.$eval(`#${id}`, (e) => e.textContent);
+const numbers = (expression) => page.evaluate(`Array.from(${expression})`);
+const gravity = () => numbers("playground.current().robot.gravity");
+const q = () => numbers("playground.current().robot.q()");
+const until = (condition) => page.waitForFunction(condition, { timeout: 30000 });
+const picture = (name) => pictures && page.screenshot({ path: join(pictures, `${name}.png`) });
+async function choose(id) {
+  await page.select("#robot", id);
+  await until(`playground.current().source.id === "${id}"`);
+}
+async function drop(name, content) {
+  writeFileSync(join(scratch, name), content);
+  await (await page.$("#file")).uploadFile(join(scratch, name));
+}
+async function download(button, names) {
+  for (const name of names) rmSync(join(scratch, name), { force: true });
+  await page.$eval(button, (b) => b.click());
+  for (let i = 0; i < 300 && !names.every((n) => existsSync(join(scratch, n))); i++) await new Promise((r) => setTimeout(r, 50));
+  return names.map((n) => readFileSync(join(scratch, n), "utf8"));
+}
+const address = pathToFileURL(pageFile).href;
+
+const tests = {
+  async "iiwa is there at once, framed whole, with gravity torques in their limits"() {
+    await visit(address);
+    assert.match(await text("facts"), /iiwa: 7 bodies, 7 degrees of freedom/);
+    assert.equal((await gravity()).length, 7);
+    const corners = await page.evaluate(() => {
+      const { robot } = playground.current(), { camera } = playground.view;
+      return robot.bodies.map((b, i) => playground.view.com.position.clone().set(...robot.origin(i)).project(camera).toArray());
+    });
+    for (const [x, y] of corners) assert.ok(Math.abs(x) < 1 && Math.abs(y) < 1, `${x}, ${y} is outside the picture`);
+    await picture("iiwa");
+  },
+  async "gravity torques are those of the native reference: their work is the potential energy"() {
+    const change = await page.evaluate(() => {
+      const { robot } = playground.current(), h = 1e-5, energy = (k, x) => {
+        const q = robot.q(), kept = q[k];
+        q[k] += x;
+        robot.update();
+        const e = robot.energy[1];
+        robot.q()[k] = kept;
+        robot.update();
+        return e;
+      };
+      return [...robot.q()].map((_, k) => (energy(k, h) - energy(k, -h)) / (2 * h));
+    });
+    (await gravity()).forEach((g, k) => assert.ok(Math.abs(g - change[k]) < 1e-6 * 60, `joint ${k}: ${g}, ${change[k]}`));
+  },
+  async "a slider turns a joint, by mouse and by key"() {
+    const before = await gravity(), slider = '[data-joint="lbr_iiwa_joint_2"]';
+    await page.$eval(slider, (s) => { s.value = -1.5; s.dispatchEvent(new Event("input")); });
+    assert.equal((await q())[1], -1.5);
+    assert.notEqual((await gravity())[1], before[1]);
+    await page.focus(slider);
+    await page.keyboard.press("ArrowRight");
+    assert.ok((await q())[1] > -1.5);
+  },
+  async "dragging a link in the picture turns a joint, and beside it the view"() {
+    await page.click("#reset");
+    const spot = await page.evaluate(() => {
+      const { robot } = playground.current(), { camera, canvas } = playground.view, box = canvas.getBoundingClientRect();
+      const p = playground.view.com.position.clone().set(...robot.world(5, robot.tips[5][0])).project(camera);
+      return [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
+    });
+    const before = await q(), camera = () => numbers("playground.view.camera.position.toArray()"), seen = await camera();
+    await page.mouse.move(...spot);
+    await page.mouse.down();
+    await page.mouse.move(spot[0] + 30, spot[1] - 60, { steps: 4 });
+    await page.mouse.up();
+    assert.notDeepEqual(await q(), before);
+    assert.deepEqual(await camera(), seen);
+    await page.mouse.move(60, 760);
+    await page.mouse.down();
+    await page.mouse.move(160, 740, { steps: 3 });
+    await page.mouse.up();
+    assert.notDeepEqual(await camera(), seen);
+    await page.focus("#canvas");
+    const turned = await camera();
+    await page.keyboard.press("ArrowLeft");
+    assert.notDeepEqual(await camera(), turned);
+  },
+  async "the iiwa that moves loses energy by its damping only"() {
+    await page.click("#reset");
+    await page.click("#move");
+    await until("playground.motion.steps > 1500");
+    await page.click("#move");
+    const sums = await page.evaluate(() => playground.motion.history.map((h) => h.kinetic + h.potential));
+    assert.ok(sums.at(-1) < sums[0] - 1 && sums.every((x, i) => i === 0 || x < sums[i - 1] + 0.05), String(sums));
+  },
+  async "HyQ stands on the floor by its motors, and comes to lie on it without"() {
+    await choose("hyq");
+    assert.match(await text("com"), /within what it stands on/);
+    await picture("hyq");
+    await page.click("#hold");
+    await page.click("#move");
+    await until("playground.motion.steps > 600");
+    assert.ok((await q())[2] > 0.4, "it stands");
+    await page.click("#hold");
+    await until("playground.motion.steps > 2500");
+    await page.click("#move");
+    const low = await page.evaluate(() => {
+      const { robot } = playground.current();
+      return Math.min(...robot.balls.map(([b, x, y, z, r]) => robot.world(b, [x, y, z])[2] - r));
+    });
+    assert.ok((await q())[2] < 0.4 && low > -0.005, `it lies, ${low} m above the floor`);
+    await picture("hyq_fallen");
+  },
+  async "a pull by the mouse and a push by the keyboard move it"() {
+    await page.click("#reset");
+    const before = await q();
+    await page.$eval('[data-push="0,1,0"]', (b) => b.click());
+    await until("playground.motion.steps > 120");
+    await page.click("#move");
+    assert.ok(Math.abs((await q())[1] - before[1]) > 1e-3);
+  },
+  async "Atlas and the cart-pole: their numbers fit"() {
+    for (const [id, nv] of [["atlas", 36], ["cart_pole", 2]]) {
+      await choose(id);
+      assert.equal((await gravity()).length, nv);
+      await until("document.querySelectorAll('#cost td').length === 10");
+      await picture(id);
+    }
+    assert.match(await page.$eval("#cost", (e) => e.textContent), /µs/);
+  },
+  async "downloads are the bytes of the commands"() {
+    for (const [id, floating] of [["iiwa", false], ["hyq", true]]) {
+      await choose(id);
+      const [model] = await download("#save-model", [`${id}_model.h`]);
+      assert.equal(model, readFileSync(join(root, `models/${id}_model.h`), "utf8"));
+      const code = await download("#save-code", [`${id}_code.c`, `${id}_code.h`]);
+      const native = join(scratch, `native_${id}`);
+      execFileSync("mkdir", [native]);
+      const options = await page.evaluate(() => document.getElementById("commands").textContent.split("\n")[1].split(" ").slice(1));
+      execFileSync(join(tools, "rbd-codegen"), options, { cwd: join(root, "models"), stdio: "pipe", env: { ...process.env } });
+      for (const [i, ending] of ["c", "h"].entries()) {
+        const file = join(root, "models", `${id}_code.${ending}`), written = readFileSync(file, "utf8");
+        rmSync(file);
+        assert.equal(code[i] === written, true, `${id}_code.${ending} is not the command's`);
+      }
+      assert.equal(options.includes("--floating"), floating);
+    }
+  },
+  async "the firmware main compiles, and prints what the page shows"() {
+    await choose("iiwa");
+    await download("#save-model", ["iiwa_model.h"]);
+    await download("#save-main", ["iiwa_main.c"]);
+    execFileSync("cc", ["-std=c99", "-O1", `-I${root}`, "iiwa_main.c", "-lm", "-o", "main"], { cwd: scratch });
+    const printed = execFileSync(join(scratch, "main"), { encoding: "utf8" }).trim().split("\n").map(Number);
+    (await gravity()).forEach((g, k) => assert.ok(Math.abs(g - printed[k]) < 1e-4 * 60));
+  },
+  async "a broken file: its problem has a line, a remedy, and a mark; mended it opens"() {
+    await drop("broken.urdf", "<robot name='x'>\n<link name='a'/>\n<joint name='j' type='revolute'/>\n</robot>");
+    await until("!document.getElementById('problems').hidden");
+    assert.match(await text("findings"), /line 3.*error:.*j.*parent.*<child>/s);
+    assert.equal(await page.$eval("#marks b", (m) => m.dataset.line), "3");
+    assert.equal(await page.evaluate(() => playground.current().source.id), "iiwa");
+    await page.click("#findings button");
+    assert.match(await page.evaluate(() => getSelection().toString() || document.getElementById("text").value.slice(...["selectionStart", "selectionEnd"].map((k) => document.getElementById("text")[k]))), /type='revolute'/);
+    await picture("broken");
+    const urdf = readFileSync(join(root, "models/double_pendulum.urdf"), "utf8");
+    await page.$eval("#text", (t, value) => { t.value = value; }, urdf);
+    await page.$eval("#read", (b) => b.click());
+    await until("playground.current().robot.model.nv === 2");
+    assert.equal(await page.$eval("#problems", (p) => p.hidden), true);
+  },
+  async "a hostile file: its text is never markup, and nothing is fetched"() {
+    const bad = "&lt;img src=x onerror=alert(1)&gt;&lt;script&gt;alert(2)&lt;/script&gt;&quot;'";
+    await drop("hostile.urdf", `<robot name="${bad}"><material name="m"><texture filename="http://example.com/t.png"/></material>
+<link name="base"/><link name="${bad}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><mesh filename="http://example.com/x.stl"/></geometry><material name="m"/></visual></link>
+<joint name="${bad}" type="continuous"><parent link="base"/><child link="${bad}"/><axis xyz="0 2 0"/></joint></robot>`);
+    await until("playground.current().source.name === 'hostile.urdf'");
+    assert.match(await text("joints"), /<img src=x/);
+    assert.match(await text("findings"), /<script>/);
+    assert.equal(await page.$$eval("aside img, aside script, header img", (e) => e.length), 0);
+  },
+  async "a zip with a xacro, an include and a mesh"() {
+    const { zipSync, strToU8 } = await import("fflate");
+    const triangle = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.3 0 0\nvertex 0 0.3 0\nendloop\nendfacet\nendsolid t\n";
+    const macros = `<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="arm" params="n parent length:=\${2*0.25} *at">
+<link name="l\${n}"><inertial><origin xyz="0 0 \${length/2}"/><mass value="\${1+n}"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><mesh filename="package://arm/meshes/t.stl"/></geometry></visual></link>
+<joint name="j\${n}" type="continuous"><parent link="\${parent}"/><child link="l\${n}"/><xacro:insert_block name="at"/><axis xyz="0 1 0"/></joint></xacro:macro></robot>`;
+    const main = `<robot name="arm" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:include filename="$(find arm)/urdf/macros.xacro"/><link name="base"/>
+<xacro:property name="up" value="\${pi/10}"/><xacro:arm n="1" parent="base"><origin xyz="0 0 \${up}"/></xacro:arm>
+<xacro:if value="\${up &gt; 0}"><xacro:arm n="2" parent="l1" length="1"><origin xyz="0 0 0.5"/></xacro:arm></xacro:if></robot>`;
+    await drop("arm.zip", zipSync({ "arm/urdf/arm.urdf.xacro": strToU8(main), "arm/urdf/macros.xacro": strToU8(macros), "arm/meshes/t.stl": strToU8(triangle) }));
+    await until("playground.current().source.name === 'arm.urdf'");
+    const [first, second] = await page.evaluate(() => playground.current().robot.bodies.map((b) => ({ mass: b.mass, z: b.position[2], com: b.com[2] })));
+    assert.deepEqual([first.mass, first.com, second.mass, second.com], [2, 0.25, 3, 0.5]);
+    assert.ok(Math.abs(first.z - Math.PI / 10) < 1e-12);
+    assert.equal(await page.evaluate(() => { let n = 0; playground.view.root.traverse((o) => { n += o.geometry?.type === "BufferGeometry" && o.geometry.attributes.position?.count === 3 ? 1 : 0; }); return n; }), 2);
+  },
+  async "a robot of 200 links"() {
+    const link = (i) => `<link name="l${i}"><inertial><origin xyz="0 0 0.02"/><mass value="0.1"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j${i}" type="revolute"><parent link="${i ? `l${i - 1}` : "base"}"/><child link="l${i}"/><origin xyz="0 0 0.04"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>`;
+    await drop("large.urdf", `<robot name="large"><link name="base"/>${Array.from({ length: 200 }, (_, i) => link(i)).join("\n")}</robot>`);
+    await until("playground.current().robot.model.nv === 200");
+    const start = Date.now(), frames = await page.evaluate("playground.view.frames");
+    await page.click("#move");
+    await until(`playground.view.frames > ${frames + 15}`);
+    const seconds = (Date.now() - start) / 1000, drawn = (await page.evaluate("playground.view.frames")) - frames;
+    await page.click("#move");
+    console.log(`    200 links: ${(drawn / seconds).toFixed(1)} frames a second with software graphics, ${await page.evaluate("playground.motion.steps")} steps in ${seconds.toFixed(1)} s`);
+    await picture("large");
+  },
+  async "a link carries robot and pose, also of an own robot"() {
+    await choose("hyq");
+    await page.$eval('[data-joint="lf_kfe_joint"]', (s) => { s.value = -1; s.dispatchEvent(new Event("input")); });
+    const pose = await q();
+    await page.click("#link");
+    await until("location.hash.includes('robot=hyq')");
+    const link = page.url();
+    await page.close();
+    await visit(link);
+    (await q()).forEach((x, k) => assert.ok(Math.abs(x - pose[k]) < 1e-4));
+    await drop("mine.urdf", readFileSync(join(root, "models/pendulum.urdf"), "utf8"));
+    await until("playground.current().source.name === 'mine.urdf'");
+    await page.click("#link");
+    await until("location.hash.includes('urdf=')");
+    const own = page.url();
+    await page.close();
+    await visit(own);
+    assert.equal(await page.evaluate(() => playground.current().source.name), "mine.urdf");
+  },
+  async "every control has a name, and the keyboard reaches it"() {
+    const nameless = await page.evaluate(() => [...document.querySelectorAll("button, input:not([hidden]), select, textarea, canvas")]
+      .filter((e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute("aria-label"))).map((e) => e.outerHTML));
+    assert.deepEqual(nameless, []);
+    assert.equal(await page.$$eval("[tabindex='-1']", (e) => e.length), 0);
+  },
+  async "on a phone nothing is wider than the screen"() {
+    await page.setViewport({ width: 400, height: 800, hasTouch: true, isMobile: true });
+    await choose("hyq");
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 400);
+    await picture("phone");
+    await page.evaluate(() => scrollTo(0, 560));
+    await picture("phone_numbers");
+    await page.close();
+  },
+  async "from a static server it is the same"() {
+    const server = spawn("python3", ["-u", "-m", "http.server", "0", "-d", dirname(pageFile), "-b", "127.0.0.1"], { stdio: ["ignore", "pipe", "ignore"] });
+    try {
+      const port = await new Promise((found) => server.stdout.on("data", (line) => found(/port (\d+)/.exec(line)?.[1])));
+      await visit(`http://127.0.0.1:${port}/index.html`);
+      assert.match(await text("facts"), /iiwa/);
+    } finally { server.kill(); }
+  },
+};
+
+let failed = 0;
+try {
+  for (const [name, test] of Object.entries(tests)) {
+    const start = Date.now();
+    try {
+      await test();
+      assert.deepEqual(complaints.splice(0), []);
+      console.log(`ok      ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      failed++;
+      console.log(`failed  ${name}\n${error.message}\n${error.stack.split("\n").find((l) => l.includes("test.mjs")) ?? ""}`);
+      complaints.splice(0);
+    }
+  }
+} finally {
+  await browser.close();
+  rmSync(scratch, { recursive: true, force: true });
+}
+console.log(`${failed} failed, ${((Date.now() - begin) / 1000).toFixed(1)} s`);
+process.exitCode = failed ? 1 : 0;
