@@ -22,7 +22,7 @@ const builtIn = {
   cart_pole: ["cart-pole", cartPole, false, (name) => (name === "hinge" ? 2.6 : 0)],
 };
 
-let robot, view, update = [], costs = 0;
+let robot, view, update = [], costs = 0, shown = 0;
 const motion = new Motion();
 const tell = (text) => { $("status").textContent = text; };
 const current = () => ({ robot, source: robot.source });
@@ -39,7 +39,7 @@ function showFindings(source, findings) {
 
 // Reads a source and shows it; one that has an error leaves the robot that was there. Resolves to whether it was read.
 async function open(source, pose) {
-  setRunning(false);
+  if (motion.running) setRunning(false);
   source = { files: {}, ...source };
   let model;
   try { model = await Model.load(source.text, source); } catch (error) {
@@ -94,6 +94,7 @@ async function cost() {
 
 // Shows the robot as it is.
 function refresh() {
+  robot.update();
   const ellipsoid = $("ellipsoid").checked && $("at").value ? robot.ellipsoid(Number($("at").value)) : null;
   update.forEach((f) => f());
   panels.updateCom(robot);
@@ -108,7 +109,6 @@ function refresh() {
 function moved() {
   robot.model.array("v").fill(0);
   robot.model.array("wanted").set(robot.q());
-  robot.update();
   refresh();
 }
 
@@ -116,9 +116,11 @@ function setRunning(on) {
   motion.running = on;
   motion.last = null;
   $("move").setAttribute("aria-pressed", String(on));
-  $("move").textContent = on ? "Hold it" : "Let it move";
+  $("move").textContent = on ? "Stop" : "Let it move";
+  if (!on && robot) refresh();
 }
 
+// While the robot moves the picture follows in each frame, the numbers ten times a second.
 function animate(time) {
   if (motion.running) {
     const status = motion.frame(time);
@@ -126,7 +128,10 @@ function animate(time) {
       setRunning(false);
       tell(`The motion stopped: ${robot.model.statusText(status)}`);
     }
-    refresh();
+    if (status || time - shown > 100) {
+      shown = time;
+      refresh();
+    } else view.update();
     view.showGrip();
   }
   view.draw();

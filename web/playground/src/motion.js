@@ -56,7 +56,7 @@ export class Motion {
       done += n;
       this.steps += n;
     }
-    this.robot.update();
+    this.robot.updatePose();
     const [kinetic, potential] = this.robot.energy;
     this.history.push({ t: this.steps * dt, kinetic, potential });
     if (this.history.length > 600) this.history.shift();

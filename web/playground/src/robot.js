@@ -94,13 +94,18 @@ export class Robot {
     this.update();
   }
 
-  // Poses, centre of mass, energy; gravity torques and mass matrix.
-  update() {
+  // What the picture needs: poses, centre of mass, energy.
+  updatePose() {
     this.model.exports.web_pose();
-    this.model.exports.web_dynamics();
     this.poses = this.model.array("poses").slice();
     this.com = [...this.model.array("com")];
     this.energy = [...this.model.array("energy")];
+  }
+
+  // And what the panels need: gravity torques, mass matrix.
+  update() {
+    this.updatePose();
+    this.model.exports.web_dynamics();
     this.gravity = this.model.array("gravity").slice();
     this.matrix = this.model.array("mass_matrix").slice();
   }

@@ -9,7 +9,7 @@ const rod = new THREE.CylinderGeometry(1, 1, 1, 16), ball = new THREE.SphereGeom
 const paint = (color, opacity = 1) => new THREE.MeshStandardMaterial({
   color, roughness: 0.55, transparent: opacity < 1, opacity, depthWrite: opacity === 1,
 });
-const colours = { link: paint(0xe8862e), joint: paint(0x3d4a57), inertia: paint(0x2f6fde, 0.28), com: paint(0xc02626),
+const colours = { link: paint(0xe8862e), joint: paint(0x3d4a57), inertia: paint(0x2f6fde, 0.16), com: paint(0xc02626),
   reach: paint(0x128a4a, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626) };
 const vector = (x) => new THREE.Vector3(...x);
 
@@ -73,6 +73,8 @@ export class View {
     this.grid.rotation.x = Math.PI / 2;
     this.scene.add(this.root, this.grid);
     this.update();
+    this.controls.target.set(0, 0, 0);
+    this.camera.position.set(1.1, -1.3, 0.5);
     this.frame();
   }
 
@@ -168,7 +170,6 @@ export class View {
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere()), half = (this.camera.fov / 2) * (Math.PI / 180);
     const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
     const from = this.camera.position.clone().sub(this.controls.target);
-    if (from.lengthSq() === 0) from.set(1.1, -1.3, 0.5);
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(from.normalize(), (0.9 * radius) / Math.sin(narrow));
     this.controls.update();
