@@ -5,7 +5,7 @@ import URDFLoader from "urdf-loader";
 import { meshLoader, textureManager } from "./meshes.js";
 import { eigen, PRISMATIC, FLOATING } from "./robot.js";
 
-const rod = new THREE.CylinderGeometry(1, 1, 1, 16), ball = new THREE.SphereGeometry(1, 20, 14);
+const rod = new THREE.CylinderGeometry(1, 1, 1, 12), ball = new THREE.SphereGeometry(1, 24, 16);
 const paint = (color, opacity = 1) => new THREE.MeshStandardMaterial({
   color, roughness: 0.55, transparent: opacity < 1, opacity, depthWrite: opacity === 1,
 });
