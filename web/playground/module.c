@@ -1,5 +1,6 @@
-/* The playground's module: a URDF text becomes a model, told once as JSON; then numbers in arrays, whose places
-   the JSON has. One robot for each instance: whoever wants another makes a new one. SPDX-License-Identifier: MIT */
+/* The playground's module: a URDF text becomes a model, told once as JSON; then numbers in arrays, whose
+   places the JSON has. One robot for each instance: another one takes a new instance.
+   SPDX-License-Identifier: MIT */
 #include "rbd_urdf.h"
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
@@ -196,8 +197,12 @@ EXPORT int web_contacts(const double *balls, int n, double friction, double floo
     const rbd_contact_options o = {.joint_limits = 1, .joint_friction = 1, .joint_damping = 1};
     rbd_contact *list = allocate((size_t)n, sizeof *list);
     for (int i = 0; i < n; i++, balls += 5)
-        list[i] = (rbd_contact){.body1 = (int)balls[0], .body2 = -1, .point = {balls[1], balls[2], balls[3]},
-                                .radius = balls[4], .friction = friction, .height = floor_height};
+        list[i] = (rbd_contact){.body1 = (int)balls[0],
+                                .body2 = -1,
+                                .point = {balls[1], balls[2], balls[3]},
+                                .radius = balls[4],
+                                .friction = friction,
+                                .height = floor_height};
     const size_t size = rbd_contact_set_size(m, n, NULL, 0, &o);
     free(contact_memory);
     contact_memory = allocate(size, 1);
@@ -234,8 +239,7 @@ static void pull(int body, const double *point, const double *place, double newt
     rbd_kinematics(m, w, q, v, NULL);
     rbd_point_position(m, w, body, point, p);
     rbd_point_velocity(m, w, body, point, RBD_WORLD_AXES, velocity);
-    for (int k = 0; k < 3; k++)
-        force[3 + k] = newton_per_metre * (place[k] - p[k] - 0.1 * velocity[3 + k]);
+    for (int k = 0; k < 3; k++) force[3 + k] = newton_per_metre * (place[k] - p[k] - 0.1 * velocity[3 + k]);
     rbd_point_wrench(m, w, body, point, RBD_WORLD_AXES, force, f_ext + 6 * body);
 }
 
