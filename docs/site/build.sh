@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the site: build.sh FOLDER [OPTION OF SPHINX...]. With web/playground/build.sh the playground is in it.
+# Builds the site: build.sh FOLDER [OPTION OF SPHINX...]. RBD_PLAYGROUND=yes: with the playground.
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
 out=${1:?usage: build.sh FOLDER}
@@ -16,7 +16,7 @@ for package in libjs-katex fonts-katex furo sphinx-common; do
 done
 python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
-[ "${RBD_PLAYGROUND-}" = no ] || [ ! -f "$root/web/playground/build.sh" ] || "$root/web/playground/build.sh" "$scratch/site/playground"
+[ "${RBD_PLAYGROUND-no}" = no ] || "$root/web/playground/build.sh" "$scratch/site/playground"
 mkdir -p "$(dirname -- "$out")"
 rm -rf "$out"
 mv "$scratch/site" "$out"

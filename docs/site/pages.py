@@ -199,7 +199,8 @@ def escaped(text):
 def linked(text, header):
     """A comment's sentence: names that the reference has are links, all else is taken as it stands."""
     out, k = [], 0
-    tags = {s.tag: page_of(header, s) for s in header.sections if s.tag}
+    tags = {tag: page_of(h, None) for h in (headers()[0], header) for tag in re.findall(r"^ *\[(\w+)\](?! *\[)", h.top, re.M)}
+    tags |= {s.tag: page_of(header, s) for s in header.sections if s.tag}
     for match in re.finditer(r"`[^`\n]*`|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
         word = match[0]
         out.append(escaped(text[k:match.start()]))
@@ -401,7 +402,7 @@ def raw_link(path, line):
 def top_page(header):
     """The first comment: what the header is for, and its sections."""
     out, described = [], extract.named_in_top(header)
-    text = re.sub(r"\n *CONTENTS.*?(?=\n *\[\w+\](?! *\[)|\Z)", "\n", header.top, flags=re.S)
+    text = re.sub(r"^CONTENTS.*?(?:\n\n|\Z)", "", header.top, flags=re.S | re.M)
     text = re.sub(r"^[^\n]*\n(?: *Made by[^\n]*\n)?(?: *SPDX[^\n]*\n)?", "", text)
     parts = re.split(r"^ *\[(\w+)\](?! *\[)(.*)$", text, flags=re.M)
     out.append(rendered(parts[0].strip("\n"), header))
@@ -434,8 +435,11 @@ def top_page(header):
             sentence = re.sub(r"\n#[^\n]*", "", text)
             out.append("`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n")
             out.append((fence("\n".join(code)) if code else "") + "`````\n")
-        if others:
-            out += ["| | |", "|---|---|"] + [f"| {escaped(n)} | {linked(t, header)} |" for n, t in others] + [""]
+        for wide in (False, True):  # of three columns: joint, q, v
+            some = [[n, *re.split(r" {2,}", t)] for n, t in others if bool(re.search(r"\S {2,}\S", t)) == wide]
+            if some:
+                out += ["| " * (3 + wide), "|---" * (2 + wide) + "|"]
+                out += ["| " + " | ".join(linked(cell, header) for cell in row) + " |" for row in some] + [""]
     for name in sorted(set(re.findall(r"#define (RBD_\w+)", header.top)) - set(described)):
         if owner(name) == header.name:
             out.append(f"`````{{c:macro}} {name}\n\n{escaped(summaries().get(name, ''))}\n`````\n")
@@ -518,7 +522,7 @@ def index():
     first = ROOT / "docs/overview.svg"
     out += ["![A description is built into a constant model; the algorithms take it with the state and the caller's work "
             "memory](/files/docs/overview.svg)", ""] if first.exists() else []
-    if (ROOT / "web/playground/build.sh").exists():
+    if os.environ.get("RBD_PLAYGROUND") == "yes":
         out += ['<p id="playground"><a href="playground/index.html">Playground</a>: drop a URDF file into the page, move the '
                 "robot, take its table home. Nothing leaves your browser.</p>", ""]
     for title, paths in GUIDES:

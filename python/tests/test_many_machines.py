@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: MIT
+"""examples/many_machines.py: the same counts to the bit in this process, in a pool, and where a worker dies."""
+import functools
+import importlib.util
+import os
+import sys
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+_path = Path(__file__).parent.parent / "examples/many_machines.py"
+_spec = importlib.util.spec_from_file_location("many_machines", _path)
+many = sys.modules["many_machines"] = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(many)
+
+
+class Here(Executor):
+    """Computes at once, in this process."""
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
+def dies_once(marker, number, states):
+    """Chunk 2 ends its process the first time."""
+    if number == 2 and not marker.exists():
+        marker.touch()
+        os._exit(1)
+    return many.chunk(number, states)
+
+
+def test_many_machines(tmp_path, capsys):
+    many.hyq()
+    serial = many.study(10_000, Here, size=2500)
+    assert serial.shape == (12, many.BINS) and (serial.sum(axis=1) == 10_000).all()
+    pool = many.study(10_000, lambda: ProcessPoolExecutor(2), size=2500, ahead=2)
+    assert np.array_equal(serial, pool)
+    marker = tmp_path / "died"
+    killed = many.study(10_000, lambda: ProcessPoolExecutor(2), size=2500, task=functools.partial(dies_once, marker))
+    assert marker.exists() and "a worker died" in capsys.readouterr().err
+    assert np.array_equal(serial, killed)
+    other = many.study(7_500, Here, size=2500)
+    assert not np.array_equal(serial, other)
+
+
+def test_many_machines_quantiles():
+    counts = np.zeros((1, many.BINS), int)
+    counts[0, [100, 200, 300]] = 1, 997, 2  # of a thousand
+    width = 2 * many.LARGEST / many.BINS
+    found = many.quantiles(counts)[0]
+    assert np.allclose(found, (np.array([100, 200, 200, 200, 300]) + 0.5) * width - many.LARGEST)
