@@ -3,7 +3,7 @@
 // Chromium or puppeteer-core is missing.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -42,7 +42,7 @@ const numbers = (expression) => page.evaluate(`Array.from(${expression})`);
 const gravity = () => numbers("playground.current().robot.gravity");
 const q = () => numbers("playground.current().robot.q()");
 const until = (condition) => page.waitForFunction(condition, { timeout: 30000 });
-// To look at: as large as on a desk, or as it is on a phone.
+// To look at, if pictures are asked for: as large as on a desk, or as on a phone.
 async function picture(name, width = 1360, height = 860) {
   if (!pictures) return;
   const before = page.viewport();
@@ -67,6 +67,15 @@ async function download(button, names) {
   for (let i = 0; i < 300 && !names.every((n) => existsSync(join(scratch, n))); i++) await new Promise((r) => setTimeout(r, 50));
   return names.map((n) => readFileSync(join(scratch, n), "utf8"));
 }
+// All of the robot is in the picture.
+async function framed() {
+  const ends = await page.evaluate(() => {
+    const { robot } = playground.current(), { camera, com } = playground.view;
+    return robot.bodies.flatMap((b, i) => [robot.origin(i), ...robot.tips[i].map((t) => robot.world(i, t))])
+      .map((p) => com.position.clone().set(...p).project(camera).toArray());
+  });
+  for (const [x, y] of ends) assert.ok(Math.abs(x) < 1 && Math.abs(y) < 1, `${x}, ${y} is outside the picture`);
+}
 const address = pathToFileURL(pageFile).href;
 
 const tests = {
@@ -74,11 +83,7 @@ const tests = {
     await visit(address);
     assert.match(await text("facts"), /iiwa: 7 bodies, 7 degrees of freedom/);
     assert.equal((await gravity()).length, 7);
-    const corners = await page.evaluate(() => {
-      const { robot } = playground.current(), { camera } = playground.view;
-      return robot.bodies.map((b, i) => playground.view.com.position.clone().set(...robot.origin(i)).project(camera).toArray());
-    });
-    for (const [x, y] of corners) assert.ok(Math.abs(x) < 1 && Math.abs(y) < 1, `${x}, ${y} is outside the picture`);
+    await framed();
     await picture("iiwa");
   },
   async "gravity torques are those of the native reference: their work is the potential energy"() {
@@ -140,6 +145,7 @@ const tests = {
   async "HyQ stands on the floor by its motors, and comes to lie on it without"() {
     await choose("hyq");
     assert.match(await text("com"), /within what it stands on/);
+    await framed();
     await picture("hyq");
     await page.click("#hold");
     await page.click("#move");
@@ -167,6 +173,7 @@ const tests = {
     for (const [id, nv] of [["atlas", 36], ["cart_pole", 2]]) {
       await choose(id);
       assert.equal((await gravity()).length, nv);
+      await framed();
       await until("document.querySelectorAll('#cost td').length === 10");
       await picture(id);
     }
@@ -179,13 +186,13 @@ const tests = {
       assert.equal(model, readFileSync(join(root, `models/${id}_model.h`), "utf8"));
       const code = await download("#save-code", [`${id}_code.c`, `${id}_code.h`]);
       const native = join(scratch, `native_${id}`);
-      execFileSync("mkdir", [native]);
+      mkdirSync(native);
       const options = await page.evaluate(() => document.getElementById("commands").textContent.split("\n")[1].split(" ").slice(1));
-      execFileSync(join(tools, "rbd-codegen"), options, { cwd: join(root, "models"), stdio: "pipe", env: { ...process.env } });
+      copyFileSync(join(root, `models/${id}.urdf`), join(native, `${id}.urdf`));
+      execFileSync(join(tools, "rbd-codegen"), options, { cwd: native, stdio: "pipe" });
       for (const [i, ending] of ["c", "h"].entries()) {
-        const file = join(root, "models", `${id}_code.${ending}`), written = readFileSync(file, "utf8");
-        rmSync(file);
-        assert.equal(code[i] === written, true, `${id}_code.${ending} is not the command's`);
+        const written = readFileSync(join(native, `${id}_code.${ending}`), "utf8");
+        assert.ok(code[i] === written, `${id}_code.${ending} is not the command's`);
       }
       assert.equal(options.includes("--floating"), floating);
     }
@@ -246,6 +253,7 @@ const tests = {
 <joint name="j${i}" type="revolute"><parent link="${i ? `l${i - 1}` : "base"}"/><child link="l${i}"/><origin xyz="0 0 0.04"/><axis xyz="${i % 2} ${1 - (i % 2)} 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>`;
     await drop("large.urdf", `<robot name="large"><link name="base"/>${Array.from({ length: 200 }, (_, i) => link(i)).join("\n")}</robot>`);
     await until("playground.current().robot.model.nv === 200");
+    await framed();
     const start = Date.now(), frames = await page.evaluate("playground.view.frames");
     await page.click("#move");
     await until(`playground.view.frames > ${frames + 15}`);

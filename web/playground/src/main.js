@@ -18,7 +18,7 @@ const { $, element } = panels;
 const builtIn = {
   iiwa: ["KUKA iiwa", iiwa, false, (name) => ({ 2: 0.6, 4: -1.2, 6: 0.9 })[name.at(-1)]],
   hyq: ["HyQ", hyq, true, (name) => (/^.[fh]_hfe/.test(name) ? (name[1] === "f" ? 0.75 : -0.75) : /kfe/.test(name) ? (name[1] === "f" ? -1.5 : 1.5) : 0)],
-  atlas: ["Atlas", atlas, true, (name) => (/leg_hpy/.test(name) ? -0.35 : /leg_kny/.test(name) ? 0.7 : /leg_aky/.test(name) ? -0.35 : 0)],
+  atlas: ["Atlas", atlas, true, (name) => (/leg_hpy/.test(name) ? -0.35 : /leg_kny/.test(name) ? 0.7 : /leg_aky/.test(name) ? -0.35 : name === "l_arm_shx" ? -1.2 : name === "r_arm_shx" ? 1.2 : 0)],
   cart_pole: ["cart-pole", cartPole, false, (name) => (name === "hinge" ? 2.6 : 0)],
 };
 

@@ -79,7 +79,7 @@ export class View {
   }
 
   bodyGroup(b, index) {
-    const { robot } = this, group = new THREE.Group(), thick = 0.013 * robot.size;
+    const { robot } = this, group = new THREE.Group(), thick = 0.013 * robot.size * Math.min(1, Math.sqrt(12 / robot.bodies.length));
     group.matrixAutoUpdate = false;
     group.userData.body = index;
     group.rods = new THREE.Group();
@@ -88,7 +88,7 @@ export class View {
       if (Math.hypot(...tip) > 1e-4) group.rods.add(between(new THREE.Vector3(), vector(tip), thick, colours.link));
     }
     if (b.nv === 1) {
-      const half = vector(b.axis).normalize().multiplyScalar(0.028 * robot.size);
+      const half = vector(b.axis).normalize().multiplyScalar(2.2 * thick);
       group.rods.add(between(half.clone().negate(), half, 1.7 * thick, colours.joint));
     }
     if (b.mass > 0) group.rods.add(inertiaEllipsoid(b));
@@ -156,7 +156,7 @@ export class View {
     this.reach.visible = Boolean(e);
     this.dirty = true;
     if (!e) return;
-    const lengths = e.axes.map((a) => Math.sqrt(Math.max(0, a.value))), scale = (0.22 * this.robot.size) / (Math.max(...lengths) || 1);
+    const lengths = e.axes.map((a) => Math.sqrt(Math.max(0, a.value))), scale = (0.17 * this.robot.size) / (Math.max(...lengths) || 1);
     placeEllipsoid(this.reach, e.place, e.axes, lengths.map((l) => Math.max(l * scale, 0.003 * this.robot.size)));
   }
 
@@ -168,10 +168,17 @@ export class View {
     for (const group of [this.base, ...this.groups]) box.expandByObject(group, true);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, 0), new THREE.Vector3(0.5, 0.5, 1));
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere()), half = (this.camera.fov / 2) * (Math.PI / 180);
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
-    const from = this.camera.position.clone().sub(this.controls.target);
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    const corner = (k) => new THREE.Vector3(...["x", "y", "z"].map((c, i) => (k & (1 << i) ? box.max : box.min)[c]));
+    let distance = radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect)));
+    for (let turn = 0; turn < 4; turn++) { // nearer, until the box just fits
+      this.camera.position.copy(center).addScaledVector(away, distance);
+      this.camera.lookAt(center);
+      this.camera.updateMatrixWorld();
+      const seen = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => corner(k).project(this.camera));
+      distance *= 1.12 * Math.max(...seen.flatMap((p) => [Math.abs(p.x), Math.abs(p.y)]));
+    }
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(from.normalize(), (0.9 * radius) / Math.sin(narrow));
     this.controls.update();
     this.dirty = true;
   }
