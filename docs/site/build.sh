@@ -16,7 +16,7 @@ for package in libjs-katex fonts-katex furo sphinx-common; do
 done
 python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
-[ "${RBD_PLAYGROUND-no}" = no ] || "$root/web/playground/build.sh" "$scratch/site/playground"
+[ "${RBD_PLAYGROUND-no}" = no ] || sh "$root/web/playground/build.sh" "$scratch/site/playground"
 mkdir -p "$(dirname -- "$out")"
 rm -rf "$out"
 mv "$scratch/site" "$out"
