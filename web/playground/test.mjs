@@ -86,7 +86,7 @@ const tests = {
     await framed();
     await picture("iiwa");
   },
-  async "gravity torques are those of the native reference: their work is the potential energy"() {
+  async "the work of the gravity torques is the potential energy"() {
     const change = await page.evaluate(() => {
       const { robot } = playground.current(), h = 1e-5, energy = (k, x) => {
         const q = robot.q(), kept = q[k];
@@ -161,7 +161,7 @@ const tests = {
     assert.ok((await q())[2] < 0.4 && low > -0.005, `it lies, ${low} m above the floor`);
     await picture("hyq_fallen");
   },
-  async "a pull by the mouse and a push by the keyboard move it"() {
+  async "the push button moves it"() {
     await page.click("#reset");
     const before = await q();
     await page.$eval('[data-push="0,1,0"]', (b) => b.click());
