@@ -44,7 +44,7 @@ static void all_calls_put(rbd_real *to, const rbd_const *x, int n) {
     for (int i = 0; i < n; i++) to[i] = (rbd_real)x[i];
 }
 
-/* What a model says of itself, and random positions. */
+/* Names, indices and sizes of the model, and random positions. */
 static void all_calls_model(all_calls *s) {
     rbd_real *o = s->out;
     uint64_t seed = 11;

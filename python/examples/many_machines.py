@@ -68,9 +68,9 @@ def study(states, new_executor, size=CHUNK, ahead=64, task=chunk):
         executor = new_executor()
         try:
             waiting = {}
-            todo = iter(list(left.items()))
+            chunks = iter(list(left.items()))
             while True:
-                while len(waiting) < ahead and (item := next(todo, None)):
+                while len(waiting) < ahead and (item := next(chunks, None)):
                     waiting[executor.submit(task, *item)] = item[0]
                 if not waiting:
                     break
