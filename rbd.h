@@ -309,6 +309,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_minverse RBDI_SYMBOL(rbd_minverse)
 #define rbd_passive RBDI_SYMBOL(rbd_passive)
 #define rbd_kinematics RBDI_SYMBOL(rbd_kinematics)
+#define rbd_body_kinematics RBDI_SYMBOL(rbd_body_kinematics)
 #define rbd_body_pose RBDI_SYMBOL(rbd_body_pose)
 #define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
 #define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)
@@ -630,6 +631,12 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
+
+/* The same of one body and of those between it and the world, at the price of this path. The functions below
+   read these bodies alone: of others, and of sums over all, they return RBD_ERR_ORDER.
+   Errors: RBD_ERR_NULL, _WORK, _INDEX. */
+RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a);
 
 /* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
    Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
@@ -1106,7 +1113,7 @@ struct rbd_model {
 
 /* ==== src/model/work.h ==== */
 /* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
-   RBDI_NOTE_DOUBT */
+   RBDI_NOTE_DOUBT, RBDI_NO_KINEMATICS */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -1159,11 +1166,13 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
 
+enum { RBDI_NO_KINEMATICS = -2 };
+
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
-    int singular; /* dof, -1 = none */
-    int have_kinematics;
+    int singular;      /* dof, -1 = none */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; or RBDI_NO_KINEMATICS */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif
@@ -3010,11 +3019,11 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
-/* The states of all links; keep: in kin. */
-RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state *world, const rbd_real *v,
-                              const rbd_real *a, int wrench, int keep) {
+/* The states of the links first .. end - 1, after those of their ancestors; keep: in kin. */
+RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
+                              const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }
@@ -3112,7 +3121,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_forward(m, w, &world, v, a, 1, 0);
+    rbdi_forward(m, w, 0, m->nl, &world, v, a, 1, 0);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }
@@ -4639,6 +4648,11 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 
 /* ---- kinematics [kinematics code] ---- */
 
+/* Whether link j is in the subtree of link i. */
+RBDI_INLINE int rbdi_carries(const rbd_model *m, int i, int j) {
+    return m->link[i].first <= m->link[j].first && m->link[j].first < m->link[i].end;
+}
+
 /* Velocity of the parent-fixed point at r, both in the parent's axes. */
 RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
     const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
@@ -4692,21 +4706,51 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *a) {
+/* Kinematics of the links first .. end - 1, after those of their ancestors. v, a: with mimics, or NULL. */
+static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                                 const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
+    const int moving = v || a;
+    if (!v) v = w->zero;
+    if (moving)
+        rbdi_forward(m, w, first, end, &world, v, a ? a : w->zero, 0, 1);
+    else
+        for (int i = first; i < end; ++i) w->kin[i].state = world, w->kin[i].v = world.acc;
+    rbdi_kin_links(m, w, first, end, v, moving);
+}
+
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
+    if (v) v = rbdi_expand_v(m, v, w->vx);
+    if (a) a = rbdi_expand_v(m, a, w->ax);
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
-    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_forward(m, w, &world, v, a, 0, 1);
-    rbdi_kin_links(m, w, 0, m->nl, v, 1);
+    rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k)
+    for (int k = 0; v && k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
-    w->have_kinematics = 1;
+    w->kinematics_of = m->nl;
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a) {
+    const rbd_status status = rbdi_check(m, w, q != NULL);
+    int last;
+    if (status) return status;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    last = m->frame[body].link;
+    if (v) v = rbdi_expand_v(m, v, w->vx);
+    if (a) a = rbdi_expand_v(m, a, w->ax);
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    for (int first = 0, end = 0; end <= last; first = end) { /* the path, in runs of consecutive links */
+        while (!rbdi_carries(m, first, last)) ++first;
+        for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
+        rbdi_link_kinematics(m, w, first, end, v, a);
+    }
+    w->kinematics_of = last;
     return RBD_OK;
 }
 
@@ -4743,12 +4787,22 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     return k;
 }
 
+/* Whether kinematics of a body are there; body -1: of all. */
+static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
+    const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
+    if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
+    return link < m->nl && last >= 0 && rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
+}
 /* arrays: none of the caller's required ones is NULL. */
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
     const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
-    return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
+    return rbdi_have_kinematics(m, w, body);
+}
+static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : rbdi_have_kinematics(m, w, -1);
 }
 
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
@@ -4883,7 +4937,7 @@ static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
 
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
@@ -4895,7 +4949,7 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
 
 RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
                                rbd_real *potential) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
@@ -4905,7 +4959,7 @@ RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *
 }
 
 RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
@@ -5022,6 +5076,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     int link, other;
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
+    if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
     r = rbdi_point_place(m, w, body, point);
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
@@ -5474,7 +5529,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     w->singular = -1;
-    w->have_kinematics = 0;
+    w->kinematics_of = RBDI_NO_KINEMATICS;
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
     RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
 #undef RBDI_TAKE

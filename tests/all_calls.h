@@ -133,6 +133,8 @@ static void all_calls_kinematics(all_calls *s) {
     ALL_CALLS_RUN(rbd_energy(s->m, s->w, o, o + 1), 2);
     ALL_CALLS_RUN(rbd_com(s->m, s->w, o, o + 3, o + 6), 9);
     ALL_CALLS_RUN(rbd_momentum(s->m, s->w, o, o + 6), 12);
+    ALL_CALLS_RUN(rbd_body_kinematics(s->m, s->w, last, s->q, s->v, NULL), 0);
+    ALL_CALLS_RUN(rbd_point_acceleration(s->m, s->w, last, point, RBD_LINK_AXES, o), 6);
     ALL_CALLS_RUN(rbd_integrate(s->m, s->q, s->v, (rbd_real)0.5, o), s->nq);
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
     ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);

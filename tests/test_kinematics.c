@@ -364,6 +364,64 @@ START_TEST(reading_before_kinematics_is_refused) {
 }
 END_TEST
 
+/* Whether body i is `last` or one of those between it and the world. */
+static int on_path(const robot *r, int i, int last) {
+    while (last > i) last = r->bodies[last].parent;
+    return last == i;
+}
+
+/* The kinematics of one body are those of all, for it and its ancestors; other bodies are refused. */
+static void check_path(const robot *r, const state *s, int number) {
+    const double *v = number % 3 == 0 ? NULL : s->v, *a = number % 2 == 0 ? NULL : s->a;
+    double J[2][6 * MAX_V], p[3], h[6], out[MAX_V + 12];
+    bodies all;
+    for (int last = 0; last < r->nb; last++) {
+        RUN(rbd_kinematics(r->m, r->w, s->q, v, a));
+        read_bodies(r, number, &all);
+        RUN(rbd_jacobian(r->m, r->w, last, NULL, RBD_LINK_AXES, J[0]));
+        RUN(rbd_rnea(r->m, r->w, s->q, s->a, s->v, NULL, out)); /* overwrites what it may */
+        RUN(rbd_body_kinematics(r->m, r->w, last, s->q, v, a));
+        RUN(rbd_jacobian(r->m, r->w, last, NULL, RBD_LINK_AXES, J[1]));
+        same("Jacobian of one body", J[1], J[0], 6 * r->nv);
+        for (int i = 0; i < r->nb; i++) {
+            const rbd_status status = rbd_body_pose(r->m, r->w, i, out, out + 9);
+            if (on_path(r, i, last)) ck_assert_int_eq(status, RBD_OK);
+            if (status) {
+                ck_assert_int_eq(status, RBD_ERR_ORDER);
+                ck_assert_int_eq(rbd_point_position(r->m, r->w, i, NULL, p), RBD_ERR_ORDER);
+                ck_assert_int_eq(rbd_relative_jacobian(r->m, r->w, last, NULL, i, RBD_WORLD_AXES, J[1]),
+                                 RBD_ERR_ORDER);
+                continue;
+            }
+            same("R of one body", out, all.R + 9 * i, 9);
+            same("p of one body", out + 9, all.p + 3 * i, 3);
+            RUN(rbd_body_velocity(r->m, r->w, i, h));
+            same("velocity of one body", h, all.velocity + 6 * i, 6);
+            RUN(rbd_body_acceleration(r->m, r->w, i, h));
+            same("acceleration of one body", h, all.acceleration + 6 * i, 6);
+        }
+        ck_assert_int_eq(rbd_momentum(r->m, r->w, h, NULL), RBD_ERR_ORDER);
+        ck_assert_int_eq(rbd_com(r->m, r->w, p, NULL, NULL), RBD_ERR_ORDER);
+        ck_assert_int_eq(rbd_energy(r->m, r->w, p, NULL), RBD_ERR_ORDER);
+    }
+}
+
+START_TEST(kinematics_of_one_body_are_those_of_all) { for_random_trees(100, check_path); }
+END_TEST
+
+START_TEST(kinematics_of_one_body_refuse_bad_arguments) {
+    robot r = iiwa();
+    const double q[MAX_Q] = {0};
+    double x[9];
+    ck_assert_int_eq(rbd_body_kinematics(r.m, r.w, -1, q, NULL, NULL), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_body_kinematics(r.m, r.w, 7, q, NULL, NULL), RBD_ERR_INDEX);
+    ck_assert_int_eq(rbd_body_kinematics(r.m, r.w, 0, NULL, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_body_kinematics(NULL, r.w, 0, q, NULL, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, x, NULL), RBD_ERR_ORDER);
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(bodies_out_of_range_are_refused) {
     const int wrong[3] = {-1, 7, 1000000};
     robot r = iiwa();
@@ -465,6 +523,8 @@ Suite *kinematics_suite(void) {
     tcase_add_test(c, missing_rates_are_zero);
     tcase_add_test(c, results_stay_until_the_next_kinematics);
     tcase_add_test(c, reading_before_kinematics_is_refused);
+    tcase_add_test(c, kinematics_of_one_body_are_those_of_all);
+    tcase_add_test(c, kinematics_of_one_body_refuse_bad_arguments);
     tcase_add_test(c, bodies_out_of_range_are_refused);
     tcase_add_test(c, null_arguments_are_refused);
     tcase_add_test(c, outputs_may_be_left_out);

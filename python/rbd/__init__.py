@@ -1657,6 +1657,11 @@ class Model(_Owner):
         """Computes poses, velocities and accelerations of all bodies; the calls below read them. None =
         zero."""
 
+    @_c("work")
+    def body_kinematics(self, body, q, v=None, a=None):
+        """The same of one body and of those between it and the world, at the price of this path. The calls below
+        read these bodies alone."""
+
     @_c("work", "R p", p="3")
     def body_pose(self, body):
         """Pose of a body after `kinematics`: R, and p, the link's origin in the world, m."""

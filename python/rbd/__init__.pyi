@@ -681,6 +681,16 @@ class Model:
             v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
             a            nv        acceleration dv/dt: rad/s^2, m/s^2"""
 
+    def body_kinematics(self, body: int | str, q: ArrayLike, v: ArrayLike | None = None,
+                        a: ArrayLike | None = None) -> None:
+        """The same of one body and of those between it and the world, at the price of this path. The calls below
+        read these bodies alone.
+
+            body                   index, or name of the link
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            a            nv        acceleration dv/dt: rad/s^2, m/s^2"""
+
     def body_pose(self, body: int | str) -> body_pose_results:
         """Pose of a body after `kinematics`: R, and p, the link's origin in the world, m.
 

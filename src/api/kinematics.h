@@ -13,6 +13,12 @@
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
+/* The same of one body and of those between it and the world, at the price of this path. The functions below
+   read these bodies alone: of others, and of sums over all, they return RBD_ERR_ORDER.
+   Errors: RBD_ERR_NULL, _WORK, _INDEX. */
+RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a);
+
 /* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
    Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],

@@ -43,6 +43,7 @@
 #define rbd_minverse RBDI_SYMBOL(rbd_minverse)
 #define rbd_passive RBDI_SYMBOL(rbd_passive)
 #define rbd_kinematics RBDI_SYMBOL(rbd_kinematics)
+#define rbd_body_kinematics RBDI_SYMBOL(rbd_body_kinematics)
 #define rbd_body_pose RBDI_SYMBOL(rbd_body_pose)
 #define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
 #define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)

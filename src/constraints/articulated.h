@@ -173,7 +173,7 @@ static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
-    w->have_kinematics = 0;
+    w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);

@@ -62,8 +62,8 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbd_work *w = c->w;
     const rbdi_state world = rbdi_world_state(gravity);
     c->world = world.acc;
-    w->have_kinematics = 0;
-    rbdi_forward(m, w, &world, v, a, wrench, 1);
+    w->kinematics_of = RBDI_NO_KINEMATICS;
+    rbdi_forward(m, w, 0, m->nl, &world, v, a, wrench, 1);
     rbdi_kin_of_paths(m, c, v, 1);
 }
 

@@ -58,7 +58,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
-    rbdi_forward(m, w, &world, v, a, 1, 0);
+    rbdi_forward(m, w, 0, m->nl, &world, v, a, 1, 0);
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, tau);
 }

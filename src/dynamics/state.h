@@ -146,11 +146,11 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
-/* The states of all links; keep: in kin. */
-RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, const rbdi_state *world, const rbd_real *v,
-                              const rbd_real *a, int wrench, int keep) {
+/* The states of the links first .. end - 1, after those of their ancestors; keep: in kin. */
+RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
+                              const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }

@@ -3,7 +3,7 @@
 #include "model/layout.h"
 
 /* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
-   RBDI_NOTE_DOUBT */
+   RBDI_NOTE_DOUBT, RBDI_NO_KINEMATICS */
 
 typedef struct rbdi_scratch { /* per link, of one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
@@ -56,11 +56,13 @@ typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
 
+enum { RBDI_NO_KINEMATICS = -2 };
+
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
-    int singular; /* dof, -1 = none */
-    int have_kinematics;
+    int singular;      /* dof, -1 = none */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; or RBDI_NO_KINEMATICS */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif

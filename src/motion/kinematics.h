@@ -10,6 +10,11 @@
 
 /* ---- kinematics [kinematics code] ---- */
 
+/* Whether link j is in the subtree of link i. */
+RBDI_INLINE int rbdi_carries(const rbd_model *m, int i, int j) {
+    return m->link[i].first <= m->link[j].first && m->link[j].first < m->link[i].end;
+}
+
 /* Velocity of the parent-fixed point at r, both in the parent's axes. */
 RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
     const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
@@ -63,21 +68,51 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
-                                   const rbd_real *a) {
+/* Kinematics of the links first .. end - 1, after those of their ancestors. v, a: with mimics, or NULL. */
+static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                                 const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
+    const int moving = v || a;
+    if (!v) v = w->zero;
+    if (moving)
+        rbdi_forward(m, w, first, end, &world, v, a ? a : w->zero, 0, 1);
+    else
+        for (int i = first; i < end; ++i) w->kin[i].state = world, w->kin[i].v = world.acc;
+    rbdi_kin_links(m, w, first, end, v, moving);
+}
+
+RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
+                                   const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
+    if (v) v = rbdi_expand_v(m, v, w->vx);
+    if (a) a = rbdi_expand_v(m, a, w->ax);
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
-    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_forward(m, w, &world, v, a, 0, 1);
-    rbdi_kin_links(m, w, 0, m->nl, v, 1);
+    rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; k < m->nv + rbdi_mimics(m); ++k)
+    for (int k = 0; v && k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
-    w->have_kinematics = 1;
+    w->kinematics_of = m->nl;
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
+                                        const rbd_real *v, const rbd_real *a) {
+    const rbd_status status = rbdi_check(m, w, q != NULL);
+    int last;
+    if (status) return status;
+    if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+    last = m->frame[body].link;
+    if (v) v = rbdi_expand_v(m, v, w->vx);
+    if (a) a = rbdi_expand_v(m, a, w->ax);
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    for (int first = 0, end = 0; end <= last; first = end) { /* the path, in runs of consecutive links */
+        while (!rbdi_carries(m, first, last)) ++first;
+        for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
+        rbdi_link_kinematics(m, w, first, end, v, a);
+    }
+    w->kinematics_of = last;
     return RBD_OK;
 }
 
@@ -114,12 +149,22 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     return k;
 }
 
+/* Whether kinematics of a body are there; body -1: of all. */
+static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
+    const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
+    if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
+    return link < m->nl && last >= 0 && rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
+}
 /* arrays: none of the caller's required ones is NULL. */
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
     const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
-    return w->have_kinematics ? RBD_OK : RBD_ERR_ORDER;
+    return rbdi_have_kinematics(m, w, body);
+}
+static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
+    const rbd_status status = rbdi_check(m, w, 1);
+    return status ? status : rbdi_have_kinematics(m, w, -1);
 }
 
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
@@ -254,7 +299,7 @@ static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
 
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
@@ -266,7 +311,7 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
 
 RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic,
                                rbd_real *potential) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
@@ -276,7 +321,7 @@ RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *
 }
 
 RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]) {
-    const rbd_status status = rbdi_check_body_call(m, w, 0, 1);
+    const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);

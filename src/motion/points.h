@@ -66,6 +66,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     int link, other;
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
+    if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
     r = rbdi_point_place(m, w, body, point);
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);

@@ -88,6 +88,7 @@ static void algorithms(const rbd_model *m, rbd_work *w) {
     rbd_cholesky_factor_packed(m, w, H);
     rbd_cholesky_factor(m, w, M, H);
     rbd_cholesky_solve(m, w, H, v, a);
+    rbd_body_kinematics(m, w, NB - 1, q, v, NULL);
     rbd_kinematics(m, w, q, v, v);
     for (int b = -1; b < NB; b++)
         rbd_body_pose(m, w, b, R, p), rbd_body_velocity(m, w, b, velocity),

@@ -101,6 +101,13 @@ void example_rbd_kinematics(void) {
     if (status == RBD_OK) status = rbd_body_acceleration_classical(m, w, foot, acceleration);
 }
 
+void example_rbd_body_kinematics(void) {
+    static double J[6 * HYQ_NV];
+    const int foot = rbd_body_index(m, "lf_lowerleg");
+    status = rbd_body_kinematics(m, w, foot, q, NULL, NULL); /* trunk and this leg, not the others */
+    if (status == RBD_OK) status = rbd_jacobian(m, w, foot, NULL, RBD_WORLD_AXES, J);
+}
+
 void example_rbd_com(void) {
     double kinetic, potential, c[3], c_dot[3];
     status = rbd_kinematics(m, w, q, v, NULL);
