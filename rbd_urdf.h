@@ -34,7 +34,7 @@
                   options.lock, it is held still where that puts it
      axis         what is not of unit length is made so
      limits       zero velocity or effort, or lower >= upper: none
-     angles       rad. What looks like degrees, as limits of -90 and 90, is a warning
+     angles       rad. Values that look like degrees, as limits of -90 and 90, give a warning
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
      rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them; entries of the matrix
@@ -83,7 +83,7 @@ typedef struct rbd_urdf_options {
 
 /* ---- status [status] ---- */
 
-/* What loading returns: 0, or a negative error; with options.strict also a warning's, which are positive. */
+/* Result of loading: 0, or a negative error; with options.strict also a warning's, which are positive. */
 typedef enum rbd_urdf_status {
     RBD_URDF_OK = 0,
     RBD_URDF_ERR_NULL = -1,      /* a required pointer is NULL */
@@ -219,7 +219,7 @@ namespace rbdi_urdf {
 
 typedef std::string str;
 
-/* What ends a load: thrown inside, caught at the C functions. */
+/* An error that ends a load: thrown inside, caught at the C functions. */
 struct failure {
     rbd_urdf_status status;
     int line;
@@ -564,8 +564,8 @@ inline const str *end_of(const element &joint, const char *which) {
     return x ? x->attribute("link") : NULL;
 }
 
-/* Takes from a robot the links that do not hang on this one, and the joints that they carry. What has no
-   name, or names what is not there, stays to be refused. */
+/* Removes the links outside this one's subtree, and the joints that they carry. An element without a name, or
+   that names a missing link, stays: later checks refuse it. */
 inline void take_subtree(element &robot, const str &root) {
     std::map<str, int> taken; /* all links: whether they hang on the root */
     std::multimap<str, str> carries;
@@ -943,7 +943,7 @@ class checked {
         text += "/>";
     }
 
-    /* What the options say of a joint, NULL if nothing. */
+    /* The options' entry for a joint, NULL if there is none. */
     const rbd_urdf_lock *lock_of(const str &joint) const {
         for (const rbd_urdf_lock *l = options.lock; l && l->joint; ++l)
             if (joint == l->joint) return l;
@@ -1227,7 +1227,7 @@ inline bool is_identity(const double R[9]) {
     return true;
 }
 
-/* What only rounding keeps from 0, 1 or -1 is that number. */
+/* An entry that differs from 0, 1 or -1 by rounding alone becomes that number. */
 inline void snap(double R[9]) {
     for (int i = 0; i < 9; ++i)
         if (std::fabs(R[i] - std::round(R[i])) <= 1e-15) R[i] = std::round(R[i]) + 0.0;

@@ -98,7 +98,7 @@ struct states {
 
 struct robot;
 
-/* What one thread needs of its own. */
+/* Memory of one thread. */
 struct worker {
     void *work, *memory;
     void *out; /* room for the results of one call */

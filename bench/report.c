@@ -1,4 +1,4 @@
-/* What the user sees: the progress line and the report. SPDX-License-Identifier: MIT */
+/* Output for the user: the progress line and the report. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 #include <errno.h>
@@ -50,7 +50,7 @@ static const char *row_title(const struct row *row, char text[NAME_SIZE]) {
     return text;
 }
 
-/* What compiled the library. */
+/* The compiler of a library. */
 static const char *build_of(const struct library *l) {
     return l->conventions ? l->conventions->build : COMPILER;
 }
@@ -177,7 +177,7 @@ static bool is_by_gcc(const struct row *row) {
            strncmp(build_of(row->instance->library), "gcc ", 4) == 0;
 }
 
-/* What the marks mean, as far as there are any. */
+/* Explains the marks that the table has. */
 static void write_table_notes(FILE *f, const struct row *rows, int n) {
     bool waited = false, disturbed = false, by_gcc = false;
     for (int i = 0; i < n; i++) {

@@ -85,7 +85,7 @@ static const struct {
 } calls[] = {CALLS(ROW)};
 enum { N_CALLS = sizeof calls / sizeof *calls };
 
-/* What rbd_kinematics left, read; 0 if it is gone. */
+/* Reads the results of rbd_kinematics; returns 0 if they are gone. */
 static int read_kinematics(rbd_real x[NB][24]) {
     for (int i = 0; i < NB; i++)
         if (rbd_body_pose(m, w, i, x[i], x[i] + 9) != RBD_OK ||

@@ -374,7 +374,7 @@ static void random_state(const rbd_model *m, const system_ *s, rbd_real *q, rbd_
     }
 }
 
-/* What each call says of one state; returns the number of dofs. */
+/* Status and dof of each call for one state; returns the number of dofs. */
 static int run(const system_ *s, words *o) {
     static rbd_real q[NQ], v[NV], tau[NV], a[NV], M[3][NV * NV];
     unsigned char given[NV] = {0};

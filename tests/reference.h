@@ -11,7 +11,7 @@ extern "C" {
 extern const int reference_count;
 const ref_model *reference_model(int index);
 
-/* What controllers ask, on models of their own; in control.c. */
+/* Reference data of the control quantities, on models of their own; in control.c. */
 extern const int control_count;
 const ref_control *reference_control(int index);
 

@@ -42,7 +42,7 @@
 #define FLOOR 1e-14
 #define DIRECT (100 * SCALAR_EPSILON)
 #define INVERSE(condition) (DIRECT + 100 * SCALAR_EPSILON * (condition))
-/* What may vanish by cancellation: iiwa's neutral state has hardly any gravity torque and bias. */
+/* Results that may vanish by cancellation: iiwa's neutral state has hardly any gravity torque and bias. */
 #define CANCELLED (1e-12 + 1000 * DIRECT)
 
 enum { MAX_B = 40, MAX_V = 64, MAX_Q = 80, MAX_M = MAX_V * MAX_V };
@@ -744,8 +744,8 @@ START_TEST(rank_may_differ_from_lane_to_lane) {
 }
 END_TEST
 
-/* What depends on q, by every way that reads it: torque, pose, a step, the way from the neutral
-   configuration. */
+/* Results that depend on q, by every call that reads it: torque, pose, a step, the difference from the
+   neutral configuration. */
 static int images(const rbd_real *at, rbd_real *x) {
     static rbd_real neutral[7], next[7];
     int n = rbd_nv(model);
@@ -823,7 +823,7 @@ END_TEST
         ck_assert_msg(build(&b, 1) == status, "%s: %d", #field, build(&b, 1)); \
     } while (0)
 
-/* What is finite in the description but not in the model. */
+/* Numbers that are finite in the description and not in the model's scalar. */
 START_TEST(figures_beyond_the_scalar_are_refused) {
     REFUSES(RBD_ERR_PITCH, pitch);
     REFUSES(RBD_ERR_POSITION, position[0]);

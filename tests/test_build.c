@@ -271,7 +271,7 @@ START_TEST(armature_beyond_the_joint_s_freedom_is_no_inertia) {
 }
 END_TEST
 
-/* What hangs on a movable body by fixed joints belongs to it, and a rotor is inertia enough. */
+/* Bodies fixed to a movable body belong to it, and the inertia of a rotor suffices. */
 START_TEST(leaf_with_fixed_mass_or_armature_is_welcome) {
     rbd_body b[NB];
     sound(b);

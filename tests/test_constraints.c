@@ -227,8 +227,8 @@ static int loops_of(int n, uint64_t *seed, rbd_constraint *list, int most) {
 
 static int both_ways, both_dependent;
 
-/* What elimination without pivoting makes of a rounding: 1 over the least part of a kept row that those
-   behind it do not produce, d_i / Delta_ii. */
+/* Growth of a rounding by elimination without pivoting: 1 over the least d_i / Delta_ii, the part of a kept
+   row that the rows behind it do not produce. */
 static double growth_of(const set *c) {
     double growth = 1;
     for (int i = 0; i < c->rows; i++) {
@@ -857,7 +857,7 @@ END_TEST
 
 /* ---- inverse dynamics with contacts ---- */
 
-/* What M a + c - J'lambda - tau leaves, of the dofs. */
+/* The residual M a + c - J'lambda - tau is zero. */
 static void check_balance(const robot *r, int number, const ref_control_state *s, const double *a,
                           const double *tau, const double *J, const double *lambda, int rows) {
     double left[MAX_V];

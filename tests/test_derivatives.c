@@ -889,7 +889,7 @@ static void check_alone(const robot *r, const state *s, int number) {
     free(d_memory);
 }
 
-/* What is kept is zero in the whole matrix; all else is written. */
+/* Entries that a call leaves as they were are zero in the whole matrix; it writes all others. */
 static void check_kept(const robot *r, const state *s, int number) {
     enum { MATRICES = 5 };
     static double whole[MATRICES][10 * MAX_M], kept[MATRICES][10 * MAX_M];

@@ -287,7 +287,8 @@ START_TEST(no_joint_with_armature_reaches_beyond_its_own) {
 }
 END_TEST
 
-/* What is refused is not read beyond either: the checks, and names that do not end as expected. */
+/* A refused description is not read beyond its end either: by the checks, and in names without the expected
+   end. */
 START_TEST(no_refusal_reaches_beyond_the_description) {
     for (side = FENCE_BEHIND; side < FENCES; side++)
         for (int i = 0; i < reference_count; i++) {

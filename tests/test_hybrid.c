@@ -25,7 +25,7 @@ static void draw_given(const robot *r, pattern p, uint64_t *seed, unsigned char 
     }
 }
 
-/* What the call is given, and NaN in the places of what it is asked for. */
+/* The given entries of a and tau, and NaN in the places of the unknown ones. */
 static void blank(int nv, const unsigned char *given, const double *a, const double *tau, double *x,
                   double *y) {
     for (int k = 0; k < nv; k++) {

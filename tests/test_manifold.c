@@ -115,7 +115,7 @@ static void check_pose(const robot *r, const state *s, int number) {
 START_TEST(integrate_moves_bodies_by_their_velocity) { for_random_states(2, check_pose); }
 END_TEST
 
-/* What q does along v, by steps of integrate; and back. */
+/* The rates of q along v are those of steps of rbd_integrate; and v comes back from them. */
 static void check_rates(const robot *r, const state *s, int number) {
     double q[MAX_Q], rates[MAX_Q], expected[MAX_Q], v[MAX_V], unit[MAX_Q], zero[MAX_V] = {0};
     double side[2][2][MAX_Q];
@@ -362,7 +362,7 @@ START_TEST(random_knows_angles_from_lengths) {
 }
 END_TEST
 
-/* What has no direction is the identity, here as in the dynamics. */
+/* A quaternion or angle vector of length zero is the identity, as in the dynamics. */
 START_TEST(zero_quaternions_and_angles_are_the_identity) {
     const rbd_body b[3] = {{.parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
                            {.type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},

@@ -172,7 +172,7 @@ START_TEST(errors_have_their_names) {
 }
 END_TEST
 
-/* What only numbers far from a robot's do. */
+/* Numbers far from a robot's reach the remaining branches. */
 START_TEST(extremes_are_judged_too) {
     const rbd_body arm[2] = {
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .armature = {1}},

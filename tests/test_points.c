@@ -390,7 +390,7 @@ START_TEST(momentum_does_not_depend_on_the_place) {
 }
 END_TEST
 
-/* What holds a floating robot is the torque of its base: the momentum's rate less the weight. */
+/* The torque of its base holds a floating robot: the momentum's rate less the weight. */
 static void check_base(const robot *r, const state *s, int number) {
     double tau[MAX_V], rate[6], c[3], f[6], torque[MAX_V], R[9], p[3], x[3];
     int roots = 0;

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* What rbd.h states at rbdi_sincos_array; beyond the limit twice as much. */
+/* The bounds that rbd.h states at rbdi_sincos_array; twice as much beyond the limit. */
 #if RBDI_REAL_KIND == 2
 #define BOUND 1.0e-7
 #define LIMIT 1e4

@@ -287,7 +287,7 @@ START_TEST(configuration_that_is_not_a_number_is_an_error) {
 }
 END_TEST
 
-/* What each call that factors M says of a state, and the dof that it names. */
+/* Status of each call that factors M, and the dof that it names. */
 enum { NAMING = 10 };
 typedef struct naming {
     rbd_derivatives *d;

@@ -25,9 +25,8 @@ typedef struct state {
     unsigned char *given; /* dofs whose acceleration hybrid dynamics takes */
 } state;
 
-/* What the rows or the columns of an output stand for: nothing, x y z, a motion or force, the coordinates,
-   the degrees of freedom, the links' inertial parameters, wrenches, poses, the axes that constraints hold,
-   what contacts do. */
+/* Meaning of the rows or columns of an output: none, x y z, a motion or force, coordinates, degrees of
+   freedom, inertial parameters of the links, wrenches, poses, the axes that constraints hold, contacts. */
 typedef enum axis { ONE, XYZ, SIX, COORDINATES, DOFS, PARAMETERS, WRENCHES, POSES, HELD, TOUCHES } axis;
 
 typedef struct output {

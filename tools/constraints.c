@@ -189,7 +189,7 @@ static int read_file(csv *table, const char *path, const robot *r, items *x) {
     return status;
 }
 
-/* What a report says of item f->body, at its row. */
+/* Prints a finding about item f->body, with the row of its table. */
 static int report_finding(csv *table, const items *x, const rbd_finding *f) {
     table->line = f->body < 0 || f->body >= x->n ? 1 : x->rows[f->body];
     return csv_error(table, "%s%s%s", f->field ? f->field : "", f->field ? ": " : "",

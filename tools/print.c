@@ -68,7 +68,7 @@ static const char *const types[RBD_JOINT_TYPES][2] = {
 const char *joint_type_name(rbd_joint_type type) { return types[type][0]; }
 const char *joint_type_constant(rbd_joint_type type) { return types[type][1]; }
 
-/* What the coordinates and the degrees of freedom of joints with several are called, by type. */
+/* Names of the coordinates and degrees of freedom of joints with several, by type. */
 static const char *const parts_of_q[RBD_JOINT_TYPES][7] = {
     [RBD_CONTINUOUS_CS] = {"cos", "sin"},
     [RBD_CYLINDRICAL] = {"angle", "length"},

@@ -32,7 +32,7 @@ const char *file_name(const char *path);
 const char *joint_type_name(rbd_joint_type type);
 const char *joint_type_constant(rbd_joint_type type);
 
-/* What its coordinates and its degrees of freedom are called, beside its name: "" if there is one. */
+/* Names of a joint's coordinates and degrees of freedom, added to its own name: "" if there is one. */
 const char *const *coordinate_names(rbd_joint_type type);
 const char *const *dof_names(rbd_joint_type type);
 

@@ -46,7 +46,7 @@ static const char *body_of_link(const rbd_model *m, int link) {
     return "part of a joint";
 }
 
-/* What the constants of a link spare, by name. */
+/* A link's flags, by name. */
 static void write_flags(int flags) {
     static const struct {
         int flag;

@@ -1,4 +1,4 @@
-/* What rbd-model says of a robot: its tree, joints, masses and warnings. SPDX-License-Identifier: MIT */
+/* The summary of a robot by rbd-model: tree, joints, masses, warnings. SPDX-License-Identifier: MIT */
 #include "print.h"
 #include <math.h>
 #include <stdio.h>

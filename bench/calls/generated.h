@@ -25,7 +25,7 @@ typedef FUNCTION(real) real;
 typedef double real;
 #endif
 
-/* What the code takes and gives at once: a state, or as many as there are lanes. */
+/* The states of one call: one, or as many as there are lanes. */
 struct group {
     const real *q, *v, *x;
     real *out;

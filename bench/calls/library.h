@@ -52,7 +52,7 @@ enum { BATCH = 64 };
 typedef rbd_status library_call(const void *model, void *work, int n, const void *q, const void *v,
                                 const void *x, void *out);
 
-/* What the run-time variants and the batches of rbd have for a work. */
+/* The work of rbd's run-time variants and batches. */
 struct rbd_memory {
     void *work;        /* rbd_work, rbd_batch */
     void *derivatives; /* rbd_derivatives, rbd_batch_derivatives */

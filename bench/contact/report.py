@@ -21,7 +21,7 @@ import figures  # noqa: E402
 ROBOTS = ["HyQ dropped, stands", "HyQ trots", "Atlas stands"]
 ROWS = {"HyQ dropped, stands": "12", "HyQ trots": "12", "Atlas stands": "24", "block, 26 degrees": "12",
         "block, 27 degrees": "12", "block, 40 degrees": "12", "thrown box": "24", "stack 1, 1, 100 kg": "36"}
-# What is wrong with a result: scene, words, column, unit.
+# Errors of a result: scene, words, column, unit.
 ERRORS = [(scene, "deepest penetration", "deepest_m", "m") for scene in ROBOTS + ["thrown box", "stack 1, 1, 100 kg"]] + [
     ("thrown box", "energy made (it has 36 J)", "energy_made_J", "J"),
     ("block, 26 degrees", "creeps below the threshold of friction", "creep_m_s", "m/s"),

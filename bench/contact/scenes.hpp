@@ -199,7 +199,7 @@ inline std::vector<scene> all_scenes() {
 
 // ---- controllers ----
 
-// What HyQ's joints deviate by from their stance in a trot of 2 Hz: diagonal legs lift in turns.
+// Deviation of HyQ's joints from their stance in a trot of 2 Hz: diagonal legs lift in turns.
 inline double trot(int joint, double t) {
     const int leg = joint % 4;
     const double side = leg < 2 ? 1 : -1, phase = 4 * pi * t + (leg == 0 || leg == 3 ? 0 : pi),

@@ -148,7 +148,7 @@ class mujoco_simulation : public simulation {
         }
         m->opt.solver = o.solver, m->opt.cone = o.cone, m->opt.iterations = o.iterations;
         m->opt.noslip_iterations = o.noslip, m->opt.noslip_tolerance = o.tolerance;
-        // What no scene has, so that it takes no time; contacts and the checks of mj_step stay.
+        // Switches off features that no scene has. Contacts and the checks of mj_step stay.
         m->opt.disableflags |=
             mjDSBL_EQUALITY | mjDSBL_FRICTIONLOSS | mjDSBL_LIMIT | mjDSBL_ACTUATION | mjDSBL_SENSOR;
         d.reset(mj_makeData(m.get()));

@@ -39,7 +39,7 @@ KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_imp
 OWN_ROBOTS = {"iiwa": "iiwa", "hyq": "HyQ"}
 OWN = {"id_own": "rbd_rnea", "mm_own": "rbd_crba", "fd_own": "rbd_aba", "id_derivatives_own": "rbd_id_derivatives",
        "fd_derivatives_own": "rbd_fd_derivatives", "constrained_fd_own": "rbd_constrained_fd"}
-# What the examples print of themselves, on the targets that their README has: words before or after a number.
+# Figures that the examples print, on the targets of their README: words before or after a number.
 EXAMPLES = {("cortex-m4f", "five_bar"): {"torques": r"torques (\d+) instructions", "motion": r"the mechanism (\d+)",
                                          "stack": r"stack (\d+) bytes", "set": r"loop (\d+)", "work": r"work (\d+)"}}
 for name in ("mpc_cart_pole", "mpc_iiwa"):
@@ -141,7 +141,7 @@ def run_tests(target, folder):
 
 # ---- proofs ----
 
-# What any compiler may call for: memory functions, and its own arithmetic.
+# Functions that any compiler may call: of memory, and its own arithmetic.
 ARITHMETIC = r"__((add|sub|mul|div|neg|eq|ne|lt|le|gt|ge|unord|powi){0}[23]|fix\w*{0}[sd]i|float\w*{0})"
 HELPERS = re.compile(r"mem(cpy|set|move)|__aeabi_\w+|__\w+[sd]i[23]?|__gnu_thumb1_case_\w+|"
                      + ARITHMETIC.format("[sd]f") + "|__extendsfdf2|__truncdfsf2")

@@ -22,8 +22,8 @@ std::string mjcf(const tree &t) {
            mjcf_children(t.bodies, -1, [](int) { return std::string(); }) + "</worldbody></mujoco>";
 }
 
-// What differs between versions, whose number is 222 for 2.2.2 and 3010000 for 3.10.0:
-// what computes the mass matrix that mj_factorM reads,
+// Differences between versions, whose number is 222 for 2.2.2 and 3010000 for 3.10.0:
+// the function that computes the mass matrix that mj_factorM reads,
 #if mjVERSION_HEADER < 333
 #define MASS_MATRIX "mj_crb"
 void mass_matrix(const mjModel *m, mjData *d) { mj_crb(m, d); }

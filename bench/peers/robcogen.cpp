@@ -72,7 +72,7 @@ template <typename Vector> void take(Vector *to, const double *from) {
     std::memcpy(to->data(), from, (size_t)to->size() * sizeof(double));
 }
 
-// What a floating base has besides: its velocity, gravity in its axes.
+// Further inputs of a floating base: its velocity, gravity in its axes.
 template <class W> void take_base(W *w, const double *q, const double *v) {
     if constexpr (traits::floating_base) {
         take(&w->base, v);

@@ -68,7 +68,7 @@ static bool count_loop(const struct perf_group *group, struct perf_run *r) {
     return opened;
 }
 
-/* What each counter must say of the loop. */
+/* Checks a counter's value for the loop. */
 static void check_counter(const char *name, double count) {
     const bool x86 = HAVE_LOOPS;
     if (strcmp(name, "task_clock_ns") == 0)

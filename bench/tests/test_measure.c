@@ -85,7 +85,7 @@ static rbd_status slow(const struct row *row, int first, int count, double *ns) 
     return status;
 }
 
-/* What measuring with this clock prints to stderr. */
+/* The text that measuring with this clock prints to stderr. */
 static const char *printed(timer *clock, char text[256]) {
     int ends[2];
     const int saved = dup(STDERR_FILENO);

@@ -6,7 +6,7 @@
 
 int thread_share(int count, int t, int threads) { return (int)((int64_t)count * t / threads); }
 
-/* What thread t does of a row. */
+/* Runs thread t's share of a row. */
 static rbd_status run_share(const struct row *row, int t, int first, int count) {
     const struct instance *r = row->instance;
     const int begin = thread_share(count, t, row->threads), end = thread_share(count, t + 1, row->threads);

@@ -76,7 +76,7 @@ struct part {
     int n;
 };
 
-/* What is stored of an algorithm's result, part after part; of a packed matrix the full one. */
+/* The stored result of an algorithm, part after part; for a packed matrix the full one. */
 static void stored(const struct check *c, const ref_state *s, struct part part[PARTS]) {
     const int nv = c->robot->nv, n = nv * nv, last = c->robot->nb - 1;
     const struct part parts[ALGORITHMS][PARTS] = {

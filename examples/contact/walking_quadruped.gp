@@ -32,7 +32,7 @@ set lmargin at screen 0.08
 set rmargin at screen 0.98
 set xrange [0:27.5]
 
-# What happens by time.
+# Events by time.
 set format x ""
 set ylabel "m"
 set yrange [*:*]

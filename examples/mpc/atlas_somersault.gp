@@ -30,7 +30,7 @@ set lmargin at screen 0.09
 set rmargin at screen 0.98
 set xrange [0:0.8]
 
-# What happens by time.
+# Events by time.
 first = 0.42; height = 0.24
 set bmargin at screen first
 set tmargin at screen first + height

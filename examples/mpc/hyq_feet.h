@@ -42,8 +42,8 @@ static void check(rbd_status status) {
     if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
 }
 
-/* HyQ, and its feet as constraints: with their places for rbd_assemble, without stiffness. What velocity is
-   left of a standing foot is gone in a tick. */
+/* HyQ, and its feet as constraints: with their places for rbd_assemble, without stiffness. A standing
+   foot loses its remaining velocity in one tick. */
 static void prepare_feet(void) {
     static unsigned char work_memory[HYQ_WORK_SIZE], memory[RBD_DERIVATIVES_SIZE(HYQ_NB, NV)],
         set_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)];

@@ -34,7 +34,7 @@ set rmargin at screen 0.98
 set xrange [0:1.5]
 set yrange [-0.1:1]
 
-# What happens by time.
+# Events by time.
 first = 0.56; height = 0.205
 set format x ""
 set ylabel "m" offset 1

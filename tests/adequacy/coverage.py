@@ -27,7 +27,7 @@ def suite_sources():
     return re.findall(r"'([^']+)'", names)
 
 
-# What the header has when it is optimised, compiled fast: no optimisation and no forced inlining.
+# The code of an optimised build, compiled fast: no optimisation and no forced inlining.
 QUICK = ["-O0", "-D__OPTIMIZE__=1", "-Dalways_inline=unused"]
 AVX2 = ["-mavx2", "-mfma"]
 DATA = ["reference.c", "control.c"]
@@ -35,7 +35,7 @@ DATA = ["reference.c", "control.c"]
 
 def programs():
     """(name, sources with the headers' implementation, other sources, flags, libraries). Every build here reaches
-    something that those before it do not. What is named after a suite runs this one alone."""
+    something that those before it do not. A build named after a suite runs that suite alone."""
     out = [("suites", ["rbd.c"], suite_sources(), QUICK, [])]
     if " avx2 " in Path("/proc/cpuinfo").read_text():  # batches of four
         out.append(("constraints", ["rbd.c"], suite_sources(), [*QUICK, *AVX2], []))

@@ -1,7 +1,7 @@
 /* check.c - generated code of the first ROBOTS of the chosen robots against rbd.h, on random and bad states.
    ROBOTS is 3, 8 or 10, NAME what write.cpp was given, REAL the scalar, CODE_LANES the lanes, CODE_BOUNDED
-   whether angles are. What is no number is wrong where rbd.h has one, and so is any status that is not
-   rbd.h's; but for angles out of bounds. */
+   whether angles are. NaN is wrong where rbd.h has a number, and so is any status that is not rbd.h's,
+   except for angles out of bounds. */
 #define RBD_REAL REAL
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
@@ -293,8 +293,8 @@ static int is_judged_alone(int k, int call, int status) {
     return k == NOT_A_NUMBER && call == call_fd_derivatives && status < 0;
 }
 
-/* An angle of the last lane is out of bounds: whether it is refused, by a status and zeros, or NaN. What is a
-   number all the same is right. */
+/* An angle of the last lane is out of bounds: whether it is refused, by a status and zeros, or NaN. Results
+   that are numbers all the same are right. */
 static int is_refused(int k, int call, int status, const REAL *right) {
     const int lane = CODE_LANES - 1;
     if (call >= FIRST_WITH_PIVOTS && (status == -1 - rbd_nv(m) || is_judged_alone(k, call, status))) {

@@ -245,7 +245,7 @@ static void adapt_problem(void) {
     for (int k = 0; k < nv; k++) now.state.v[k] = (double)x[k];
 }
 
-/* What is asked of an answer: M (x - x0) = J' lambda, J x = b. */
+/* The equations that an answer must meet: M (x - x0) = J' lambda, J x = b. */
 typedef struct question {
     quad x0[WORLD_DOFS], b[DENSE_ROWS], b_size[DENSE_ROWS];
     quad x[WORLD_DOFS], lambda[DENSE_ROWS];
@@ -253,7 +253,8 @@ typedef struct question {
     int feasible;         /* 1, -1, or 0 where that is for rounding to say */
 } question;
 
-/* What is left of dependent rows, over what they add up: rounding, and no rounding. */
+/* Residual of dependent rows over the sum of their terms: rounding below the first, a contradiction above the
+   second. */
 static const quad consistent = 1e-11L, contradictory = 1e-3L;
 
 /* Where nothing is asked for, the rows agree whatever their rank. */
@@ -928,7 +929,7 @@ static void show_one(int class_of_problem, int number) {
     for (int k = 0; k < QUANTITIES; k++) printf("%-36s %.2e\n", quantities[k].name, current[k]);
 }
 
-/* What is published: twice the worst, to one digit, rounded up; at least the rounding unit. */
+/* The published bound: twice the worst error, to one digit, rounded up; at least the rounding unit. */
 static double bound_of(double error) {
     char text[32];
     const double bound = fmax(2 * error, DBL_EPSILON / 2);

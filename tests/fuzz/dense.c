@@ -94,8 +94,8 @@ static void into(const place *two, const quad x[3], quad out[3]) {
     for (int i = 0; i < 3; i++) out[i] = two->R[i] * x[0] + two->R[3 + i] * x[1] + two->R[6 + i] * x[2];
 }
 
-/* What the dofs on the way to a body move at the origin of frame 1, which is so far along the tree: sign
-   times (angular; linear). */
+/* Adds sign times the motion (angular; linear) that each dof on the way to a body gives to the origin of
+   frame 1; `path` is its distance along the tree. */
 static void add_columns(const world *s, int body, const place *one, const place *two, quad path, int sign,
                         quad J[6][WORLD_DOFS], quad size[6][WORLD_DOFS]) {
     for (int i = body < 0 ? -1 : s->last[body]; i >= 0; i = s->element[i].before) {

@@ -404,7 +404,7 @@ static void print_worst(void) {
         robots_done, refused, accepted_singular, beyond_range, failures);
 }
 
-/* What is published: twice the worst, to one digit, rounded up; at least the rounding unit. */
+/* The published bound: twice the worst error, to one digit, rounded up; at least the rounding unit. */
 static double bound_of(double error) {
     char text[32];
     const double bound = fmax(2 * error, epsilon);

@@ -309,7 +309,7 @@ static void measure_reach(const rbd_body *b, int nb, quad *reach) {
         if (b[i].type == RBD_FIXED && b[i].parent >= 0) reach[i] = larger(reach[i], reach[b[i].parent]);
 }
 
-/* What the motion of a body is measured by: its own, and that of the far ends of the links on the way to it.
+/* The size of a body's motion: its own, and that of the far ends of the links on the way to it.
    The library chooses the points that it computes with, as engineers do, on the axes: as far from the body as
    that. */
 static void measure_bodies(world *s) {

@@ -57,7 +57,7 @@ void world_torques(const world *s, const quad gravity[3], const quad *a, const q
  * entry. */
 void world_mass_matrix(const world *s, quad *M, quad *size);
 
-/* What rbd_com and rbd_energy give, with sizes: position, velocity and acceleration of the centre of mass,
+/* Results of rbd_com and rbd_energy, with sizes: position, velocity and acceleration of the centre of mass,
    kinetic and potential energy. */
 typedef struct world_totals {
     quad com[3][3], com_size[3];

@@ -37,7 +37,7 @@ class tree {
     const std::vector<joint> &joints;
     int width, groups = 0, slots = 0;
 
-    /* What body b carries: moving bodies, by shape, and those fixed to it, which are seen through. */
+    /* The bodies that body b carries: moving ones, by shape; fixed ones, whose own children count as b's. */
     struct carried {
         std::vector<int> moving, fixed;
     };
