@@ -1968,6 +1968,13 @@ RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
     v.x = x, v.y = y, v.z = z;
     return v;
 }
+/* A vector to and from three scalars, a stride apart. */
+RBDI_INLINE void rbdi_store_vec(rbd_real *a, ptrdiff_t stride, rbdi_v3 v) {
+    a[0] = v.x, a[stride] = v.y, a[2 * stride] = v.z;
+}
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a, ptrdiff_t stride) {
+    return rbdi_vec(a[0], a[stride], a[2 * stride]);
+}
 RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
 RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
@@ -2289,21 +2296,24 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
 }
 
 /* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
-    rbd_real *b = a + 3 * stride;
-    a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
-    b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
+RBDI_INLINE void rbdi_store_motion(rbd_real *a, ptrdiff_t stride, rbdi_motion V) {
+    rbdi_store_vec(a, stride, V.omega);
+    rbdi_store_vec(a + 3 * stride, stride, V.v);
 }
-
+RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a, ptrdiff_t stride) {
+    rbdi_motion V;
+    V.omega = rbdi_load_vec(a, stride), V.v = rbdi_load_vec(a + 3 * stride, stride);
+    return V;
+}
+RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
+    rbdi_store_vec(a, stride, F.n);
+    rbdi_store_vec(a + 3 * stride, stride, F.f);
+}
 RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
-    const rbd_real *b = a + 3 * stride;
     rbdi_force F;
-    F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
-    F.f = rbdi_vec(b[0], b[stride], b[2 * stride]);
+    F.n = rbdi_load_vec(a, stride), F.f = rbdi_load_vec(a + 3 * stride, stride);
     return F;
 }
-
-RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 /* ==== src/algebra/rotations.h ==== */
 /* Quaternions and angles. */
@@ -2444,16 +2454,16 @@ static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
 static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
-    rbdi_v3 u = rbdi_vec(a[0], a[1], a[2]), v = rbdi_vec(b[0], b[1], b[2]);
+    rbdi_v3 u = rbdi_load_vec(a, 1), v = rbdi_load_vec(b, 1);
     rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
-    rbdi_store(rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))), out);
+    rbdi_store_vec(out, 1, rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))));
     out[3] = w;
 }
 
 /* q exp(turn), normalised. */
 static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
-    rbdi_store(rbdi_scale(e.half_sine, turn), step);
+    rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
     step[3] = e.half_cosine;
     rbdi_unit_quaternion(q, unit);
     rbdi_quaternion_product(unit, step, unit);
@@ -2469,7 +2479,7 @@ static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const 
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
     rbdi_quaternion_product(a, b, c);
-    v = rbdi_vec(c[0], c[1], c[2]);
+    v = rbdi_load_vec(c, 1);
     back = rbdi_less(c[3], rbdi_zero());
     cosine = rbdi_select(back, -c[3], c[3]);
     sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_NO_ANGLE);
@@ -2528,7 +2538,7 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 }
 
 /* ==== src/model/features.h ==== */
-/* Interface: rbdi_block_dofs, rbdi_block_first, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
+/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
@@ -2561,17 +2571,12 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* Of a block: the joint's type, its axes, whether these are turned, and whether its parent is the world. */
-RBDI_INLINE int rbdi_block_type(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->type : (int)RBD_FLOATING;
+/* The block of a link: known if all blocks of the program are floating bases on the world, in its axes. */
+RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
+    static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
 }
-RBDI_INLINE int rbdi_block_first(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->first : 0;
-}
-RBDI_INLINE int rbdi_block_dofs(const rbdi_block *b) { return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->n : 6; }
-RBDI_INLINE int rbdi_block_turned(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? !b->identity : 0;
-}
+/* Whether the parent of a block is the world. */
 RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
@@ -2624,9 +2629,8 @@ RBDI_CODE_END
 RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
-   rbdi_trig_of, RBDI_BY_FLAGS */
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
+   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -2634,22 +2638,19 @@ RBDI_DYNAMICS_BEGIN
    and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
    types mostly need the first two only. */
 
-RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
-    return &m->block[l->block];
-}
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_dofs(rbdi_block_of(m, l)) : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
-    switch (rbdi_block_type(b)) {
+    switch (b->type) {
     case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
     case RBD_PLANAR: {
         rbd_real c, s;
@@ -2661,17 +2662,17 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         break;
     }
     case RBD_TRANSLATION:
-        shift = rbdi_vec(q[0], q[1], q[2]);
+        shift = rbdi_load_vec(q, 1);
         X.E = rbdi_mat_c(b->E);
         break;
     default: /* RBD_FLOATING */
-        shift = rbdi_vec(q[0], q[1], q[2]);
+        shift = rbdi_load_vec(q, 1);
         X.E = rbdi_quaternion_down(q + 3);
         break;
     }
-    if (rbdi_block_turned(b)) {
+    if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (rbdi_block_type(b) != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
         shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
@@ -2857,21 +2858,12 @@ RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F
     return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
-RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {
-    a[0] = V.omega.x, a[1] = V.omega.y, a[2] = V.omega.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
-}
-RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
-    rbdi_motion V;
-    V.omega = rbdi_vec(a[0], a[1], a[2]);
-    V.v = rbdi_vec(a[3], a[4], a[5]);
-    return V;
-}
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
-    if (rbdi_block_dofs(b) == 6) return rbdi_motion_from_array(v);
+    if (b->n == 6) return rbdi_load_motion(v, 1);
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
-    return rbdi_motion_from_array(a);
+    return rbdi_load_motion(a, 1);
 }
 
 /* ==== src/dynamics/state.h ==== */
@@ -3088,8 +3080,8 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, *F);
-    for (int k = 0; k < rbdi_block_dofs(b); ++k) tau[l->iv + k] = all[rbdi_block_first(b) + k];
-    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < rbdi_block_dofs(b); ++k)
+    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
         tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
@@ -3391,8 +3383,8 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
-    if (rbdi_block_dofs(b) < 6 || stride != usual)
-        rbdi_crba_entries_block(m, w, l, rbdi_block_first(b), rbdi_block_dofs(b), stride, *C, H, M);
+    if (b->n < 6 || stride != usual)
+        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
@@ -3730,7 +3722,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
+    return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
@@ -3746,9 +3738,9 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_force pa;
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = rbdi_block_dofs(b) - 1; k >= 0; --k) {
+    for (int k = b->n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = rbdi_block_first(b) + k, end = rbdi_free_base(l, b) ? s : 6;
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
         rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
                  inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
         w->pivot[l->iv + k] = D;
@@ -3863,7 +3855,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
+    rbdi_store_motion(all, 1, rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c));
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
             rbd_real x = bw->u_D[k];
@@ -3872,16 +3864,16 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
             a[l->iv + k] = x - all[k];
             all[k] = x;
         }
-        return rbdi_motion_from_array(all);
+        return rbdi_load_motion(all, 1);
     }
-    for (int k = 0; k < rbdi_block_dofs(b); ++k) {
+    for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
-        all[rbdi_block_first(b) + k] = all[rbdi_block_first(b) + k] + qdd;
+        all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
-    return rbdi_motion_from_array(all);
+    return rbdi_load_motion(all, 1);
 }
 
 /* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */
@@ -4325,7 +4317,7 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         if (!rbdi_is(l, RBDI_BLOCK))
             K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
-            for (int k = 0, s = rbdi_block_first(rbdi_block_of(m, l)); k < rbdi_link_dofs(m, l); ++k)
+            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_link_dofs(m, l); ++k)
                 K[iv + k] = K[iv + k] + own[s + k];
     }
 }
@@ -4812,11 +4804,11 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
     if (status) return status;
     k = rbdi_body_kin(m, w, body);
     if (R) {
-        rbdi_store(rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx), R);
-        rbdi_store(rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy), R + 3);
-        rbdi_store(rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz), R + 6);
+        rbdi_store_vec(R, 1, rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx));
+        rbdi_store_vec(R + 3, 1, rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy));
+        rbdi_store_vec(R + 6, 1, rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz));
     }
-    if (p) rbdi_store(k.X.r, p);
+    if (p) rbdi_store_vec(p, 1, k.X.r);
     return RBD_OK;
 }
 
@@ -4826,7 +4818,7 @@ enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
 static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
                                     rbd_axes axes, int quantity, rbd_real *out) {
     const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
-    const rbdi_v3 x = point ? rbdi_vec(point[0], point[1], point[2]) : rbdi_vec0();
+    const rbdi_v3 x = point ? rbdi_load_vec(point, 1) : rbdi_vec0();
     rbdi_motion V;
     rbdi_kin k;
     if (status) return status;
@@ -4835,7 +4827,7 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     V.v = quantity == RBDI_VELOCITY ? rbdi_point_v(&k, x) : rbdi_point_acc(&k, x);
     if (quantity == RBDI_SPATIAL_ACCELERATION) V.v = rbdi_sub(V.v, rbdi_cross(k.state.omega, k.v));
     if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
-    rbdi_motion_to_array(V, out);
+    rbdi_store_motion(out, 1, V);
     return RBD_OK;
 }
 
@@ -4941,9 +4933,9 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
-    if (position) rbdi_store(s.com, position);
-    if (velocity) rbdi_store(rbdi_scale(s.inverse_mass, s.h.f), velocity);
-    if (acceleration) rbdi_store(rbdi_scale(s.inverse_mass, s.h_dot.f), acceleration);
+    if (position) rbdi_store_vec(position, 1, s.com);
+    if (velocity) rbdi_store_vec(velocity, 1, rbdi_scale(s.inverse_mass, s.h.f));
+    if (acceleration) rbdi_store_vec(acceleration, 1, rbdi_scale(s.inverse_mass, s.h_dot.f));
     return RBD_OK;
 }
 
@@ -5021,7 +5013,7 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
 static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_v3 r = rbdi_vec_c(u->r);
-    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_vec(point[0], point[1], point[2])));
+    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
     return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
 }
 
@@ -5037,7 +5029,7 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];
-    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k : 2;
+    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
     c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
               : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
@@ -5060,7 +5052,7 @@ RBDI_INLINE void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, 
         rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
         rbdi_motion c = rbdi_column(m, w, i, k, r);
         if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
-        rbdi_motion_to_array(c, column);
+        rbdi_store_motion(column, 1, c);
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             to[j * m->nv] = to[j * m->nv] + column[j] * share;
     }
@@ -5138,7 +5130,7 @@ RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int 
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         F.n = rbdi_mul(E, F.n), F.f = rbdi_mul(E, F.f);
     }
-    if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_vec(point[0], point[1], point[2]), F.f));
+    if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_load_vec(point, 1), F.f));
     rbdi_store_force(row, 1, F);
     return RBD_OK;
 }
@@ -5147,7 +5139,7 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
                                        const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, position != NULL);
     if (status) return status;
-    rbdi_store(rbdi_point_place(m, w, body, point), position);
+    rbdi_store_vec(position, 1, rbdi_point_place(m, w, body, point));
     return RBD_OK;
 }
 
@@ -5170,7 +5162,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         break;
     }
     case RBD_SPHERICAL:
-        x = rbdi_vec(d[0], d[1], d[2]);
+        x = rbdi_load_vec(d, 1);
         rbdi_quaternion_step(q, rbdi_exp_of(x), x, q_next);
         break;
     case RBD_PLANAR: {
@@ -5184,11 +5176,11 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         break;
     }
     case RBD_FLOATING: {
-        rbdi_v3 turn = rbdi_vec(d[0], d[1], d[2]);
+        rbdi_v3 turn = rbdi_load_vec(d, 1);
         rbdi_exp e = rbdi_exp_of(turn);
-        x = rbdi_exp_shift(e, turn, rbdi_vec(d[3], d[4], d[5]));
+        x = rbdi_exp_shift(e, turn, rbdi_load_vec(d + 3, 1));
         x = rbdi_mul_t(rbdi_quaternion_down(q + 3), x);
-        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), x), q_next);
+        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), x));
         rbdi_quaternion_step(q + 3, e, turn, q_next + 3);
         break;
     }
@@ -5203,9 +5195,9 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
 static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
     if (u->type == RBD_FLOATING) {
-        const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
-        const rbdi_v3 gain = rbdi_cross(rbdi_vec(v[0], v[1], v[2]), linear);
-        rbdi_store(rbdi_add(linear, rbdi_scale(dt, gain)), nu + 3);
+        const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
+        const rbdi_v3 gain = rbdi_cross(rbdi_load_vec(v, 1), linear);
+        rbdi_store_vec(nu + 3, 1, rbdi_add(linear, rbdi_scale(dt, gain)));
     } else if (u->type == RBD_PLANAR) {
         nu[1] = v[1] - dt * v[0] * v[2], nu[2] = v[2] + dt * v[0] * v[1];
     }
@@ -5218,9 +5210,9 @@ static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd
     rbdi_v3 turn, shift;
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
     if (u->type == RBD_FLOATING) {
-        turn = rbdi_vec(d[0], d[1], d[2]);
-        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_vec(d[3], d[4], d[5]));
-        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), shift), q_next);
+        turn = rbdi_load_vec(d, 1);
+        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_load_vec(d + 3, 1));
+        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), shift));
         rbdi_quaternion_step(q + 3, rbdi_exp_of(turn), turn, q_next + 3);
     } else if (u->type == RBD_PLANAR) {
         rbdi_sincos(q[2], &s, &c);
@@ -5246,7 +5238,7 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_v3 turn, x;
     rbdi_exp e;
     if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
-        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_vec(moved[0], moved[1], moved[2]);
+        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_load_vec(moved, 1);
         turn = rbdi_scale(dt, turn);
         e = rbdi_exp_of(turn);
         for (int k = planar; k < u->nv; k += 3) {
@@ -5272,7 +5264,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
         break;
     }
-    case RBD_SPHERICAL: rbdi_store(rbdi_quaternion_difference(q0, q1), d); break;
+    case RBD_SPHERICAL: rbdi_store_vec(d, 1, rbdi_quaternion_difference(q0, q1)); break;
     case RBD_PLANAR: {
         rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
         rbdi_sincos(angle, &s, &c);
@@ -5281,15 +5273,15 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
         x = rbdi_turn_z(0, c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
         x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
-        rbdi_store(rbdi_vec(angle, x.x, x.y), d);
+        rbdi_store_vec(d, 1, rbdi_vec(angle, x.x, x.y));
         break;
     }
     case RBD_FLOATING:
         turn = rbdi_quaternion_difference(q0 + 3, q1 + 3);
-        x = rbdi_sub(rbdi_vec(q1[0], q1[1], q1[2]), rbdi_vec(q0[0], q0[1], q0[2]));
+        x = rbdi_sub(rbdi_load_vec(q1, 1), rbdi_load_vec(q0, 1));
         x = rbdi_log_shift(rbdi_exp_of(turn), turn, rbdi_mul(rbdi_quaternion_down(q0 + 3), x));
-        rbdi_store(turn, d);
-        rbdi_store(x, d + 3);
+        rbdi_store_vec(d, 1, turn);
+        rbdi_store_vec(d + 3, 1, x);
         break;
     default:
         for (int k = 0; k < u->nv; ++k) d[k] = q1[k] - q0[k];
@@ -5316,13 +5308,13 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
         break;
     case RBD_SPHERICAL:
     case RBD_FLOATING:
-        rbdi_store(rbdi_scale(half, rbdi_vec(v[0], v[1], v[2])), turn);
+        rbdi_store_vec(turn, 1, rbdi_scale(half, rbdi_load_vec(v, 1)));
         turn[3] = rbdi_zero();
         rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
         if (u->type == RBD_FLOATING) {
             const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
-            rbdi_store(rbdi_mul_t(E, linear), rates);
+            const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
+            rbdi_store_vec(rates, 1, rbdi_mul_t(E, linear));
         }
         break;
     default:
@@ -5340,7 +5332,7 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         break;
     case RBD_PLANAR:
         rbdi_sincos(q[2], &x[1], &x[0]);
-        rbdi_store(rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())), x);
+        rbdi_store_vec(x, 1, rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())));
         v[0] = rates[2], v[1] = x[0], v[2] = x[1];
         break;
     case RBD_SPHERICAL:
@@ -5349,11 +5341,11 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         k = rbdi_inverse_length(&q[u->nq - 4], x, 4);
         for (int i = 0; i < 3; ++i) x[i] = -x[i];
         rbdi_quaternion_product(x, &rates[u->nq - 4], x);
-        rbdi_store(rbdi_scale(k + k, rbdi_vec(x[0], x[1], x[2])), v);
+        rbdi_store_vec(v, 1, rbdi_scale(k + k, rbdi_load_vec(x, 1)));
         if (u->type == RBD_FLOATING) {
             const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_vec(rates[0], rates[1], rates[2]);
-            rbdi_store(rbdi_mul(E, linear), v + 3);
+            const rbdi_v3 linear = rbdi_load_vec(rates, 1);
+            rbdi_store_vec(v + 3, 1, rbdi_mul(E, linear));
         }
         break;
     default:

@@ -635,7 +635,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_first(rbdi_block_of(m, l)); j < rbdi_link_dofs(m, l); ++j, ++s)
+        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++s)
             rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
                                    s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
     }
@@ -1213,8 +1213,8 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
         for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
-        rbdi_motion_to_array(w->scratch[i].c, C);
-        rbdi_rows_dofs(bw, rbdi_block_first(b), rbdi_block_dofs(b), 0, &on, Y, stride);
+        rbdi_store_motion(C, 1, w->scratch[i].c);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
         for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
         rbdi_wrenches_up_block(&bw->X, on.K);
     }
@@ -1994,8 +1994,8 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
         x.turn = rbdi_mul(R_2, x.turn);
         x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R_2, rbdi_vec(axis[0], axis[1], axis[2]));
-        x.free[1] = rbdi_mul(R_1, rbdi_vec(axis[0], axis[1], axis[2]));
+        x.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
+        x.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
     return x;
 }
@@ -2083,7 +2083,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : mz), force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi));
+            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
             *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
         }
@@ -2095,7 +2095,7 @@ static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, con
                                const rbdi_pair_motion *x, rbd_real *rho) {
     RBDI_FOR_PATHS(m, k, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi)),
+        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
                      rho + rbdi_source(m, m->link[link].iv + j));
 }
 
@@ -2109,7 +2109,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
-            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }

@@ -352,7 +352,7 @@ struct rbd_derivatives {
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
 /* ==== src/derivatives/common_frame.h ==== */
-/* Interface: rbdi_load_motion, rbdi_store_motion, RBDI_OF */
+/* Interface: RBDI_OF */
 
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
@@ -497,20 +497,6 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
 
 /* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
 #define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
-RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
-    return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
-}
-RBDI_INLINE void rbdi_store_vec(rbd_real *a, rbdi_v3 v) {
-    a[0] = v.x, a[RBDI_BATCH] = v.y, a[2 * RBDI_BATCH] = v.z;
-}
-RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a) {
-    rbdi_motion V;
-    V.omega = rbdi_load_vec(a), V.v = rbdi_load_vec(a + 3 * RBDI_BATCH);
-    return V;
-}
-RBDI_INLINE void rbdi_store_motion(rbd_real *a, rbdi_motion V) {
-    rbdi_store_vec(a, V.omega), rbdi_store_vec(a + 3 * RBDI_BATCH, V.v);
-}
 
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
@@ -518,16 +504,16 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
 
 /* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
+    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
 /* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
-    rbdi_store_vec(out, rbdi_axis_vec(x));
-    rbdi_store_vec(out + 3 * RBDI_BATCH, rbdi_axis_vec(y));
-    rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
-    rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
+    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(x));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(y));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out + 9 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(origin));
 }
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
@@ -544,18 +530,19 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     const rbd_real *in = RBDI_OF(d, last, ex);
     rbdi_v3 e[3];
     rbdi_pose X;
-    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
+    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH, RBDI_BATCH);
     X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
     X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
     X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
     return X;
 }
 
 /* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
-        rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
+        rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH,
+                       rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x), RBDI_BATCH), x));
 }
 
 /* Axes and origins of all links; base: in the base's axes. */
@@ -606,32 +593,32 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
     if (base) {
-        rbdi_store_motion(Vp + entry[base - 1].at, world);
-        rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
+        rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
+        rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
     for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
         rbdi_motion V = world;
         if (r->parent >= base) {
             const rbd_real *in = Vp + entry[r->parent].at;
-            V = rbdi_motion_add(rbdi_load_motion(in), rbdi_load_motion(in + apart));
+            V = rbdi_motion_add(rbdi_load_motion(in, RBDI_BATCH), rbdi_load_motion(in + apart, RBDI_BATCH));
         }
         for (int k = r->first; moves && k < r->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH));
+            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
         if (r->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = r->first; k < r->end; ++k)
-                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart));
+                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart, RBDI_BATCH));
             for (int k = r->first; k < r->end; ++k) {
-                rbdi_store_motion(Vp + entry[k].at, V);
-                rbdi_store_motion(Vp + entry[k].at + apart, all);
+                rbdi_store_motion(Vp + entry[k].at, RBDI_BATCH, V);
+                rbdi_store_motion(Vp + entry[k].at + apart, RBDI_BATCH, all);
             }
             continue;
         }
         for (int k = r->first; k < r->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
-            rbdi_store_motion(out, V);
-            V = rbdi_motion_add(V, rbdi_load_motion(out + apart));
+            rbdi_store_motion(out, RBDI_BATCH, V);
+            V = rbdi_motion_add(V, rbdi_load_motion(out + apart, RBDI_BATCH));
         }
     }
 }
@@ -690,7 +677,7 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_motion A = rbdi_motion0();
     A.v = rbdi_sub(A.v, rbdi_vec_c(gravity));
     if (base) {
-        A = rbdi_motion_from_array(a);
+        A = rbdi_load_motion(a, 1);
         A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
     }
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
@@ -892,9 +879,9 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
-    if (base && need) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
+    if (base && need) d->V.omega = rbdi_load_vec(v, 1), d->V.v = d->up = rbdi_vec0();
     if (base && need & RBDI_NEED_WHOLE) {
-        d->V.v = rbdi_vec(v[3], v[4], v[5]);
+        d->V.v = rbdi_load_vec(v + 3, 1);
         d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
     }
     rbdi_poses(m, d, base);
@@ -1050,7 +1037,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
     if (k->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         do {
             rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
             rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
@@ -1059,8 +1046,8 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
     for (++k; k->at >= 0; ++k) {
         const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
         rbdi_entries_behind(c, want, S, z);
@@ -1070,7 +1057,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
         }
     }
     if ((++k)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         do {
             rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
             rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
@@ -1143,8 +1130,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
     (void)zeros; /* they are there */
     for (int i = d->base; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), 1);
-        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
-        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
@@ -1262,11 +1249,11 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
     for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
         for (int i = r->first; r->block && i < r->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
+            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
-                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega))) +
-                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi)), F);
+                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
         }
 }
 /* Rotors, on the diagonal of M. */
@@ -1345,7 +1332,7 @@ RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k - l->first >= 3
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
@@ -1461,7 +1448,7 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 /* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
-        rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());
+        rbdi_store_motion(RBDI_OF(d, k, S), RBDI_BATCH, rbdi_motion0());
         RBDI_OF(d, k, S)[k * RBDI_BATCH] = rbdi_set(RBD_C(1));
     }
 }
@@ -1539,7 +1526,7 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
         others |= r->parent < 0;
         for (int k = r->first; others && k < r->end; ++k) {
             rbd_real *x = RBDI_OF(d, k, x), *in[2];
-            rbdi_store_vec(x, rbdi_add(rbdi_load_vec(x), offset));
+            rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
             in[0] = RBDI_OF(d, k, F), in[1] = RBDI_OF(d, k, sum.f);
             for (int j = 0; j < 2; ++j) {
                 rbdi_force F = rbdi_load_force(in[j], RBDI_BATCH);
@@ -1555,7 +1542,7 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
-    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
+    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH));
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];
@@ -1678,7 +1665,7 @@ RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives
                                        rbdi_mask *doubt) {
     const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
     const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH), c = rbdi_scale(share, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
@@ -1734,8 +1721,8 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
-    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_vec(v[3], v[4], v[5])));
-    rbdi_motion_to_array(y, a);
+    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_load_vec(v + 3, 1)));
+    rbdi_store_motion(a, 1, y);
     d->work->singular = -1;
     return RBD_OK;
 }
@@ -1791,12 +1778,12 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int i = 0; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
         if (d->base)
             rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
-            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
+            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
 }
@@ -1837,7 +1824,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
-                       base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
+                       base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
     rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -1862,19 +1849,19 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
-    const rbdi_v3 w = rbdi_vec(v[0], v[1], v[2]), u = rbdi_vec(v[3], v[4], v[5]),
+    const rbdi_v3 w = rbdi_load_vec(v, 1), u = rbdi_load_vec(v + 3, 1),
                   g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
-                  y = rbdi_vec(d->a[3], d->a[4], d->a[5]);
+                  y = rbdi_load_vec(d->a + 3, 1);
     rbd_real *turn[3];
     if (by_v) rbdi_place_turns(by_q, by_v, turn);
     for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
         if (by_v) {
-            rbdi_store(rbdi_vec(turn[0][r], turn[1][r], turn[2][r]), by_v + r);
-            rbdi_store(rbdi_vec0(), by_v + r + 3);
+            rbdi_store_vec(by_v + r, 1, rbdi_vec(turn[0][r], turn[1][r], turn[2][r]));
+            rbdi_store_vec(by_v + r + 3, 1, rbdi_vec0());
         }
         if (by_q) rbdi_clear(by_q + r, 6);
     }
-    rbdi_store(rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g), d->a + 3);
+    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g));
     if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
     if (by_v)
         rbdi_add_skew(by_v + 3 * nv, nv, u), rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));
@@ -1981,8 +1968,8 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
    inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
-    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
-                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v)));
+    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
+                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
     const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
     const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
                    zz = w.z * w.z;
@@ -1997,7 +1984,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
         const rbdi_v3 R =
             rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
         rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
-        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH), p->row);
+        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH, RBDI_BATCH), p->row);
         *(rbdi_four *)&K[(3 + i) * stride] = f[i];
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 4], R, some);
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 6], R, rest);
@@ -2057,7 +2044,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
         rbdi_unit_wrenches(d, k, &p, K, stride);
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
-            const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
+            const rbdi_motion s = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
             if (rbdi_mimics(m)) {
                 const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
@@ -2088,15 +2075,15 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         rbdi_place_body(m, d, u, &p);
         if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
-                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),
-                                                  rbdi_load_motion(RBDI_OF(d, last, dV)));
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
+                                                  rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
             const rbdi_v3 w = rbdi_to_body(&p, V.omega),
                           c = rbdi_to_body(
                               &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
             rbd_real *y = Y_kinetic + 10 * i;
             y[0] = rbdi_dot(c, c) * half;
-            rbdi_store(rbdi_cross(c, w), y + 1);
+            rbdi_store_vec(y + 1, 1, rbdi_cross(c, w));
             y[4] = w.x * w.x * half, y[5] = w.x * w.y, y[6] = w.x * w.z;
             y[7] = w.y * w.y * half, y[8] = w.y * w.z, y[9] = w.z * w.z * half;
         }
@@ -2248,11 +2235,11 @@ static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptr
     rbd_real a[6];
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
-    return rbdi_motion_from_array(a);
+    return rbdi_load_motion(a, 1);
 }
 static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
     rbd_real a[6];
-    rbdi_motion_to_array(V, a);
+    rbdi_store_motion(a, 1, V);
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 

@@ -100,8 +100,8 @@ typedef struct rbd_inertia {
 /* ---- rotations [rotations] ---- */
 
 RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
-RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_vec(a[0], a[1], a[2]); }
-RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store(v, a); }
+RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_load_vec(a, 1); }
+RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store_vec(a, 1, v); }
 
 RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
     rbd_rotation r;
@@ -119,9 +119,9 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     return r;
 }
 RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
-    rbdi_store(rbdi_vec(r.xx, r.xy, r.xz), a);
-    rbdi_store(rbdi_vec(r.yx, r.yy, r.yz), a + 3);
-    rbdi_store(rbdi_vec(r.zx, r.zy, r.zz), a + 6);
+    rbdi_store_vec(a, 1, rbdi_vec(r.xx, r.xy, r.xz));
+    rbdi_store_vec(a + 3, 1, rbdi_vec(r.yx, r.yy, r.yz));
+    rbdi_store_vec(a + 6, 1, rbdi_vec(r.zx, r.zy, r.zz));
 }
 
 /* a b: first b, then a, both about the axes of the frame that a leads to. */
@@ -195,7 +195,7 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
 static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
-    rbdi_store(rbdi_scale(e.half_sine, turn), q);
+    rbdi_store_vec(q, 1, rbdi_scale(e.half_sine, turn));
     q[3] = e.half_cosine;
     return rbd_rotation_from_quaternion(q);
 }
@@ -212,9 +212,9 @@ static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
-    rbdi_store(axis, a);
+    rbdi_store_vec(a, 1, axis);
     angle = angle * rbdi_sqrt(rbdi_inverse_square(a, 3, u, &bad));
-    return rbd_rotation_exp(rbdi_scale(angle, rbdi_vec(u[0], u[1], u[2])));
+    return rbd_rotation_exp(rbdi_scale(angle, rbdi_load_vec(u, 1)));
 }
 
 /* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */
@@ -290,8 +290,8 @@ RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
 RBDI_INLINE void rbd_motion_to_array(rbd_motion m, rbd_real a[6]) {
-    rbdi_store(m.angular, a);
-    rbdi_store(m.linear, a + 3);
+    rbdi_store_vec(a, 1, m.angular);
+    rbdi_store_vec(a + 3, 1, m.linear);
 }
 
 RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
@@ -367,8 +367,8 @@ RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
 RBDI_INLINE void rbd_force_to_array(rbd_force f, rbd_real a[6]) {
-    rbdi_store(f.moment, a);
-    rbdi_store(f.force, a + 3);
+    rbdi_store_vec(a, 1, f.moment);
+    rbdi_store_vec(a + 3, 1, f.force);
 }
 
 RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
@@ -432,9 +432,9 @@ RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int f
 RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     const rbd_sym3 a = i.rotational;
     p[0] = rbdi_set(i.mass);
-    rbdi_store(i.h, p + 1);
-    rbdi_store(rbdi_vec(a.xx, a.xy, a.xz), p + 4);
-    rbdi_store(rbdi_vec(a.yy, a.yz, a.zz), p + 7);
+    rbdi_store_vec(p + 1, 1, i.h);
+    rbdi_store_vec(p + 4, 1, rbdi_vec(a.xx, a.xy, a.xz));
+    rbdi_store_vec(p + 7, 1, rbdi_vec(a.yy, a.yz, a.zz));
 }
 
 /* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the

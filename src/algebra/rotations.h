@@ -1,7 +1,7 @@
 #ifndef RBDI_ALGEBRA_ROTATIONS_H
 #define RBDI_ALGEBRA_ROTATIONS_H
 #include "base/sincos.h"
-#include "algebra/spatial.h"
+#include "algebra/vectors.h"
 
 /* Quaternions and angles. */
 
@@ -141,16 +141,16 @@ static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
 static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
-    rbdi_v3 u = rbdi_vec(a[0], a[1], a[2]), v = rbdi_vec(b[0], b[1], b[2]);
+    rbdi_v3 u = rbdi_load_vec(a, 1), v = rbdi_load_vec(b, 1);
     rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
-    rbdi_store(rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))), out);
+    rbdi_store_vec(out, 1, rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))));
     out[3] = w;
 }
 
 /* q exp(turn), normalised. */
 static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
-    rbdi_store(rbdi_scale(e.half_sine, turn), step);
+    rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
     step[3] = e.half_cosine;
     rbdi_unit_quaternion(q, unit);
     rbdi_quaternion_product(unit, step, unit);
@@ -166,7 +166,7 @@ static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const 
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
     rbdi_quaternion_product(a, b, c);
-    v = rbdi_vec(c[0], c[1], c[2]);
+    v = rbdi_load_vec(c, 1);
     back = rbdi_less(c[3], rbdi_zero());
     cosine = rbdi_select(back, -c[3], c[3]);
     sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_NO_ANGLE);

@@ -200,20 +200,23 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
 }
 
 /* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
-    rbd_real *b = a + 3 * stride;
-    a[0] = F.n.x, a[stride] = F.n.y, a[2 * stride] = F.n.z;
-    b[0] = F.f.x, b[stride] = F.f.y, b[2 * stride] = F.f.z;
+RBDI_INLINE void rbdi_store_motion(rbd_real *a, ptrdiff_t stride, rbdi_motion V) {
+    rbdi_store_vec(a, stride, V.omega);
+    rbdi_store_vec(a + 3 * stride, stride, V.v);
 }
-
+RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a, ptrdiff_t stride) {
+    rbdi_motion V;
+    V.omega = rbdi_load_vec(a, stride), V.v = rbdi_load_vec(a + 3 * stride, stride);
+    return V;
+}
+RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
+    rbdi_store_vec(a, stride, F.n);
+    rbdi_store_vec(a + 3 * stride, stride, F.f);
+}
 RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
-    const rbd_real *b = a + 3 * stride;
     rbdi_force F;
-    F.n = rbdi_vec(a[0], a[stride], a[2 * stride]);
-    F.f = rbdi_vec(b[0], b[stride], b[2 * stride]);
+    F.n = rbdi_load_vec(a, stride), F.f = rbdi_load_vec(a + 3 * stride, stride);
     return F;
 }
-
-RBDI_INLINE void rbdi_store(rbdi_v3 v, rbd_real *out) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
 #endif

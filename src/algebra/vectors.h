@@ -13,6 +13,13 @@ RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
     v.x = x, v.y = y, v.z = z;
     return v;
 }
+/* A vector to and from three scalars, a stride apart. */
+RBDI_INLINE void rbdi_store_vec(rbd_real *a, ptrdiff_t stride, rbdi_v3 v) {
+    a[0] = v.x, a[stride] = v.y, a[2 * stride] = v.z;
+}
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a, ptrdiff_t stride) {
+    return rbdi_vec(a[0], a[stride], a[2 * stride]);
+}
 RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
 RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }

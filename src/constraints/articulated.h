@@ -106,8 +106,8 @@ static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i
         for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
-        rbdi_motion_to_array(w->scratch[i].c, C);
-        rbdi_rows_dofs(bw, rbdi_block_first(b), rbdi_block_dofs(b), 0, &on, Y, stride);
+        rbdi_store_motion(C, 1, w->scratch[i].c);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
         for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
         rbdi_wrenches_up_block(&bw->X, on.K);
     }

@@ -92,8 +92,8 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
         x.turn = rbdi_mul(R_2, x.turn);
         x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R_2, rbdi_vec(axis[0], axis[1], axis[2]));
-        x.free[1] = rbdi_mul(R_1, rbdi_vec(axis[0], axis[1], axis[2]));
+        x.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
+        x.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
     return x;
 }
@@ -181,7 +181,7 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : mz), force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi));
+            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
             *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
         }
@@ -193,7 +193,7 @@ static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, con
                                const rbdi_pair_motion *x, rbd_real *rho) {
     RBDI_FOR_PATHS(m, k, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi)),
+        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
                      rho + rbdi_source(m, m->link[link].iv + j));
 }
 
@@ -207,7 +207,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
-            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }

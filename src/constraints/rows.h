@@ -31,7 +31,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
         rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_first(rbdi_block_of(m, l)); j < rbdi_link_dofs(m, l); ++j, ++s)
+        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++s)
             rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
                                    s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
     }

@@ -56,7 +56,7 @@ static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_d
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_change by = rbdi_change_of(m, c->rows, x, sign < 0, link, j);
             rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[k->row * m->nv + rbdi_source(m, l->iv + j)];
-            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
             rbdi_add_held(k, &x->h, by.velocity.omega, by.velocity.v, sum[0]);
             rbdi_add_held(k, &x->h, rbdi_error_turn(k, x, by.S.omega), by.S.v, sum[1]);

@@ -4,7 +4,7 @@
 #include "motion/axes.h"
 #include "derivatives/layout.h"
 
-/* Interface: rbdi_load_motion, rbdi_store_motion, RBDI_OF */
+/* Interface: RBDI_OF */
 
 RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
@@ -149,20 +149,6 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
 
 /* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
 #define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
-RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a) {
-    return rbdi_vec(a[0], a[RBDI_BATCH], a[2 * RBDI_BATCH]);
-}
-RBDI_INLINE void rbdi_store_vec(rbd_real *a, rbdi_v3 v) {
-    a[0] = v.x, a[RBDI_BATCH] = v.y, a[2 * RBDI_BATCH] = v.z;
-}
-RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a) {
-    rbdi_motion V;
-    V.omega = rbdi_load_vec(a), V.v = rbdi_load_vec(a + 3 * RBDI_BATCH);
-    return V;
-}
-RBDI_INLINE void rbdi_store_motion(rbd_real *a, rbdi_motion V) {
-    rbdi_store_vec(a, V.omega), rbdi_store_vec(a + 3 * RBDI_BATCH, V.v);
-}
 
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
@@ -170,16 +156,16 @@ RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
 
 /* The axis of dof k of a link: 0 to 2 for x, y, z. */
 RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_first(rbdi_block_of(m, l)) + k - l->first) % 3 : 2;
+    return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
 /* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
 RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
                                const rbdi_four *origin) {
-    rbdi_store_vec(out, rbdi_axis_vec(x));
-    rbdi_store_vec(out + 3 * RBDI_BATCH, rbdi_axis_vec(y));
-    rbdi_store_vec(out + 6 * RBDI_BATCH, rbdi_axis_vec(z));
-    rbdi_store_vec(out + 9 * RBDI_BATCH, rbdi_axis_vec(origin));
+    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(x));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(y));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out + 9 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(origin));
 }
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
@@ -196,18 +182,19 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     const rbd_real *in = RBDI_OF(d, last, ex);
     rbdi_v3 e[3];
     rbdi_pose X;
-    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH);
+    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH, RBDI_BATCH);
     X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
     X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
     X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH);
+    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
     return X;
 }
 
 /* Moves the common origin from the root's own to link i's. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
-        rbdi_store_vec(RBDI_OF(d, k, x), rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x)), x));
+        rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH,
+                       rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x), RBDI_BATCH), x));
 }
 
 /* Axes and origins of all links; base: in the base's axes. */
@@ -258,32 +245,32 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
     if (base) {
-        rbdi_store_motion(Vp + entry[base - 1].at, world);
-        rbdi_store_motion(Vp + entry[base - 1].at + apart, rbdi_motion0());
+        rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
+        rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
     for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
         rbdi_motion V = world;
         if (r->parent >= base) {
             const rbd_real *in = Vp + entry[r->parent].at;
-            V = rbdi_motion_add(rbdi_load_motion(in), rbdi_load_motion(in + apart));
+            V = rbdi_motion_add(rbdi_load_motion(in, RBDI_BATCH), rbdi_load_motion(in + apart, RBDI_BATCH));
         }
         for (int k = r->first; moves && k < r->origin; ++k)
-            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH));
+            V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
         if (r->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = r->first; k < r->end; ++k)
-                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart));
+                all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart, RBDI_BATCH));
             for (int k = r->first; k < r->end; ++k) {
-                rbdi_store_motion(Vp + entry[k].at, V);
-                rbdi_store_motion(Vp + entry[k].at + apart, all);
+                rbdi_store_motion(Vp + entry[k].at, RBDI_BATCH, V);
+                rbdi_store_motion(Vp + entry[k].at + apart, RBDI_BATCH, all);
             }
             continue;
         }
         for (int k = r->first; k < r->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
-            rbdi_store_motion(out, V);
-            V = rbdi_motion_add(V, rbdi_load_motion(out + apart));
+            rbdi_store_motion(out, RBDI_BATCH, V);
+            V = rbdi_motion_add(V, rbdi_load_motion(out + apart, RBDI_BATCH));
         }
     }
 }
@@ -342,7 +329,7 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     rbdi_motion A = rbdi_motion0();
     A.v = rbdi_sub(A.v, rbdi_vec_c(gravity));
     if (base) {
-        A = rbdi_motion_from_array(a);
+        A = rbdi_load_motion(a, 1);
         A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
     }
     rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);

@@ -52,12 +52,12 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int i = 0; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
         if (d->base)
             rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
-            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S)), F);
+            *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
 }
@@ -98,7 +98,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
         c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
-                       base ? rbdi_motion_from_array(a) : rbdi_motion0(), 0);
+                       base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
     rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
@@ -123,19 +123,19 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
-    const rbdi_v3 w = rbdi_vec(v[0], v[1], v[2]), u = rbdi_vec(v[3], v[4], v[5]),
+    const rbdi_v3 w = rbdi_load_vec(v, 1), u = rbdi_load_vec(v + 3, 1),
                   g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
-                  y = rbdi_vec(d->a[3], d->a[4], d->a[5]);
+                  y = rbdi_load_vec(d->a + 3, 1);
     rbd_real *turn[3];
     if (by_v) rbdi_place_turns(by_q, by_v, turn);
     for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
         if (by_v) {
-            rbdi_store(rbdi_vec(turn[0][r], turn[1][r], turn[2][r]), by_v + r);
-            rbdi_store(rbdi_vec0(), by_v + r + 3);
+            rbdi_store_vec(by_v + r, 1, rbdi_vec(turn[0][r], turn[1][r], turn[2][r]));
+            rbdi_store_vec(by_v + r + 3, 1, rbdi_vec0());
         }
         if (by_q) rbdi_clear(by_q + r, 6);
     }
-    rbdi_store(rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g), d->a + 3);
+    rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g));
     if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
     if (by_v)
         rbdi_add_skew(by_v + 3 * nv, nv, u), rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));

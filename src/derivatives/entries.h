@@ -96,7 +96,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
     if (k->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         do {
             rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
             rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
@@ -105,8 +105,8 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
     for (++k; k->at >= 0; ++k) {
         const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
         rbdi_entries_behind(c, want, S, z);
@@ -116,7 +116,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
         }
     }
     if ((++k)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S);
+        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         do {
             rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
             rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
@@ -189,8 +189,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
     (void)zeros; /* they are there */
     for (int i = d->base; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), 1);
-        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
-        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S));
+        const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real y[RBDI_RESULTS] = {o, o, o};
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
@@ -308,11 +308,11 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
     for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
         for (int i = r->first; r->block && i < r->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T));
+            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
             for (int j = i + 1; j < r->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
-                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega))) +
-                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi)), F);
+                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
         }
 }
 /* Rotors, on the diagonal of M. */

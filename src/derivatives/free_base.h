@@ -28,7 +28,7 @@ RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives
                                        rbdi_mask *doubt) {
     const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
     const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)), c = rbdi_scale(share, h);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH), c = rbdi_scale(share, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
@@ -84,8 +84,8 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
-    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_vec(v[3], v[4], v[5])));
-    rbdi_motion_to_array(y, a);
+    y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_load_vec(v + 3, 1)));
+    rbdi_store_motion(a, 1, y);
     d->work->singular = -1;
     return RBD_OK;
 }

@@ -35,7 +35,7 @@ RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
 
 /* Whether dof k of a link only slides. */
 RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k - l->first >= 3
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k - l->first >= 3
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
@@ -151,7 +151,7 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
 /* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
-        rbdi_store_motion(RBDI_OF(d, k, S), rbdi_motion0());
+        rbdi_store_motion(RBDI_OF(d, k, S), RBDI_BATCH, rbdi_motion0());
         RBDI_OF(d, k, S)[k * RBDI_BATCH] = rbdi_set(RBD_C(1));
     }
 }

@@ -23,7 +23,7 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
         others |= r->parent < 0;
         for (int k = r->first; others && k < r->end; ++k) {
             rbd_real *x = RBDI_OF(d, k, x), *in[2];
-            rbdi_store_vec(x, rbdi_add(rbdi_load_vec(x), offset));
+            rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
             in[0] = RBDI_OF(d, k, F), in[1] = RBDI_OF(d, k, sum.f);
             for (int j = 0; j < 2; ++j) {
                 rbdi_force F = rbdi_load_force(in[j], RBDI_BATCH);
@@ -39,7 +39,7 @@ RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
-    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h)));
+    if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH));
     for (int b = 0; b < d->batches; ++b) {
         const rbdi_columns *c = &d->columns[b];
         const rbdi_constants *k = &d->constants[b];

@@ -64,8 +64,8 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
    inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
-    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega))),
-                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v)));
+    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
+                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
     const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
     const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
                    zz = w.z * w.z;
@@ -80,7 +80,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
         const rbdi_v3 R =
             rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
         rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
-        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH), p->row);
+        rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH, RBDI_BATCH), p->row);
         *(rbdi_four *)&K[(3 + i) * stride] = f[i];
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 4], R, some);
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 6], R, rest);
@@ -140,7 +140,7 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
         rbdi_unit_wrenches(d, k, &p, K, stride);
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
-            const rbdi_motion s = rbdi_load_motion(S + entry[k].at);
+            const rbdi_motion s = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
             if (rbdi_mimics(m)) {
                 const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
@@ -171,15 +171,15 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         rbdi_place_body(m, d, u, &p);
         if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp)),
-                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp)),
-                                                  rbdi_load_motion(RBDI_OF(d, last, dV)));
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
+                                                  rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
             const rbdi_v3 w = rbdi_to_body(&p, V.omega),
                           c = rbdi_to_body(
                               &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
             rbd_real *y = Y_kinetic + 10 * i;
             y[0] = rbdi_dot(c, c) * half;
-            rbdi_store(rbdi_cross(c, w), y + 1);
+            rbdi_store_vec(y + 1, 1, rbdi_cross(c, w));
             y[4] = w.x * w.x * half, y[5] = w.x * w.y, y[6] = w.x * w.z;
             y[7] = w.y * w.y * half, y[8] = w.y * w.z, y[9] = w.z * w.z * half;
         }

@@ -1,7 +1,7 @@
 #ifndef RBDI_DERIVATIVES_STEPS_H
 #define RBDI_DERIVATIVES_STEPS_H
+#include "algebra/spatial.h"
 #include "base/memory.h"
-#include "model/joints.h"
 #include "motion/manifold.h"
 #include "api/derivatives.h"
 
@@ -93,11 +93,11 @@ static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptr
     rbd_real a[6];
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
-    return rbdi_motion_from_array(a);
+    return rbdi_load_motion(a, 1);
 }
 static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
     rbd_real a[6];
-    rbdi_motion_to_array(V, a);
+    rbdi_store_motion(a, 1, V);
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 

@@ -104,9 +104,9 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, in
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
-    if (base && need) d->V.omega = rbdi_vec(v[0], v[1], v[2]), d->V.v = d->up = rbdi_vec0();
+    if (base && need) d->V.omega = rbdi_load_vec(v, 1), d->V.v = d->up = rbdi_vec0();
     if (base && need & RBDI_NEED_WHOLE) {
-        d->V.v = rbdi_vec(v[3], v[4], v[5]);
+        d->V.v = rbdi_load_vec(v + 3, 1);
         d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
     }
     rbdi_poses(m, d, base);

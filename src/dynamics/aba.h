@@ -216,7 +216,7 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
 
 /* A floating base on the world, without armature. */
 RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return rbdi_on_world(l) && rbdi_block_dofs(b) == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
+    return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
@@ -232,9 +232,9 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, co
     rbdi_force pa;
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = rbdi_block_dofs(b) - 1; k >= 0; --k) {
+    for (int k = b->n - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = rbdi_block_first(b) + k, end = rbdi_free_base(l, b) ? s : 6;
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
         rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
                  inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
         w->pivot[l->iv + k] = D;
@@ -349,7 +349,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
-    rbdi_motion_to_array(rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c), all);
+    rbdi_store_motion(all, 1, rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c));
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
             rbd_real x = bw->u_D[k];
@@ -358,16 +358,16 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
             a[l->iv + k] = x - all[k];
             all[k] = x;
         }
-        return rbdi_motion_from_array(all);
+        return rbdi_load_motion(all, 1);
     }
-    for (int k = 0; k < rbdi_block_dofs(b); ++k) {
+    for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             qdd = qdd - bw->U_D[k][j] * all[j];
-        all[rbdi_block_first(b) + k] = all[rbdi_block_first(b) + k] + qdd;
+        all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
-    return rbdi_motion_from_array(all);
+    return rbdi_load_motion(all, 1);
 }
 
 /* Pass 3, link i: y of link i - 1, or of the parent, becomes link i's. */

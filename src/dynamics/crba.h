@@ -188,8 +188,8 @@ RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptr
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
-    if (rbdi_block_dofs(b) < 6 || stride != usual)
-        rbdi_crba_entries_block(m, w, l, rbdi_block_first(b), rbdi_block_dofs(b), stride, *C, H, M);
+    if (b->n < 6 || stride != usual)
+        rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else

@@ -81,7 +81,7 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         if (!rbdi_is(l, RBDI_BLOCK))
             K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
         else
-            for (int k = 0, s = rbdi_block_first(rbdi_block_of(m, l)); k < rbdi_link_dofs(m, l); ++k)
+            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_link_dofs(m, l); ++k)
                 K[iv + k] = K[iv + k] + own[s + k];
     }
 }

@@ -25,8 +25,8 @@ RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
     rbdi_store_force(all, 1, *F);
-    for (int k = 0; k < rbdi_block_dofs(b); ++k) tau[l->iv + k] = all[rbdi_block_first(b) + k];
-    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < rbdi_block_dofs(b); ++k)
+    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
+    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
         tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
     if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }

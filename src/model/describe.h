@@ -1,7 +1,7 @@
 #ifndef RBDI_MODEL_DESCRIBE_H
 #define RBDI_MODEL_DESCRIBE_H
 #include "api/lookup.h"
-#include "model/joints.h"
+#include "model/features.h"
 #include "model/wide.h"
 
 static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {

@@ -3,7 +3,7 @@
 #include "model/layout.h"
 #include "base/compiler.h"
 
-/* Interface: rbdi_block_dofs, rbdi_block_first, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
+/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
@@ -36,17 +36,12 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* Of a block: the joint's type, its axes, whether these are turned, and whether its parent is the world. */
-RBDI_INLINE int rbdi_block_type(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->type : (int)RBD_FLOATING;
+/* The block of a link: known if all blocks of the program are floating bases on the world, in its axes. */
+RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
+    static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
+    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
 }
-RBDI_INLINE int rbdi_block_first(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->first : 0;
-}
-RBDI_INLINE int rbdi_block_dofs(const rbdi_block *b) { return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? b->n : 6; }
-RBDI_INLINE int rbdi_block_turned(const rbdi_block *b) {
-    return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? !b->identity : 0;
-}
+/* Whether the parent of a block is the world. */
 RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }

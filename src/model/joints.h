@@ -1,12 +1,12 @@
 #ifndef RBDI_MODEL_JOINTS_H
 #define RBDI_MODEL_JOINTS_H
 #include "model/work.h"
+#include "algebra/spatial.h"
 #include "algebra/rotations.h"
 #include "model/features.h"
 
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_block_of, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_motion_from_array, rbdi_motion_to_array,
-   rbdi_trig_of, RBDI_BY_FLAGS */
+/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
+   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -14,22 +14,19 @@
    and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
    types mostly need the first two only. */
 
-RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
-    return &m->block[l->block];
-}
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
-    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_dofs(rbdi_block_of(m, l)) : 1;
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     rbdi_v3 shift = rbdi_vec0();
     rbdi_pose X;
-    switch (rbdi_block_type(b)) {
+    switch (b->type) {
     case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
     case RBD_PLANAR: {
         rbd_real c, s;
@@ -41,17 +38,17 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
         break;
     }
     case RBD_TRANSLATION:
-        shift = rbdi_vec(q[0], q[1], q[2]);
+        shift = rbdi_load_vec(q, 1);
         X.E = rbdi_mat_c(b->E);
         break;
     default: /* RBD_FLOATING */
-        shift = rbdi_vec(q[0], q[1], q[2]);
+        shift = rbdi_load_vec(q, 1);
         X.E = rbdi_quaternion_down(q + 3);
         break;
     }
-    if (rbdi_block_turned(b)) {
+    if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (rbdi_block_type(b) != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
+        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
         shift = rbdi_mul_t(joint, shift);
     }
     X.r = rbdi_add(rbdi_vec_c(l->r), shift);
@@ -237,21 +234,12 @@ RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F
     return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
-RBDI_INLINE void rbdi_motion_to_array(rbdi_motion V, rbd_real *a) {
-    a[0] = V.omega.x, a[1] = V.omega.y, a[2] = V.omega.z, a[3] = V.v.x, a[4] = V.v.y, a[5] = V.v.z;
-}
-RBDI_INLINE rbdi_motion rbdi_motion_from_array(const rbd_real *a) {
-    rbdi_motion V;
-    V.omega = rbdi_vec(a[0], a[1], a[2]);
-    V.v = rbdi_vec(a[3], a[4], a[5]);
-    return V;
-}
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
     rbd_real a[6];
-    if (rbdi_block_dofs(b) == 6) return rbdi_motion_from_array(v);
+    if (b->n == 6) return rbdi_load_motion(v, 1);
     for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
     for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
-    return rbdi_motion_from_array(a);
+    return rbdi_load_motion(a, 1);
 }
 
 #endif

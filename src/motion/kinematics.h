@@ -174,11 +174,11 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
     if (status) return status;
     k = rbdi_body_kin(m, w, body);
     if (R) {
-        rbdi_store(rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx), R);
-        rbdi_store(rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy), R + 3);
-        rbdi_store(rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz), R + 6);
+        rbdi_store_vec(R, 1, rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx));
+        rbdi_store_vec(R + 3, 1, rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy));
+        rbdi_store_vec(R + 6, 1, rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz));
     }
-    if (p) rbdi_store(k.X.r, p);
+    if (p) rbdi_store_vec(p, 1, k.X.r);
     return RBD_OK;
 }
 
@@ -188,7 +188,7 @@ enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
 static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
                                     rbd_axes axes, int quantity, rbd_real *out) {
     const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
-    const rbdi_v3 x = point ? rbdi_vec(point[0], point[1], point[2]) : rbdi_vec0();
+    const rbdi_v3 x = point ? rbdi_load_vec(point, 1) : rbdi_vec0();
     rbdi_motion V;
     rbdi_kin k;
     if (status) return status;
@@ -197,7 +197,7 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     V.v = quantity == RBDI_VELOCITY ? rbdi_point_v(&k, x) : rbdi_point_acc(&k, x);
     if (quantity == RBDI_SPATIAL_ACCELERATION) V.v = rbdi_sub(V.v, rbdi_cross(k.state.omega, k.v));
     if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
-    rbdi_motion_to_array(V, out);
+    rbdi_store_motion(out, 1, V);
     return RBD_OK;
 }
 
@@ -303,9 +303,9 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
     rbdi_total s;
     if (status) return status;
     s = rbdi_add_bodies(m, w);
-    if (position) rbdi_store(s.com, position);
-    if (velocity) rbdi_store(rbdi_scale(s.inverse_mass, s.h.f), velocity);
-    if (acceleration) rbdi_store(rbdi_scale(s.inverse_mass, s.h_dot.f), acceleration);
+    if (position) rbdi_store_vec(position, 1, s.com);
+    if (velocity) rbdi_store_vec(velocity, 1, rbdi_scale(s.inverse_mass, s.h.f));
+    if (acceleration) rbdi_store_vec(acceleration, 1, rbdi_scale(s.inverse_mass, s.h_dot.f));
     return RBD_OK;
 }
 

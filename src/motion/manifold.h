@@ -22,7 +22,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         break;
     }
     case RBD_SPHERICAL:
-        x = rbdi_vec(d[0], d[1], d[2]);
+        x = rbdi_load_vec(d, 1);
         rbdi_quaternion_step(q, rbdi_exp_of(x), x, q_next);
         break;
     case RBD_PLANAR: {
@@ -36,11 +36,11 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         break;
     }
     case RBD_FLOATING: {
-        rbdi_v3 turn = rbdi_vec(d[0], d[1], d[2]);
+        rbdi_v3 turn = rbdi_load_vec(d, 1);
         rbdi_exp e = rbdi_exp_of(turn);
-        x = rbdi_exp_shift(e, turn, rbdi_vec(d[3], d[4], d[5]));
+        x = rbdi_exp_shift(e, turn, rbdi_load_vec(d + 3, 1));
         x = rbdi_mul_t(rbdi_quaternion_down(q + 3), x);
-        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), x), q_next);
+        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), x));
         rbdi_quaternion_step(q + 3, e, turn, q_next + 3);
         break;
     }
@@ -55,9 +55,9 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
 static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
     if (u->type == RBD_FLOATING) {
-        const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
-        const rbdi_v3 gain = rbdi_cross(rbdi_vec(v[0], v[1], v[2]), linear);
-        rbdi_store(rbdi_add(linear, rbdi_scale(dt, gain)), nu + 3);
+        const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
+        const rbdi_v3 gain = rbdi_cross(rbdi_load_vec(v, 1), linear);
+        rbdi_store_vec(nu + 3, 1, rbdi_add(linear, rbdi_scale(dt, gain)));
     } else if (u->type == RBD_PLANAR) {
         nu[1] = v[1] - dt * v[0] * v[2], nu[2] = v[2] + dt * v[0] * v[1];
     }
@@ -70,9 +70,9 @@ static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd
     rbdi_v3 turn, shift;
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
     if (u->type == RBD_FLOATING) {
-        turn = rbdi_vec(d[0], d[1], d[2]);
-        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_vec(d[3], d[4], d[5]));
-        rbdi_store(rbdi_add(rbdi_vec(q[0], q[1], q[2]), shift), q_next);
+        turn = rbdi_load_vec(d, 1);
+        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_load_vec(d + 3, 1));
+        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), shift));
         rbdi_quaternion_step(q + 3, rbdi_exp_of(turn), turn, q_next + 3);
     } else if (u->type == RBD_PLANAR) {
         rbdi_sincos(q[2], &s, &c);
@@ -98,7 +98,7 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_v3 turn, x;
     rbdi_exp e;
     if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
-        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_vec(moved[0], moved[1], moved[2]);
+        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_load_vec(moved, 1);
         turn = rbdi_scale(dt, turn);
         e = rbdi_exp_of(turn);
         for (int k = planar; k < u->nv; k += 3) {
@@ -124,7 +124,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
         break;
     }
-    case RBD_SPHERICAL: rbdi_store(rbdi_quaternion_difference(q0, q1), d); break;
+    case RBD_SPHERICAL: rbdi_store_vec(d, 1, rbdi_quaternion_difference(q0, q1)); break;
     case RBD_PLANAR: {
         rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
         rbdi_sincos(angle, &s, &c);
@@ -133,15 +133,15 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
         x = rbdi_turn_z(0, c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
         x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
-        rbdi_store(rbdi_vec(angle, x.x, x.y), d);
+        rbdi_store_vec(d, 1, rbdi_vec(angle, x.x, x.y));
         break;
     }
     case RBD_FLOATING:
         turn = rbdi_quaternion_difference(q0 + 3, q1 + 3);
-        x = rbdi_sub(rbdi_vec(q1[0], q1[1], q1[2]), rbdi_vec(q0[0], q0[1], q0[2]));
+        x = rbdi_sub(rbdi_load_vec(q1, 1), rbdi_load_vec(q0, 1));
         x = rbdi_log_shift(rbdi_exp_of(turn), turn, rbdi_mul(rbdi_quaternion_down(q0 + 3), x));
-        rbdi_store(turn, d);
-        rbdi_store(x, d + 3);
+        rbdi_store_vec(d, 1, turn);
+        rbdi_store_vec(d + 3, 1, x);
         break;
     default:
         for (int k = 0; k < u->nv; ++k) d[k] = q1[k] - q0[k];
@@ -168,13 +168,13 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
         break;
     case RBD_SPHERICAL:
     case RBD_FLOATING:
-        rbdi_store(rbdi_scale(half, rbdi_vec(v[0], v[1], v[2])), turn);
+        rbdi_store_vec(turn, 1, rbdi_scale(half, rbdi_load_vec(v, 1)));
         turn[3] = rbdi_zero();
         rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
         if (u->type == RBD_FLOATING) {
             const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_vec(v[3], v[4], v[5]);
-            rbdi_store(rbdi_mul_t(E, linear), rates);
+            const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
+            rbdi_store_vec(rates, 1, rbdi_mul_t(E, linear));
         }
         break;
     default:
@@ -192,7 +192,7 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         break;
     case RBD_PLANAR:
         rbdi_sincos(q[2], &x[1], &x[0]);
-        rbdi_store(rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())), x);
+        rbdi_store_vec(x, 1, rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())));
         v[0] = rates[2], v[1] = x[0], v[2] = x[1];
         break;
     case RBD_SPHERICAL:
@@ -201,11 +201,11 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         k = rbdi_inverse_length(&q[u->nq - 4], x, 4);
         for (int i = 0; i < 3; ++i) x[i] = -x[i];
         rbdi_quaternion_product(x, &rates[u->nq - 4], x);
-        rbdi_store(rbdi_scale(k + k, rbdi_vec(x[0], x[1], x[2])), v);
+        rbdi_store_vec(v, 1, rbdi_scale(k + k, rbdi_load_vec(x, 1)));
         if (u->type == RBD_FLOATING) {
             const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_vec(rates[0], rates[1], rates[2]);
-            rbdi_store(rbdi_mul(E, linear), v + 3);
+            const rbdi_v3 linear = rbdi_load_vec(rates, 1);
+            rbdi_store_vec(v + 3, 1, rbdi_mul(E, linear));
         }
         break;
     default:

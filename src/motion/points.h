@@ -11,7 +11,7 @@
 static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_v3 r = rbdi_vec_c(u->r);
-    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_vec(point[0], point[1], point[2])));
+    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
     return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
 }
 
@@ -27,7 +27,7 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_kin *s = &w->kin[i];
-    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_first(rbdi_block_of(m, l)) + k : 2;
+    const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
     c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
               : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
@@ -50,7 +50,7 @@ RBDI_INLINE void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, 
         rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
         rbdi_motion c = rbdi_column(m, w, i, k, r);
         if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
-        rbdi_motion_to_array(c, column);
+        rbdi_store_motion(column, 1, c);
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
             to[j * m->nv] = to[j * m->nv] + column[j] * share;
     }
@@ -128,7 +128,7 @@ RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int 
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         F.n = rbdi_mul(E, F.n), F.f = rbdi_mul(E, F.f);
     }
-    if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_vec(point[0], point[1], point[2]), F.f));
+    if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_load_vec(point, 1), F.f));
     rbdi_store_force(row, 1, F);
     return RBD_OK;
 }
@@ -137,7 +137,7 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
                                        const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, position != NULL);
     if (status) return status;
-    rbdi_store(rbdi_point_place(m, w, body, point), position);
+    rbdi_store_vec(position, 1, rbdi_point_place(m, w, body, point));
     return RBD_OK;
 }
 

@@ -1,5 +1,6 @@
 #ifndef RBDI_SPATIAL_INERTIAS_H
 #define RBDI_SPATIAL_INERTIAS_H
+#include "algebra/spatial.h"
 #include "spatial/placements.h"
 
 /* ---- inertias [inertias] ---- */
@@ -19,9 +20,9 @@ RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int f
 RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     const rbd_sym3 a = i.rotational;
     p[0] = rbdi_set(i.mass);
-    rbdi_store(i.h, p + 1);
-    rbdi_store(rbdi_vec(a.xx, a.xy, a.xz), p + 4);
-    rbdi_store(rbdi_vec(a.yy, a.yz, a.zz), p + 7);
+    rbdi_store_vec(p + 1, 1, i.h);
+    rbdi_store_vec(p + 4, 1, rbdi_vec(a.xx, a.xy, a.xz));
+    rbdi_store_vec(p + 7, 1, rbdi_vec(a.yy, a.yz, a.zz));
 }
 
 /* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the

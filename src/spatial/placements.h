@@ -6,8 +6,8 @@
 /* ---- rotations [rotations] ---- */
 
 RBDI_INLINE rbd_vec3 rbd_vec3_of(rbd_real x, rbd_real y, rbd_real z) { return rbdi_vec(x, y, z); }
-RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_vec(a[0], a[1], a[2]); }
-RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store(v, a); }
+RBDI_INLINE rbd_vec3 rbd_vec3_from_array(const rbd_real *a) { return rbdi_load_vec(a, 1); }
+RBDI_INLINE void rbd_vec3_to_array(rbd_vec3 v, rbd_real *a) { rbdi_store_vec(a, 1, v); }
 
 RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
     rbd_rotation r;
@@ -25,9 +25,9 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     return r;
 }
 RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
-    rbdi_store(rbdi_vec(r.xx, r.xy, r.xz), a);
-    rbdi_store(rbdi_vec(r.yx, r.yy, r.yz), a + 3);
-    rbdi_store(rbdi_vec(r.zx, r.zy, r.zz), a + 6);
+    rbdi_store_vec(a, 1, rbdi_vec(r.xx, r.xy, r.xz));
+    rbdi_store_vec(a + 3, 1, rbdi_vec(r.yx, r.yy, r.yz));
+    rbdi_store_vec(a + 6, 1, rbdi_vec(r.zx, r.zy, r.zz));
 }
 
 /* a b: first b, then a, both about the axes of the frame that a leads to. */
@@ -101,7 +101,7 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
 static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
-    rbdi_store(rbdi_scale(e.half_sine, turn), q);
+    rbdi_store_vec(q, 1, rbdi_scale(e.half_sine, turn));
     q[3] = e.half_cosine;
     return rbd_rotation_from_quaternion(q);
 }
@@ -118,9 +118,9 @@ static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
-    rbdi_store(axis, a);
+    rbdi_store_vec(a, 1, axis);
     angle = angle * rbdi_sqrt(rbdi_inverse_square(a, 3, u, &bad));
-    return rbd_rotation_exp(rbdi_scale(angle, rbdi_vec(u[0], u[1], u[2])));
+    return rbd_rotation_exp(rbdi_scale(angle, rbdi_load_vec(u, 1)));
 }
 
 /* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */

@@ -17,8 +17,8 @@ RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
 RBDI_INLINE void rbd_motion_to_array(rbd_motion m, rbd_real a[6]) {
-    rbdi_store(m.angular, a);
-    rbdi_store(m.linear, a + 3);
+    rbdi_store_vec(a, 1, m.angular);
+    rbdi_store_vec(a + 3, 1, m.linear);
 }
 
 RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
@@ -94,8 +94,8 @@ RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
 RBDI_INLINE void rbd_force_to_array(rbd_force f, rbd_real a[6]) {
-    rbdi_store(f.moment, a);
-    rbdi_store(f.force, a + 3);
+    rbdi_store_vec(a, 1, f.moment);
+    rbdi_store_vec(a + 3, 1, f.force);
 }
 
 RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
