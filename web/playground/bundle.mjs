@@ -33,7 +33,7 @@ const made = {
 
 const { outputFiles } = await build({
   entryPoints: [join(here, "src/main.js")], bundle: true, minify: true, format: "iife", target: "es2022", write: false,
-  legalComments: "none", charset: "utf8", loader: { ".urdf": "text", ".csv": "text" }, plugins: [made],
+  legalComments: "none", charset: "utf8", loader: { ".urdf": "text", ".csv": "text", ".c": "text", ".md": "text" }, plugins: [made],
 });
 const script = outputFiles[0].text.trimEnd(), style = readFileSync(join(here, "src/style.css"), "utf8");
 if (/<\/script/i.test(script)) throw new Error("the script would end its element");

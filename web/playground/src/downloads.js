@@ -2,6 +2,8 @@
 import { command } from "./module.js";
 import { $, element } from "./panels.js";
 import { save } from "./files.js";
+import template from "../../../examples/firmware/robot_main.c";
+import guide from "../../../docs/first_minutes.md";
 
 const algorithms = [["id", "inverse dynamics", true], ["mm", "mass matrix", true], ["fd", "forward dynamics", true],
   ["minv", "inverse of the mass matrix"], ["id_derivatives", "derivatives of inverse dynamics"], ["fd_derivatives", "derivatives of forward dynamics"]];
@@ -23,30 +25,22 @@ function codeOptions(source) {
 // Whoever pastes it into a shell: what is not plain stands in quotes.
 const quoted = (s) => (/^[\w.\/=,:+@%-]+$/.test(s) ? s : `'${s.replaceAll("'", "'\\''")}'`);
 
+// examples/firmware/robot_main.c with this robot's name, scalar and pose, and zeros or gravity where robot_id asks for more.
 function firmwareMain(robot) {
-  const name = $("name").value, NAME = name.toUpperCase(), { nq, nv } = robot.model;
-  const pose = [...robot.q()].map((x) => Number(x.toPrecision(6))).join(", ");
-  return `/* Gravity torques of ${name}, from the model in flash: no heap. Beside it: rbd.h, ${name}_model.h. */
-#define RBD_REAL ${$("scalar").value}
-#define RBD_CONST ${$("scalar").value}
-#define RBD_IMPLEMENTATION
-#include "rbd.h"
-#include "${name}_model.h"
-#include <stdio.h>
-
-static unsigned char memory[${NAME}_WORK_SIZE];
-
-int main(void) {
-    static const rbd_real q[${nq}] = {${pose}};
-    static rbd_real tau[${nv}];
-    rbd_work *w;
-    if (rbd_work_init(&${name}_model, memory, sizeof memory, &w) != RBD_OK) return 1;
-    if (rbd_gravity_torque(&${name}_model, w, q, tau) != RBD_OK) return 1;
-    for (int i = 0; i < ${nv}; i++) printf("%.6g\\n", (double)tau[i]);
-    return 0;
+  if (!$("algorithm-id").checked) throw new Error("The main calls inverse dynamics: choose the function id.");
+  const name = $("name").value, scalar = $("scalar").value, literal = (x) => `${x}${scalar === "float" ? "f" : ""}`;
+  const real = (x) => literal(Number.isInteger(x) ? x.toFixed(1) : String(x));
+  const more = [["f-ext", "f_ext", "[6 * ROBOT_NB]"], ["gravity-argument", "gravity", `[3] = {0, 0, ${real(-9.81)}}`]].filter(([id]) => $(id).checked);
+  const pose = [...robot.q()].map((x) => real(Number(x.toPrecision(6)))).join(", ");
+  return template.replace(/RBD_REAL float/, `RBD_REAL ${scalar}`)
+    .replace("{0}", () => `{${pose}}`)
+    .replace("still[ROBOT_NV];", (found) => `${found}${more.map(([, n, length]) => `\nstatic const rbd_real ${n}${length};`).join("")}`)
+    .replace("still, by_code", () => ["still", ...more.map(([, n]) => n), "by_code"].join(", "))
+    .replaceAll("robot_", () => `${name}_`).replaceAll("ROBOT_", () => `${name.toUpperCase()}_`);
 }
-`;
-}
+
+// The guide's lines that compile the main for a Cortex-M4F and run it.
+const onBoard = guide.match(/^ {4}arm-none-eabi-gcc[^]*?(?=\n\n)/m)[0].replace(/^ {4}/gm, "");
 
 export function buildDownloads(current, tell) {
   for (const [id, label, chosen] of algorithms) {
@@ -56,6 +50,7 @@ export function buildDownloads(current, tell) {
     const { source } = current(), file = quoted(source.name), name = $("name").value;
     $("commands").textContent = `rbd-model ${modelOptions(source).map(quoted).join(" ")} ${file} >${name}_model.h\n`
       + `rbd-codegen ${codeOptions(source).map(quoted).join(" ")} ${file}`;
+    $("board").textContent = onBoard.replaceAll("robot_", () => `${name}_`);
     $("save-model").textContent = `${name}_model.h`;
     $("save-code").textContent = `${name}_code.c and .h`;
     $("save-main").textContent = `${name}_main.c`;
